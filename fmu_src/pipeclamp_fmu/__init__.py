@@ -1,0 +1,1 @@
+"""Clamp and pipe FMUs: slaves, model descriptions, packing."""

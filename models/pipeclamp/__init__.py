@@ -1,0 +1,1 @@
+"""The physics of the clamp and of the pipe: effects, law, parameter file, pipe."""
