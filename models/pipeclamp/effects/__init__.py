@@ -1,0 +1,1 @@
+"""One file per effect; the folder is the registry."""

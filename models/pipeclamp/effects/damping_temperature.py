@@ -1,0 +1,23 @@
+"""Damping over temperature: c times exp(c_T1 t + c_T2 t^2), t = (T - T0)/100 K."""
+
+import sympy as sp
+
+from pipeclamp.effect import Effect, Parameter
+from pipeclamp.symbols import T, T_0
+
+c_T1, c_T2 = sp.symbols("c_T1 c_T2", real=True)
+t = (T - T_0) / 100
+
+EFFECT = Effect(
+    id="damping_temperature",
+    part="clamp",
+    source="Jiang et al. 2020, Table 5 (dW over T has a minimum near 200 degC); EFFECTS.md",
+    looks_like="the loop's area is wrong by the same share at every A and f, and that share changes with T",
+    imitated_by=("loosening",),
+    told_apart_by="the temperatures tested in another order: a share that follows T, not the cycle number",
+    parameters=(
+        Parameter(c_T1, "-", "log change of c per 100 K at T0", 0.0, -2.0, 2.0, neutral=0.0, follows=(T,)),
+        Parameter(c_T2, "-", "curvature of the log of c per (100 K)^2", 0.0, -1.0, 1.0, neutral=0.0, follows=(T,)),
+    ),
+    scales={"c": sp.exp(c_T1 * t + c_T2 * t**2)},
+)

@@ -1,0 +1,73 @@
+"""Elastic-slip (Jenkins) elements in parallel: dz = k_s dy while |z| < z_s, else z = +-z_s."""
+
+import sympy as sp
+
+from pipeclamp.effect import Effect, Family, Parameter, State
+from pipeclamp.symbols import A_highest, A_typical, F_typical, y, y_previous
+
+MOST_ELEMENTS = 6
+
+
+def elements(argument: str) -> Effect:
+    """Give the effect with as many elements as the argument says.
+
+    Raises:
+        ValueError: the argument is not a whole number from 1 to 6.
+    """
+    if not argument.isdigit() or not 1 <= int(argument) <= MOST_ELEMENTS:
+        raise ValueError(f"the number of elastic-slip elements, 1 to {MOST_ELEMENTS}, for example memory:2")
+    count = int(argument)
+    parameters: list[Parameter] = []
+    states: list[State] = []
+    energy = sp.Integer(0)
+    for index in range(1, count + 1):
+        suffix = "" if count == 1 else str(index)
+        k_s, z_s, z = sp.symbols(f"k_s{suffix} z_s{suffix} z{suffix}", real=True)
+        trial = z + k_s * (y - y_previous)
+        # Elastic limits spread over the amplitudes, so that each element has its own place to start from.
+        limits = [spread * (index - 0.5) / count for spread in (0.3, 0.8, 1.6)]
+        stiffness = 0.2 * F_typical / A_typical / count
+        parameters += [
+            Parameter(
+                k_s,
+                "N/mm",
+                "stiffness of the element while it sticks",
+                (stiffness,) * 3,
+                lower=0.0,
+                upper=20 * F_typical / A_typical,
+            ),
+            Parameter(
+                z_s,
+                "N",
+                "slip force of the element",
+                tuple(stiffness * limit * A_highest for limit in limits),
+                lower=0.0,
+                upper=10 * F_typical,
+            ),
+        ]
+        states.append(
+            State(
+                z,
+                "N",
+                "force of the element",
+                update=sp.Piecewise((z_s, trial > z_s), (-z_s, trial < -z_s), (trial, True)),
+            )
+        )
+        energy += z**2 / (2 * k_s)
+    return Effect(
+        id="memory",
+        part="clamp",
+        source="Jiang et al. 2020, Eq. 7 and Fig. 10, with elastic unloading (Jenkins element)",
+        looks_like="force just after reversals changes along a straight line and then yields; rate-independent; "
+        "k1 that falls with A",
+        imitated_by=("coulomb", "power_damping", "gap"),
+        told_apart_by="a small cycle ridden on a large one: only memory closes a small loop with its own stiff slope",
+        parameters=tuple(parameters),
+        force=sp.Add(*(state.symbol for state in states)),
+        states=tuple(states),
+        energy=energy,
+        argument="" if count == 1 else argument,
+    )
+
+
+EFFECT = Family("memory", "the number of elastic-slip elements", "1", elements)

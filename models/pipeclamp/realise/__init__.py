@@ -1,0 +1,1 @@
+"""Realisations: the equations as arrays, as plain Python, as mathematics to read."""

@@ -1,0 +1,87 @@
+"""Equations as plain scalar Python source, standard library only: what the Python FMU runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+from sympy.printing.pycode import PythonCodePrinter
+
+from pipeclamp import symbols
+from pipeclamp.law import Equations, Law, compose
+
+
+class ScalarPrinter(PythonCodePrinter):  # type: ignore[misc]
+    """Print sign as NumPy understands it: zero at zero."""
+
+    def _print_sign(self, expression: sp.Expr) -> str:
+        argument = self._print(expression.args[0])
+        return f"((({argument}) > 0) - (({argument}) < 0))"
+
+
+def _statements(targets: Sequence[str], expressions: Sequence[sp.Expr]) -> list[str]:
+    """Give assignments of the expressions to the targets, common parts computed once."""
+    printer = ScalarPrinter({"fully_qualified_modules": True})
+    names = sp.numbered_symbols("u_")
+    parts, reduced = sp.cse(list(expressions), symbols=names)
+    lines = [f"{symbol} = {printer.doprint(expression)}" for symbol, expression in parts]
+    lines += [f"{target} = {printer.doprint(part)}" for target, part in zip(targets, reduced, strict=True)]
+    return lines
+
+
+def _number(value: float) -> sp.Expr:
+    """Give the number as SymPy sees it without loss; whole numbers stay whole, so that factors of 1 vanish."""
+    return sp.Integer(value) if value == int(value) else sp.Float(repr(value), 17)
+
+
+def _tuple(names: Sequence[str]) -> str:
+    return "(" + "".join(f"{name}, " for name in names).rstrip() + ")"
+
+
+def clamp_equations(law: Law) -> Equations:
+    """Give the equations that travel: the law without what belongs to the rig."""
+    return compose(law.structure, ("base", "clamp"))
+
+
+def python_source(law: Law) -> str:
+    """Give the law as the text of a module of the standard library alone.
+
+    It defines `STATES` (name and start of each), `coefficients(A, f, T)` with A in mm, f in Hz, T in K, which gives what
+    depends on slow signals only, and `step(k, state, y_previous, y, v, h)`, which gives the force in N, the stored
+    energy in N mm and the new state after a straight move from `y_previous` to `y` (mm) in `h` seconds.
+    """
+    equations = clamp_equations(law)
+    numbers = dict(symbols.REFERENCES)
+    numbers[symbols.v_r], numbers[symbols.y_r] = law.v_r, law.y_r
+    for parameter in equations.parameters:
+        numbers[parameter.symbol] = law.values[parameter.name]
+    exact = {symbol: _number(value) for symbol, value in numbers.items()}
+    coefficient_names = [str(entry.symbol) for entry in equations.coefficients]
+    state_names = [str(state.symbol) for state in equations.states]
+    after = {state.symbol: sp.Symbol(f"{state.symbol}_new", real=True) for state in equations.states}
+    new_names = [str(symbol) for symbol in after.values()]
+    lines = [
+        f"STATES = {tuple((str(state.symbol), state.start) for state in equations.states)!r}",
+        "",
+        "",
+        "def coefficients(A, f, T):",
+        *(
+            f"    {line}"
+            for line in _statements(
+                coefficient_names, [entry.expression.subs(exact) for entry in equations.coefficients]
+            )
+        ),
+        f"    return {_tuple(coefficient_names)}",
+        "",
+        "",
+        "def step(k, state, y_previous, y, v, h):",
+        f"    {_tuple(coefficient_names)} = k",
+    ]
+    if state_names:
+        updates = [state.update.subs(exact) for state in equations.states]
+        lines.append(f"    {_tuple(state_names)} = state")
+        lines += [f"    {line}" for line in _statements(new_names, updates)]
+    results = [equations.force.subs(exact).subs(after), equations.energy.subs(exact).subs(after)]
+    lines += [f"    {line}" for line in _statements(["force", "energy"], results)]
+    lines += [f"    return force, energy, {_tuple(new_names) if new_names else '()'}", ""]
+    return "\n".join(lines)

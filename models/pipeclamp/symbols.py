@@ -1,0 +1,86 @@
+"""The symbols that effects are written in, each with its unit and what it stands for.
+
+Fast signals change within a cycle; slow ones are constant, or nearly so, over a cycle. A
+coefficient that depends on slow signals only is computed once per cycle in every realisation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A quantity that every effect may use."""
+
+    symbol: sp.Symbol
+    unit: str
+    meaning: str
+
+
+y = sp.Symbol("y", real=True)
+x = sp.Symbol("x", real=True)
+v = sp.Symbol("v", real=True)
+a = sp.Symbol("a", real=True)
+y_previous = sp.Symbol("y_previous", real=True)
+h = sp.Symbol("h", nonnegative=True)
+
+A = sp.Symbol("A", positive=True)
+f = sp.Symbol("f", positive=True)
+T = sp.Symbol("T", positive=True)
+N = sp.Symbol("N", nonnegative=True)
+rho = sp.Symbol("rho", positive=True)
+
+FAST = (
+    Signal(y, "mm", "displacement"),
+    Signal(x, "mm", "displacement of the elastic path: y, unless an effect puts something in series with it"),
+    Signal(v, "mm/s", "velocity"),
+    Signal(a, "mm/s2", "acceleration"),
+    Signal(y_previous, "mm", "displacement at the sample before"),
+    Signal(h, "s", "time since the sample before"),
+)
+SLOW = (
+    Signal(A, "mm", "amplitude of the fundamental of the motion"),
+    Signal(f, "Hz", "frequency of the fundamental of the motion"),
+    Signal(T, "K", "temperature of the specimen"),
+    Signal(N, "-", "load cycles that the specimen has seen"),
+    Signal(rho, "g/cm3", "density of the wire mesh"),
+)
+
+A_0 = sp.Symbol("A_0", positive=True)
+f_0 = sp.Symbol("f_0", positive=True)
+T_0 = sp.Symbol("T_0", positive=True)
+v_0 = sp.Symbol("v_0", positive=True)
+v_r = sp.Symbol("v_r", positive=True)
+y_r = sp.Symbol("y_r", positive=True)
+
+REFERENCES = {A_0: 1, f_0: 1, T_0: 293.15, v_0: 1}
+"""Reference values of the base law's ratios: 1 mm, 1 Hz, 293.15 K, 1 mm/s (EFFECTS.md)."""
+
+A_typical = sp.Symbol("A_typical", positive=True)
+F_typical = sp.Symbol("F_typical", positive=True)
+f_typical = sp.Symbol("f_typical", positive=True)
+f_lowest = sp.Symbol("f_lowest", positive=True)
+f_highest = sp.Symbol("f_highest", positive=True)
+T_lowest = sp.Symbol("T_lowest", positive=True)
+T_highest = sp.Symbol("T_highest", positive=True)
+A_highest = sp.Symbol("A_highest", positive=True)
+
+SCALES = (A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest)
+"""Sizes of a campaign's data, in which starts and bounds of parameters are stated."""
+
+
+def signed_power(velocity: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """|v/v0|^alpha sgn v, smooth at v = 0 within the velocity v_r.
+
+    v (v^2 + v_r^2)^((alpha - 1)/2) in units of v0. It is odd and passive for every alpha >= 0,
+    has a finite slope, and differs from the sharp form by less than (1 - alpha)/2 (v_r/v)^2.
+    """
+    return velocity / v_0 * ((velocity**2 + v_r**2) / v_0**2) ** ((exponent - 1) / 2)
+
+
+def smooth_sign(quantity: sp.Expr, width: sp.Expr) -> sp.Expr:
+    """Sgn q, smooth at q = 0 within the given width of the same unit."""
+    return quantity / sp.sqrt(quantity**2 + width**2)
