@@ -1,0 +1,316 @@
+"""Joint nonlinear least squares of a law to all observations at once, with exact Jacobians."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+import sympy as sp
+from scipy.optimize import least_squares
+
+from pipeclamp.effect import Parameter
+from pipeclamp.errors import UserError
+from pipeclamp.law import Equations, Law, Structure, compose, smoothing
+from pipeclamp.realise.arrays import Array
+from pipeclamp.response import Response, respond
+from pipeclamp_identification.observations import Observations, data_scales
+
+VARIES = 1.02
+"""A condition counts as varied when its largest value exceeds its smallest by this factor."""
+SINGULAR = 1e-7
+"""Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
+STRONG_CORRELATION = 0.95
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted law with its uncertainty.
+
+    Attributes:
+        law: structure and values.
+        equations: the composed law.
+        fitted: names of the fitted parameters, in the order of `covariance`.
+        covariance: shape (fitted, fitted).
+        frozen: why a parameter was held, by name.
+        at_bound: parameters that ended at a bound.
+        response: force (R, n) and Jacobian at the solution.
+        cost: half the sum of squared weighted residuals.
+        evaluations: how often the law was evaluated, all starts together.
+    """
+
+    law: Law
+    equations: Equations
+    fitted: tuple[str, ...]
+    covariance: Array
+    frozen: Mapping[str, str]
+    at_bound: frozenset[str]
+    response: Response
+    cost: float
+    evaluations: int
+
+    def standard_errors(self) -> dict[str, float]:
+        """Give the standard error of each fitted parameter by name."""
+        return dict(zip(self.fitted, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    def strong_correlations(self, limit: float = STRONG_CORRELATION) -> list[tuple[str, str, float]]:
+        """Give the pairs of parameters whose correlation exceeds the limit, strongest first."""
+        scale = np.sqrt(np.diag(self.covariance))
+        correlation = self.covariance / np.outer(scale, scale)
+        pairs = [
+            (self.fitted[i], self.fitted[j], float(np.clip(correlation[i, j], -1, 1)))
+            for i, j in itertools.combinations(range(len(self.fitted)), 2)
+            if abs(correlation[i, j]) > limit
+        ]
+        return sorted(pairs, key=lambda pair: -abs(pair[2]))
+
+
+@dataclass
+class _Evaluator:
+    """The law's weighted residuals as a function of the free parameters; remembers the last evaluation."""
+
+    observations: Observations
+    equations: Equations
+    smoothing: tuple[float, float]
+    values: Array
+    free: npt.NDArray[np.intp]
+    count: int = 0
+    _at: Array | None = None
+    _response: Response | None = field(default=None)
+
+    def response(self, free_values: Array) -> Response:
+        """Give force and Jacobian for values of the free parameters."""
+        if self._response is None or self._at is None or not np.array_equal(self._at, free_values):
+            values = self.values.copy()
+            values[self.free] = free_values
+            self._response = respond(
+                self.equations, values, self.smoothing, self.observations.motion, derivatives=True
+            )
+            self._at = np.array(free_values)
+            self.count += 1
+        return self._response
+
+    def residual(self, free_values: Array) -> Array:
+        """Give the weighted residuals, flat; values beyond all reason count as huge, not as NaN."""
+        residual = self.observations.residual(self.response(free_values).force)
+        return np.nan_to_num(residual, nan=1e6, posinf=1e6, neginf=-1e6).ravel()
+
+    def jacobian(self, free_values: Array) -> Array:
+        """Give the residuals' derivatives by the free parameters, shape (residuals, free)."""
+        response = self.response(free_values)
+        assert response.jacobian is not None
+        slopes = self.observations.residual_slopes(response.force, response.jacobian[self.free])
+        return np.nan_to_num(slopes.reshape(len(self.free), -1).T)
+
+
+Progress = Callable[[str], None]
+
+
+def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
+    """Give the parameters that follow a condition which doesn't vary in the data, with the reason."""
+    reasons: dict[str, str] = {}
+    for parameter in equations.parameters:
+        for signal in parameter.follows:
+            values = observations.motion.slow[str(signal)]
+            if np.max(values) <= VARIES * np.min(values):
+                reasons[parameter.name] = f"{signal} doesn't vary in the data"
+    return reasons
+
+
+def fit(
+    structure: Structure,
+    observations: Observations,
+    *,
+    start: Mapping[str, float] | None = None,
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit all parameters of a law jointly.
+
+    Args:
+        structure: the law's structure; parameters that its base or `frozen` hold stay there.
+        observations: what is fitted.
+        start: values to start from, by name; the other parameters start where their effects say. Without a value here,
+            an effect with several starts is tried from each of them.
+        progress: is told what is being done.
+
+    Returns:
+        The best fit over all starts.
+
+    Raises:
+        UserError: there are fewer observations than free parameters.
+    """
+    equations = compose(structure)
+    held = structure.held()
+    reasons = {name: "held by the law's structure" for name in held if name in equations.names}
+    for name, reason in undetermined(equations, observations).items():
+        reasons.setdefault(name, reason)
+    scales = data_scales(observations)
+    neutral = {parameter.name: _neutral(parameter, scales) for parameter in equations.parameters}
+    A, f = observations.motion.slow["A"], observations.motion.slow["f"]
+    smooth = smoothing(float(np.min(A)), float(np.min(f)))
+    best: tuple[float, Array] | None = None
+    evaluations = 0
+    starts = _starts(equations, start or {}, scales)
+    for attempt, values in enumerate(starts):
+        if progress and len(starts) > 1:
+            progress(f"fit from start {attempt + 1} of {len(starts)}")
+        begin = np.array(
+            [
+                held.get(name, neutral[name]) if name in reasons else values[name]
+                for name in equations.names
+            ]
+        )
+        cost, solution, count = _minimise(equations, observations, smooth, begin, frozenset(reasons), scales)
+        evaluations += count
+        if best is None or cost < best[0]:
+            best = cost, solution
+    assert best is not None
+    return _finish(structure, equations, observations, smooth, best[1], reasons, scales, evaluations)
+
+
+def _neutral(parameter: Parameter, scales: Mapping[sp.Symbol, float]) -> float:
+    return parameter.neutral if parameter.neutral is not None else _number(parameter.starts[0], scales)
+
+
+def _number(value: sp.Expr | float, scales: Mapping[sp.Symbol, float]) -> float:
+    return float(sp.sympify(value).subs(scales))
+
+
+def _bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) -> tuple[Array, Array]:
+    lower = np.array([_number(parameter.lower, scales) for parameter in equations.parameters])
+    upper = np.array([_number(parameter.upper, scales) for parameter in equations.parameters])
+    return lower, upper
+
+
+def _starts(
+    equations: Equations, given: Mapping[str, float], scales: Mapping[sp.Symbol, float]
+) -> list[dict[str, float]]:
+    """Give the starting points: for each effect with several starts, every one of them in combination."""
+    choices: list[list[dict[str, float]]] = []
+    for effect in equations.effects:
+        count = max((len(parameter.starts) for parameter in effect.parameters), default=1)
+        if all(parameter.name in given for parameter in effect.parameters):
+            count = 1
+        choices.append(
+            [
+                {
+                    parameter.name: given.get(
+                        parameter.name, _number(parameter.starts[min(index, len(parameter.starts) - 1)], scales)
+                    )
+                    for parameter in effect.parameters
+                }
+                for index in range(count)
+            ]
+        )
+    return [{name: value for part in parts for name, value in part.items()} for parts in itertools.product(*choices)]
+
+
+def _minimise(
+    equations: Equations,
+    observations: Observations,
+    smooth: tuple[float, float],
+    begin: Array,
+    held: frozenset[str],
+    scales: Mapping[sp.Symbol, float],
+) -> tuple[float, Array, int]:
+    """Minimise from one start; give the cost, all values and the number of evaluations."""
+    free = np.array([index for index, name in enumerate(equations.names) if name not in held], dtype=np.intp)
+    evaluator = _Evaluator(observations, equations, smooth, begin, free)
+    if len(free) == 0:
+        residual = evaluator.residual(begin[free])
+        return float(residual @ residual) / 2, begin, evaluator.count
+    lower, upper = (bound[free] for bound in _bounds(equations, scales))
+    inside = 1e-9 * np.maximum(1.0, np.abs(begin[free]))
+    x0 = np.clip(begin[free], lower + inside, upper - inside)
+    if len(evaluator.residual(x0)) < len(free):
+        raise UserError(
+            f"{len(evaluator.residual(x0))} observations can't determine {len(free)} parameters; "
+            "expected at least as many: add runs, or leave effects out"
+        )
+    result = least_squares(
+        evaluator.residual,
+        x0,
+        jac=evaluator.jacobian,
+        bounds=(lower, upper),
+        x_scale="jac",
+        method="trf",
+        ftol=1e-10,
+        xtol=1e-10,
+        gtol=1e-10,
+        max_nfev=200,
+    )
+    values = begin.copy()
+    values[free] = result.x
+    return float(result.cost), values, evaluator.count
+
+
+def _finish(
+    structure: Structure,
+    equations: Equations,
+    observations: Observations,
+    smooth: tuple[float, float],
+    values: Array,
+    reasons: Mapping[str, str],
+    scales: Mapping[sp.Symbol, float],
+    evaluations: int,
+) -> Fit:
+    """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
+    lower, upper = _bounds(equations, scales)
+    frozen = dict(reasons)
+    width = 1e-6 * np.maximum(np.abs(values), 1e-3)
+    at_bound = {
+        name
+        for index, name in enumerate(equations.names)
+        if name not in frozen and (values[index] - lower[index] <= width[index] or upper[index] - values[index] <= width[index])
+    }
+    free = np.array(
+        [index for index, name in enumerate(equations.names) if name not in frozen and name not in at_bound],
+        dtype=np.intp,
+    )
+    while True:
+        evaluator = _Evaluator(observations, equations, smooth, values, free)
+        jacobian = evaluator.jacobian(values[free])
+        norms = np.linalg.norm(jacobian, axis=0)
+        scaled = jacobian / np.where(norms > 0, norms, 1.0)
+        _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
+        if len(free) == 0 or (np.all(norms > 0) and singular[-1] > SINGULAR * singular[0]):
+            break
+        weak = int(np.argmin(norms)) if np.any(norms == 0) else int(np.argmax(np.abs(directions[-1])))
+        frozen[equations.names[free[weak]]] = "the data doesn't determine it"
+        free = np.delete(free, weak)
+    residual = evaluator.residual(values[free])
+    covariance = _covariance(scaled, norms, residual.reshape(observations.motion.y.shape[0], -1))
+    return Fit(
+        law=Law(structure, dict(zip(equations.names, values.tolist(), strict=True)), *smooth),
+        equations=equations,
+        fitted=tuple(equations.names[index] for index in free),
+        covariance=covariance,
+        frozen=frozen,
+        at_bound=frozenset(at_bound),
+        response=evaluator.response(values[free]),
+        cost=float(residual @ residual) / 2,
+        evaluations=evaluations,
+    )
+
+
+def _covariance(scaled: Array, norms: Array, residual: Array) -> Array:
+    """Give the covariance from the scaled Jacobian (residuals, P), its norms (P,) and the residuals by run (R, m).
+
+    Residuals of one run share their causes (its temperature, its scatter), so they are counted run by run: the
+    covariance is the sandwich of run sums, where there are runs enough for it, and never below the one that trusts the
+    stated uncertainties.
+    """
+    runs, count = residual.shape[0], scaled.shape[1]
+    if count == 0:
+        return np.zeros((0, 0))
+    inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
+    spread = max(1.0, float(np.sum(residual**2)) / max(np.count_nonzero(residual) - count, 1))
+    plain = inverse * spread
+    if runs > 2 * count:
+        scores = np.einsum("rmp,rm->rp", scaled.reshape(runs, -1, count), residual)
+        sandwich = inverse @ (scores.T @ scores) @ inverse * runs / (runs - count)
+        scale = np.sqrt(np.maximum(np.diag(sandwich) / np.diag(plain), 1.0))
+        plain = plain * np.outer(scale, scale)
+    return np.asarray(plain / np.outer(norms, norms))

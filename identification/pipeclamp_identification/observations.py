@@ -1,0 +1,156 @@
+"""What a fit compares: the harmonics of measured loops, or metrics of loops that were published without them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+import sympy as sp
+
+from pipeclamp import symbols
+from pipeclamp.realise.arrays import Array
+from pipeclamp.response import Motion
+
+
+class Observations(Protocol):
+    """Measured quantities, in units of their own uncertainty, on known motions."""
+
+    @property
+    def motion(self) -> Motion:
+        """The motions at which the law's force is wanted, one a row."""
+
+    @property
+    def force_amplitude(self) -> Array:
+        """Half the range of the measured force in N, shape (R,)."""
+
+    def residual(self, force: Array) -> Array:
+        """Give the weighted residuals, measured less law, shape (R, m), for the law's force (R, n) in N."""
+
+    def residual_slopes(self, force: Array, jacobian: Array) -> Array:
+        """Give the derivatives of the residuals, shape (P, R, m), for those of the force, shape (P, R, n)."""
+
+
+def harmonics_of(samples: Array, count: int) -> Array:
+    """Give harmonics 0..count of periodic rows as real numbers: mean, then real and imaginary parts.
+
+    Args:
+        samples: shape (..., n), equally spaced over one cycle.
+        count: highest harmonic.
+
+    Returns:
+        shape (..., 2 count + 1): F_0, Re F_1, Im F_1, ..., where F = Re sum F_n exp(i n theta).
+    """
+    n = samples.shape[-1]
+    phase = 2 * np.pi * np.arange(n) / n
+    transform = np.empty((n, 2 * count + 1))
+    transform[:, 0] = 1.0 / n
+    order = np.arange(1, count + 1)
+    transform[:, 1::2] = 2.0 / n * np.cos(np.outer(phase, order))
+    transform[:, 2::2] = -2.0 / n * np.sin(np.outer(phase, order))
+    return np.asarray(samples @ transform)
+
+
+@dataclass(frozen=True)
+class LoopObservations:
+    """Harmonics of measured loops.
+
+    Attributes:
+        motion: the measured motions, R rows.
+        harmonics: measured force in N as `harmonics_of` gives it, shape (R, 2 H + 1).
+        standard_error: of each of them, same shape; infinite where there is none.
+        force_amplitude: N, shape (R,).
+    """
+
+    motion: Motion
+    harmonics: Array
+    standard_error: Array
+    force_amplitude: Array
+
+    def residual(self, force: Array) -> Array:
+        """Give (measured - law)/standard error."""
+        count = (self.harmonics.shape[1] - 1) // 2
+        return np.asarray((self.harmonics - harmonics_of(force, count)) / self.standard_error)
+
+    def residual_slopes(self, force: Array, jacobian: Array) -> Array:
+        """Give the derivatives of the residuals; the transform is linear."""
+        count = (self.harmonics.shape[1] - 1) // 2
+        return np.asarray(-harmonics_of(jacobian, count) / self.standard_error)
+
+    def with_discrepancy(self, force: Array) -> LoopObservations:
+        """Widen the uncertainty by what a law leaves over beyond the noise, harmonic by harmonic.
+
+        Where the law misses something, noise alone would let the quietest runs rule the fit. The variance that is left
+        beyond noise, pooled over runs for each harmonic, is added as a random error of the law.
+        """
+        used = np.isfinite(self.standard_error)
+        error = np.where(used, self.residual(force) * np.where(used, self.standard_error, 0.0), 0.0)
+        noise = np.where(used, self.standard_error, 0.0) ** 2
+        runs = np.maximum(used.sum(axis=0), 1)
+        excess = np.maximum(np.sum(error**2 - noise, axis=0) / runs, 0.0)
+        # Real and imaginary parts of a harmonic share one variance.
+        excess[1::2] = excess[2::2] = (excess[1::2] + excess[2::2]) / 2
+        return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
+
+
+@dataclass(frozen=True)
+class MetricObservations:
+    """Dissipated and elastic energy of loops whose records aren't there, compared by the logs of their ratios.
+
+    Attributes:
+        motion: sinusoids of the conditions, R rows.
+        dissipated_energy, elastic_energy: dW and W in J, shape (R,).
+        relative_error: standard error of both, as a share.
+    """
+
+    motion: Motion
+    dissipated_energy: Array
+    elastic_energy: Array
+    relative_error: float = 0.01
+
+    @property
+    def force_amplitude(self) -> Array:
+        """Half the force's range, from W = F X0/2."""
+        return 2e3 * self.elastic_energy / self.motion.slow["A"][:, 0]
+
+    def residual(self, force: Array) -> Array:
+        """Give the logs of measured over computed dW and W, over the relative error; shape (R, 2)."""
+        dissipated, elastic = loop_energies(self.motion, force)
+        logs = np.stack([np.log(self.dissipated_energy / dissipated), np.log(self.elastic_energy / elastic)], axis=1)
+        return np.asarray(logs / self.relative_error)
+
+    def residual_slopes(self, force: Array, jacobian: Array) -> Array:
+        """Give the derivatives of the residuals; a maximum's derivative is that at its place."""
+        dissipated, elastic = loop_energies(self.motion, force)
+        y, v = self.motion.y, self.motion.v
+        rows = np.arange(len(y))
+        d_dissipated = np.sum(jacobian * v * self.motion.h, axis=2) / 1e3
+        top = jacobian[:, rows, np.argmax(force, axis=1)]
+        bottom = jacobian[:, rows, np.argmin(force, axis=1)]
+        d_elastic = (top - bottom) / 2 * self.motion.slow["A"][:, 0] / 2e3
+        slopes = np.stack([-d_dissipated / dissipated, -d_elastic / elastic], axis=2)
+        return np.asarray(slopes / self.relative_error)
+
+
+def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
+    """Give dW and W in J of periodic loops, Eq. 2 and 4: dW = sum F v h, W = (Fmax - Fmin)/2 X0/2; shape (R,) each."""
+    dissipated = np.sum(force * motion.v * motion.h, axis=1) / 1e3
+    elastic = (force.max(axis=1) - force.min(axis=1)) / 2 * motion.slow["A"][:, 0] / 2e3
+    return dissipated, elastic
+
+
+def data_scales(observations: Observations) -> Mapping[sp.Symbol, float]:
+    """Give the sizes of the data in which starts and bounds of parameters are stated."""
+    A, f, T = (observations.motion.slow[name][:, 0] for name in ("A", "f", "T"))
+    return {
+        symbols.A_typical: float(np.median(A)),
+        symbols.A_highest: float(np.max(A)),
+        symbols.F_typical: float(np.median(observations.force_amplitude)),
+        symbols.f_typical: float(np.median(f)),
+        symbols.f_lowest: float(np.min(f)),
+        symbols.f_highest: float(np.max(f)),
+        symbols.T_lowest: float(np.min(T)),
+        symbols.T_highest: float(np.max(T)),
+        **{symbol: float(value) for symbol, value in symbols.REFERENCES.items()},
+    }

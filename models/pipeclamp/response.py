@@ -1,0 +1,212 @@
+"""The force of a law on given motions, many at once, with exact derivatives by its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp.law import Equations, Law, compose
+from pipeclamp.realise.arrays import Array, ArrayRealisation, realise
+
+SETTLING_CYCLES = 20
+SETTLED = 1e-9
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Periodic motions, one a row, each sampled at n equal steps of its cycle.
+
+    Attributes:
+        y, v, a: displacement mm, velocity mm/s, acceleration mm/s2; shape (R, n).
+        slow: slow signals by name (`A` mm, `f` Hz, `T` K, `N`, `rho`, further conditions), each shape (R, 1).
+    """
+
+    y: Array
+    v: Array
+    a: Array
+    slow: Mapping[str, Array]
+
+    @property
+    def h(self) -> Array:
+        """Time between samples in s, shape (R, 1)."""
+        return 1.0 / (self.slow["f"] * self.y.shape[1])
+
+
+def sinusoids(
+    amplitude: npt.ArrayLike, frequency: npt.ArrayLike, temperature: npt.ArrayLike, samples: int = 512
+) -> Motion:
+    """Give the motions A cos(2 pi f t) of one cycle.
+
+    Args:
+        amplitude: mm, frequency: Hz, temperature: K; shapes that broadcast to (R,).
+        samples: samples in the cycle.
+    """
+    A, f, T = (
+        np.atleast_1d(column)[:, None]
+        for column in np.broadcast_arrays(*(np.asarray(entry, float) for entry in (amplitude, frequency, temperature)))
+    )
+    phase = 2 * np.pi * np.arange(samples) / samples
+    omega = 2 * np.pi * f
+    y = A * np.cos(phase)
+    return Motion(y, -A * omega * np.sin(phase), -(omega**2) * y, {"A": A, "f": f, "T": T})
+
+
+@dataclass(frozen=True)
+class Response:
+    """Force of a law on motions.
+
+    Attributes:
+        force: N, shape (R, n).
+        jacobian: derivatives of the force by the parameters, shape (parameters, R, n), where asked for.
+    """
+
+    force: Array
+    jacobian: Array | None
+
+
+def law_force(law: Law, motion: Motion) -> Array:
+    """Give the steady force of a law on periodic motions, N, shape (R, n)."""
+    equations = compose(law.structure)
+    return respond(equations, law.vector(equations), (law.v_r, law.y_r), motion).force
+
+
+def respond(
+    equations: Equations,
+    parameters: Sequence[float] | Array,
+    smoothing: tuple[float, float],
+    motion: Motion,
+    *,
+    derivatives: bool = False,
+) -> Response:
+    """Give the steady force on periodic motions: states start at rest and are brought to their periodic values.
+
+    Args:
+        equations: the composed law.
+        parameters: values in the order of the equations' parameters.
+        smoothing: v_r (mm/s) and y_r (mm).
+        motion: the motions, R rows of n samples.
+        derivatives: whether the Jacobian is wanted.
+
+    Raises:
+        KeyError: the motion lacks a slow signal that the law depends on.
+    """
+    compiled = realise(equations)
+    rows, samples = motion.y.shape
+    values = [float(value) for value in parameters]
+    slow = [motion.slow[name] for name in compiled.slow]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
+        coefficients = compiled.coefficients(*slow, *values, *smoothing)
+        slopes = compiled.coefficient_slopes(*slow, *values, *smoothing) if derivatives else ()
+        coefficient_slopes = dict(zip(compiled.coefficient_slope_index, slopes, strict=derivatives))
+        march = _March(compiled, equations, coefficients, coefficient_slopes, values, smoothing, motion)
+        states, state_slopes = march.steady(derivatives=derivatives)
+        y_previous = np.roll(motion.y, 1, axis=1)
+        arguments = [motion.y, motion.v, motion.a, y_previous, motion.h, *states, *coefficients, *values, *smoothing]
+        force = np.broadcast_to(compiled.force(*arguments)[0], (rows, samples))
+        if not derivatives:
+            return Response(force, None)
+        jacobian = np.zeros((len(values), rows, samples))
+        state_count, coefficient_count = len(states), len(coefficients)
+        for column, slope in zip(compiled.force_slope_index, compiled.force_slopes(*arguments), strict=True):
+            if column < state_count:
+                jacobian += slope * state_slopes[column]
+            elif column < state_count + coefficient_count:
+                for (entry, parameter), inner in coefficient_slopes.items():
+                    if entry == column - state_count:
+                        jacobian[parameter] += slope * inner
+            else:
+                jacobian[column - state_count - coefficient_count] += slope
+    return Response(force, jacobian)
+
+
+@dataclass(frozen=True)
+class _March:
+    """Steps the states of a law along motions, all rows at once."""
+
+    compiled: ArrayRealisation
+    equations: Equations
+    coefficients: Sequence[Array]
+    coefficient_slopes: Mapping[tuple[int, int], Array]
+    values: Sequence[float]
+    smoothing: tuple[float, float]
+    motion: Motion
+
+    def steady(self, *, derivatives: bool) -> tuple[list[Array], Array]:
+        """Give the periodic states, J arrays (R, n), and their slopes by the parameters, (J, P, R, n).
+
+        The states' map over one cycle is brought to its fixed point by Newton's method from rest. Directions in which
+        the map is the identity (an element that never slips) stay as the move from rest left them.
+        """
+        count = len(self.equations.states)
+        rows, samples = self.motion.y.shape
+        if count == 0:
+            return [], np.zeros((0, len(self.values), rows, samples))
+        rest = np.array([np.full(rows, state.start) for state in self.equations.states])
+        no_slopes = np.zeros((count, count + len(self.values), rows))
+        start, slopes = self._step(rest, no_slopes, np.zeros(rows), -1, derivatives=derivatives)
+        scale = 1e-300 + np.max(np.abs(start), axis=0)
+        for _ in range(SETTLING_CYCLES):
+            # The first columns of the slopes are those by the states at the cycle's begin.
+            slopes[:, :count] = np.eye(count)[:, :, None]
+            trajectory, trail = self._cycle(start, slopes, derivatives=derivatives)
+            change = trajectory[:, :, -1] - start
+            to_begin = np.moveaxis(np.eye(count)[:, :, None] - trail[:, :count, :, -1], -1, 0)
+            inverse = np.linalg.pinv(to_begin, rcond=1e-9)
+            if np.all(np.abs(change) <= SETTLED * (scale + np.max(np.abs(trajectory), axis=(0, 2)))):
+                break
+            start = start + np.einsum("rjk,kr->jr", inverse, change)
+        if not derivatives:
+            return list(trajectory), trail[:, count:]
+        missing = trail[:, count:, :, -1] - slopes[:, count:]
+        at_begin = np.einsum("rjk,kpr->jpr", inverse, missing)
+        return list(trajectory), trail[:, count:] + np.einsum("jkrn,kpr->jprn", trail[:, :count], at_begin)
+
+    def _cycle(self, start: Array, slopes: Array, *, derivatives: bool) -> tuple[Array, Array]:
+        """March one cycle from the sample before the first; give states (J, R, n) and slopes (J, J + P, R, n)."""
+        samples = self.motion.y.shape[1]
+        states = np.empty((*start.shape, samples))
+        trail = np.empty((*slopes.shape, samples))
+        current, current_slopes = start, slopes
+        y_previous = self.motion.y[:, -1]
+        for index in range(samples):
+            current, current_slopes = self._step(current, current_slopes, y_previous, index, derivatives=derivatives)
+            states[:, :, index] = current
+            trail[:, :, :, index] = current_slopes
+            y_previous = self.motion.y[:, index]
+        return states, trail
+
+    def _step(
+        self, states: Array, slopes: Array, y_previous: Array, index: int, *, derivatives: bool
+    ) -> tuple[Array, Array]:
+        """Make one step to sample `index`; give the states (J, R) and their slopes (J, J + P, R)."""
+        motion, count = self.motion, len(states)
+        results = self.compiled.update_with_slopes(
+            motion.y[:, index],
+            motion.v[:, index],
+            motion.a[:, index],
+            y_previous,
+            motion.h[:, 0],
+            *states,
+            *(np.ravel(coefficient) for coefficient in self.coefficients),
+            *self.values,
+            *self.smoothing,
+        )
+        new_states = np.empty_like(states)
+        for row in range(count):
+            new_states[row] = results[row]
+        new_slopes = np.zeros_like(slopes)
+        for (row, column), slope in zip(self.compiled.update_slope_index, results[count:], strict=True):
+            if column < count:
+                new_slopes[row] += slope * slopes[column]
+            elif not derivatives:
+                continue
+            elif column < count + len(self.coefficients):
+                for (entry, parameter), inner in self.coefficient_slopes.items():
+                    if entry == column - count:
+                        new_slopes[row, count + parameter] += slope * np.ravel(inner)
+            else:
+                new_slopes[row, count + column - count - len(self.coefficients)] += slope
+        return new_states, new_slopes
