@@ -17,22 +17,22 @@ SETTLED = 1e-9
 
 @dataclass(frozen=True)
 class Motion:
-    """Periodic motions, one a row, each sampled at n equal steps of its cycle.
+    """Motions, one a row, sampled at n equal steps: one whole cycle each, or a record that starts at rest.
 
     Attributes:
         y, v, a: displacement mm, velocity mm/s, acceleration mm/s2; shape (R, n).
-        slow: slow signals by name (`A` mm, `f` Hz, `T` K, `N`, `rho`, further conditions), each shape (R, 1).
+        slow: slow signals by name (`A` mm, `f` Hz, `T` K, `N`, `rho`, further conditions), each of shape (R, 1), or
+            (R, n) where it changes along the row.
+        h: time between samples in s, shape (R, 1).
+        periodic: whether each row is a whole cycle that repeats.
     """
 
     y: Array
     v: Array
     a: Array
     slow: Mapping[str, Array]
-
-    @property
-    def h(self) -> Array:
-        """Time between samples in s, shape (R, 1)."""
-        return 1.0 / (self.slow["f"] * self.y.shape[1])
+    h: Array
+    periodic: bool = True
 
 
 def sinusoids(
@@ -51,7 +51,7 @@ def sinusoids(
     phase = 2 * np.pi * np.arange(samples) / samples
     omega = 2 * np.pi * f
     y = A * np.cos(phase)
-    return Motion(y, -A * omega * np.sin(phase), -(omega**2) * y, {"A": A, "f": f, "T": T})
+    return Motion(y, -A * omega * np.sin(phase), -(omega**2) * y, {"A": A, "f": f, "T": T}, 1.0 / (f * samples))
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Response:
 
 
 def law_force(law: Law, motion: Motion) -> Array:
-    """Give the steady force of a law on periodic motions, N, shape (R, n)."""
+    """Give the force of a law on motions, N, shape (R, n)."""
     equations = compose(law.structure)
     return respond(equations, law.vector(equations), (law.v_r, law.y_r), motion).force
 
@@ -81,7 +81,7 @@ def respond(
     *,
     derivatives: bool = False,
 ) -> Response:
-    """Give the steady force on periodic motions: states start at rest and are brought to their periodic values.
+    """Give the force on motions. States start at rest; on periodic motions they are brought to their periodic values.
 
     Args:
         equations: the composed law.
@@ -102,8 +102,10 @@ def respond(
         slopes = compiled.coefficient_slopes(*slow, *values, *smoothing) if derivatives else ()
         coefficient_slopes = dict(zip(compiled.coefficient_slope_index, slopes, strict=derivatives))
         march = _March(compiled, equations, coefficients, coefficient_slopes, values, smoothing, motion)
-        states, state_slopes = march.steady(derivatives=derivatives)
+        states, state_slopes = march.states(derivatives=derivatives)
         y_previous = np.roll(motion.y, 1, axis=1)
+        if not motion.periodic:
+            y_previous[:, 0] = 0.0
         arguments = [motion.y, motion.v, motion.a, y_previous, motion.h, *states, *coefficients, *values, *smoothing]
         force = np.broadcast_to(compiled.force(*arguments)[0], (rows, samples))
         if not derivatives:
@@ -134,24 +136,28 @@ class _March:
     smoothing: tuple[float, float]
     motion: Motion
 
-    def steady(self, *, derivatives: bool) -> tuple[list[Array], Array]:
-        """Give the periodic states, J arrays (R, n), and their slopes by the parameters, (J, P, R, n).
+    def states(self, *, derivatives: bool) -> tuple[list[Array], Array]:
+        """Give the states, J arrays (R, n), and their slopes by the parameters, (J, P, R, n).
 
-        The states' map over one cycle is brought to its fixed point by Newton's method from rest. Directions in which
-        the map is the identity (an element that never slips) stay as the move from rest left them.
+        On periodic motions the states' map over one cycle is brought to its fixed point by Newton's method from rest.
+        Directions in which the map is the identity (an element that never slips) stay as the move from rest left them.
         """
         count = len(self.equations.states)
         rows, samples = self.motion.y.shape
+        parameters = len(self.values) if derivatives else 0
         if count == 0:
-            return [], np.zeros((0, len(self.values), rows, samples))
+            return [], np.zeros((0, parameters, rows, samples))
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
-        no_slopes = np.zeros((count, count + len(self.values), rows))
+        no_slopes = np.zeros((count, count + parameters, rows))
+        if not self.motion.periodic:
+            trajectory, trail = self._walk(rest, no_slopes, np.zeros(rows), derivatives=derivatives)
+            return list(trajectory), trail[:, count:]
         start, slopes = self._step(rest, no_slopes, np.zeros(rows), -1, derivatives=derivatives)
         scale = 1e-300 + np.max(np.abs(start), axis=0)
         for _ in range(SETTLING_CYCLES):
             # The first columns of the slopes are those by the states at the cycle's begin.
             slopes[:, :count] = np.eye(count)[:, :, None]
-            trajectory, trail = self._cycle(start, slopes, derivatives=derivatives)
+            trajectory, trail = self._walk(start, slopes, self.motion.y[:, -1], derivatives=derivatives)
             change = trajectory[:, :, -1] - start
             to_begin = np.moveaxis(np.eye(count)[:, :, None] - trail[:, :count, :, -1], -1, 0)
             inverse = np.linalg.pinv(to_begin, rcond=1e-9)
@@ -164,13 +170,14 @@ class _March:
         at_begin = np.einsum("rjk,kpr->jpr", inverse, missing)
         return list(trajectory), trail[:, count:] + np.einsum("jkrn,kpr->jprn", trail[:, :count], at_begin)
 
-    def _cycle(self, start: Array, slopes: Array, *, derivatives: bool) -> tuple[Array, Array]:
-        """March one cycle from the sample before the first; give states (J, R, n) and slopes (J, J + P, R, n)."""
+    def _walk(
+        self, start: Array, slopes: Array, y_previous: Array, *, derivatives: bool
+    ) -> tuple[Array, Array]:
+        """Step along all samples from the one before the first; give states (J, R, n), slopes (J, J + P, R, n)."""
         samples = self.motion.y.shape[1]
         states = np.empty((*start.shape, samples))
         trail = np.empty((*slopes.shape, samples))
         current, current_slopes = start, slopes
-        y_previous = self.motion.y[:, -1]
         for index in range(samples):
             current, current_slopes = self._step(current, current_slopes, y_previous, index, derivatives=derivatives)
             states[:, :, index] = current
@@ -190,7 +197,7 @@ class _March:
             y_previous,
             motion.h[:, 0],
             *states,
-            *(np.ravel(coefficient) for coefficient in self.coefficients),
+            *(_at_sample(coefficient, index) for coefficient in self.coefficients),
             *self.values,
             *self.smoothing,
         )
@@ -206,7 +213,13 @@ class _March:
             elif column < count + len(self.coefficients):
                 for (entry, parameter), inner in self.coefficient_slopes.items():
                     if entry == column - count:
-                        new_slopes[row, count + parameter] += slope * np.ravel(inner)
+                        new_slopes[row, count + parameter] += slope * _at_sample(inner, index)
             else:
-                new_slopes[row, count + column - count - len(self.coefficients)] += slope
+                new_slopes[row, column - len(self.coefficients)] += slope
         return new_states, new_slopes
+
+
+def _at_sample(quantity: Array, index: int) -> Array:
+    """Give the column of a slow quantity at a sample: (R, 1) is constant along the row, (R, n) is not."""
+    array = np.atleast_2d(quantity)
+    return array[:, index] if array.shape[1] > 1 else array[:, 0]

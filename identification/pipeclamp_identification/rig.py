@@ -1,0 +1,231 @@
+"""A virtual test rig: campaigns of a law whose truth is known, to ask what a test plan would see."""
+
+from __future__ import annotations
+
+import gzip
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Literal
+
+import numpy as np
+import polars as pl
+
+from pipeclamp.errors import UserError
+from pipeclamp.law import Law, compose
+from pipeclamp.realise.arrays import Array
+from pipeclamp.response import Motion, respond
+
+CELSIUS = 273.15
+SUBSTEPS = 4
+"""Steps of the truth between two samples, so that states follow reversals that fall between samples."""
+
+
+@dataclass(frozen=True)
+class TestPlan:
+    """What the virtual rig runs and how well it measures.
+
+    Attributes:
+        amplitudes: mm; frequencies: Hz; temperatures: degC; every combination is one run.
+        cycles: cycles per record; need not be whole.
+        ramp_cycles: cycles of ramp-in before them.
+        rate: samples per second.
+        force_noise: rms of the force sensor's noise in N.
+        displacement_noise: rms of the displacement sensor's noise in mm.
+        force_step, displacement_step: quantisation in N and mm; 0 for none.
+        distortion: third harmonic of the drive as a share of the amplitude.
+        amplitude_error: rms of the amplitude's error as a share.
+        temperature_error: rms of the temperature's error in K.
+        seed: of the random numbers; the same seed gives the same campaign.
+    """
+
+    amplitudes: tuple[float, ...] = (0.2, 0.5, 0.8, 1.0)
+    frequencies: tuple[float, ...] = (1.0, 3.0, 5.0)
+    temperatures: tuple[float, ...] = (20.0, 100.0, 200.0, 300.0)
+    cycles: float = 5.0
+    ramp_cycles: float = 0.0
+    rate: float = 1000.0
+    force_noise: float = 3.0
+    displacement_noise: float = 0.0002
+    force_step: float = 0.1
+    displacement_step: float = 0.0001
+    distortion: float = 0.005
+    amplitude_error: float = 0.005
+    temperature_error: float = 1.0
+    seed: int = 0
+
+    def check(self) -> None:
+        """Refuse a plan that can't be run.
+
+        Raises:
+            UserError: a value is out of its range; the message names it.
+        """
+        if not (self.amplitudes and self.frequencies and self.temperatures):
+            raise UserError("test plan: got an empty list; expected at least one amplitude, frequency and temperature")
+        for name, values in (("amplitude", self.amplitudes), ("frequency", self.frequencies)):
+            for value in values:
+                if not (np.isfinite(value) and value > 0):
+                    raise UserError(f"test plan: {name} is {value:g}; expected a number above 0")
+        for value in self.temperatures:
+            if not (np.isfinite(value) and value > -CELSIUS):
+                raise UserError(f"test plan: temperature is {value:g} degC; expected a number above -273.15")
+        if not self.cycles >= 1:
+            raise UserError(f"test plan: {self.cycles:g} cycles; expected at least one whole cycle")
+        if not self.rate >= 20 * max(self.frequencies):
+            raise UserError(
+                f"test plan: {self.rate:g} samples per second for {max(self.frequencies):g} Hz; "
+                "expected at least 20 samples per cycle"
+            )
+        quality = (
+            "ramp_cycles", "force_noise", "displacement_noise", "force_step", "displacement_step", "distortion",
+            "amplitude_error", "temperature_error",
+        )  # fmt: skip
+        for name in quality:
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
+                raise UserError(f"test plan: {name} is {getattr(self, name):g}; expected a number of at least 0")
+
+
+@dataclass(frozen=True)
+class VirtualRun:
+    """One run of the virtual rig: its row in runs.csv and its record."""
+
+    row: Mapping[str, str | float]
+    time_s: Array
+    displacement_mm: Array
+    force_N: Array
+
+
+def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | None = None) -> Iterator[VirtualRun]:
+    """Run the plan on a clamp that obeys the law, rig effects included.
+
+    Args:
+        law: the truth.
+        plan: what is run, and how well it is measured.
+        conditions: further slow signals that the law depends on, the same in every run.
+
+    Raises:
+        UserError: the plan can't be run, or the law needs a condition that isn't given.
+    """
+    plan.check()
+    equations = compose(law.structure)
+    needed = {str(symbol) for symbol in equations.slow_signals} - {"A", "f", "T", "N"} - set(conditions or {})
+    if needed:
+        raise UserError(f"the law depends on {', '.join(sorted(needed))}; state a value for each")
+    for frequency in plan.frequencies:
+        yield from _runs_at(law, plan, frequency, conditions or {})
+
+
+def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str, float]) -> Iterator[VirtualRun]:
+    """Run all amplitudes and temperatures at one frequency: records of one length, marched together."""
+    equations = compose(law.structure)
+    pairs = list(itertools.product(plan.amplitudes, plan.temperatures))
+    random = [
+        np.random.default_rng([plan.seed, round(1e6 * A), round(1e6 * frequency), round(1e3 * (T + CELSIUS))])
+        for A, T in pairs
+    ]
+    A = np.array([pair[0] * (1 + plan.amplitude_error * rng.standard_normal()) for pair, rng in zip(pairs, random, strict=True)])
+    T = np.array([pair[1] + plan.temperature_error * rng.standard_normal() for pair, rng in zip(pairs, random, strict=True)])
+    shift = np.array([rng.uniform(0, 2 * np.pi) for rng in random])
+    fine = plan.rate * SUBSTEPS
+    # One cycle that isn't recorded brings the clamp from rest into the motion, so that the drive may start anywhere.
+    lead = round((1 if plan.ramp_cycles == 0 else 0) * fine / frequency)
+    count = round((plan.cycles + plan.ramp_cycles) * plan.rate / frequency)
+    time = (np.arange(lead + count * SUBSTEPS) - lead) / fine
+    motion = _drive(plan, A, frequency, shift, time)
+    slow = {
+        "A": A[:, None],
+        "f": np.full((len(A), 1), frequency),
+        "T": T[:, None] + CELSIUS,
+        "N": np.broadcast_to(np.maximum(time, 0.0) * frequency, motion[0].shape),
+        **{name: np.full((len(A), 1), value) for name, value in conditions.items()},
+    }
+    truth = respond(
+        equations,
+        law.vector(equations),
+        (law.v_r, law.y_r),
+        Motion(*motion, slow, np.full((len(A), 1), 1 / fine), periodic=False),
+    ).force
+    kept = slice(lead, None, SUBSTEPS)
+    for index, (nominal, rng) in enumerate(zip(pairs, random, strict=True)):
+        name = f"A{nominal[0]:g}_f{frequency:g}_T{nominal[1]:g}".replace(".", "p").replace("-", "m")
+        yield VirtualRun(
+            {
+                "run": name,
+                "amplitude_mm": nominal[0],
+                "frequency_Hz": frequency,
+                "temperature_C": nominal[1],
+                **conditions,
+                "first_cycle": 0,
+            },
+            time[kept],
+            _measured(motion[0][index, kept], plan.displacement_noise, plan.displacement_step, rng),
+            _measured(truth[index, kept], plan.force_noise, plan.force_step, rng),
+        )
+
+
+def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array) -> tuple[Array, Array, Array]:
+    """Give displacement, velocity and acceleration of the drive, shape (R, n), with distortion and ramp-in."""
+    omega = 2 * np.pi * frequency
+    y, v, a = np.zeros((3, len(A), len(time)))
+    for order, share in ((1, 1.0), (3, plan.distortion)):
+        phase = order * (omega * time + shift[:, None])
+        y += share * A[:, None] * np.cos(phase)
+        v -= share * A[:, None] * order * omega * np.sin(phase)
+        a -= share * A[:, None] * (order * omega) ** 2 * np.cos(phase)
+    if plan.ramp_cycles > 0:
+        length = plan.ramp_cycles / frequency
+        progress = np.clip(time / length, 0.0, 1.0)
+        ramp = (1 - np.cos(np.pi * progress)) / 2
+        rate = np.pi / (2 * length) * np.sin(np.pi * progress)
+        bend = np.where(progress < 1, (np.pi / length) ** 2 / 2 * np.cos(np.pi * progress), 0.0)
+        y, v, a = ramp * y, ramp * v + rate * y, ramp * a + 2 * rate * v + bend * y
+    return y, v, a
+
+
+def _measured(truth: Array, noise: float, step: float, rng: np.random.Generator) -> Array:
+    """Give what a sensor with noise and quantisation shows."""
+    shown = truth + noise * rng.standard_normal(len(truth))
+    return np.round(shown / step) * step if step > 0 else shown
+
+
+Format = Literal["csv", "csv.gz", "parquet"]
+
+
+def campaign_files(
+    name: str,
+    notes: str,
+    runs: Iterator[VirtualRun],
+    format: Format = "csv",
+    progress: Callable[[str], None] | None = None,
+) -> Iterator[tuple[str, bytes]]:
+    """Give the files of a campaign in CAMPAIGN.md's layout as (path inside the folder, content)."""
+    rows = []
+    for run in runs:
+        file = f"runs/{run.row['run']}.{format}"
+        rows.append({"run": run.row["run"], "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
+        table = pl.DataFrame(
+            {"time_s": run.time_s, "displacement_mm": run.displacement_mm, "force_N": run.force_N}
+        )
+        yield file, _encoded(table, format)
+        if progress:
+            progress(str(run.row["run"]))
+    yield "runs.csv", _encoded(pl.DataFrame(rows), "csv")
+    quoted = {"name": name, "notes": notes}
+    yield "campaign.toml", "".join(f"{key} = {_toml_text(text)}\n" for key, text in quoted.items()).encode()
+
+
+def _toml_text(text: str) -> str:
+    """Give a TOML basic string."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def _encoded(table: pl.DataFrame, format: Format) -> bytes:
+    stream = BytesIO()
+    if format == "parquet":
+        table.write_parquet(stream)
+        return stream.getvalue()
+    table.write_csv(stream, float_precision=None)
+    content = stream.getvalue()
+    return gzip.compress(content, mtime=0) if format == "csv.gz" else content
