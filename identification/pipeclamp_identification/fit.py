@@ -85,9 +85,7 @@ class _Evaluator:
         if self._response is None or self._at is None or not np.array_equal(self._at, free_values):
             values = self.values.copy()
             values[self.free] = free_values
-            self._response = respond(
-                self.equations, values, self.smoothing, self.observations.motion, derivatives=True
-            )
+            self._response = respond(self.equations, values, self.smoothing, self.observations.motion, derivatives=True)
             self._at = np.array(free_values)
             self.count += 1
         return self._response
@@ -157,10 +155,7 @@ def fit(
         if progress and len(starts) > 1:
             progress(f"fit from start {attempt + 1} of {len(starts)}")
         begin = np.array(
-            [
-                held.get(name, neutral[name]) if name in reasons else values[name]
-                for name in equations.names
-            ]
+            [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]
         )
         cost, solution, count = _minimise(equations, observations, smooth, begin, frozenset(reasons), scales)
         evaluations += count
@@ -263,7 +258,8 @@ def _finish(
     at_bound = {
         name
         for index, name in enumerate(equations.names)
-        if name not in frozen and (values[index] - lower[index] <= width[index] or upper[index] - values[index] <= width[index])
+        if name not in frozen
+        and (values[index] - lower[index] <= width[index] or upper[index] - values[index] <= width[index])
     }
     free = np.array(
         [index for index, name in enumerate(equations.names) if name not in frozen and name not in at_bound],

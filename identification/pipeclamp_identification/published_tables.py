@@ -15,7 +15,7 @@ from pipeclamp.parameter_file import CoefficientEntry, DataSource, Interval, Law
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import law_force, sinusoids
 from pipeclamp_identification.fit import Fit, fit
-from pipeclamp_identification.observations import MetricObservations, loop_energies
+from pipeclamp_identification.observations import MetricObservations
 
 CELSIUS = 273.15
 PAPER = "Jiang, Ding, Wu, Bai, Shao, Zi, Symmetry 2020, 12(8), 1283, doi 10.3390/sym12081283"
@@ -75,8 +75,8 @@ def emwm2_observations() -> MetricObservations:
 def metric_errors(observations: MetricObservations, force: Array) -> tuple[float, float, float]:
     """Give the rms of the log ratios measured/computed: of dW and W together, of dW, of W."""
     logs = observations.residual(force) * observations.relative_error
-    both, dissipated, elastic = np.mean(logs**2), *np.mean(logs**2, axis=0)
-    return float(np.sqrt(both)), float(np.sqrt(dissipated)), float(np.sqrt(elastic))
+    dissipated, elastic = np.sqrt(np.mean(logs**2, axis=0))
+    return float(np.sqrt(np.mean(logs**2))), float(dissipated), float(elastic)
 
 
 def reading_law(reading: Reading) -> Law:
@@ -153,7 +153,15 @@ def way() -> tuple[Step, ...]:
     """Go from the printed law to one that fits the tables, effect by effect."""
     observations = emwm2_observations()
     printed = reading_law(READINGS[0])
-    steps = [Step("as printed (reading R1)", printed, metric_errors(observations, law_force(printed, observations.motion)), (), None)]
+    steps = [
+        Step(
+            "as printed (reading R1)",
+            printed,
+            metric_errors(observations, law_force(printed, observations.motion)),
+            (),
+            None,
+        )
+    ]
     for title, structure in WAY:
         result = fit(structure, observations)
         rests_on = _single_rows(result, observations) if structure.effects else ()

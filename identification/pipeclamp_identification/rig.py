@@ -124,8 +124,12 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
         np.random.default_rng([plan.seed, round(1e6 * A), round(1e6 * frequency), round(1e3 * (T + CELSIUS))])
         for A, T in pairs
     ]
-    A = np.array([pair[0] * (1 + plan.amplitude_error * rng.standard_normal()) for pair, rng in zip(pairs, random, strict=True)])
-    T = np.array([pair[1] + plan.temperature_error * rng.standard_normal() for pair, rng in zip(pairs, random, strict=True)])
+    A = np.array(
+        [pair[0] * (1 + plan.amplitude_error * rng.standard_normal()) for pair, rng in zip(pairs, random, strict=True)]
+    )
+    T = np.array(
+        [pair[1] + plan.temperature_error * rng.standard_normal() for pair, rng in zip(pairs, random, strict=True)]
+    )
     shift = np.array([rng.uniform(0, 2 * np.pi) for rng in random])
     fine = plan.rate * SUBSTEPS
     # One cycle that isn't recorded brings the clamp from rest into the motion, so that the drive may start anywhere.
@@ -204,9 +208,7 @@ def campaign_files(
     for run in runs:
         file = f"runs/{run.row['run']}.{format}"
         rows.append({"run": run.row["run"], "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
-        table = pl.DataFrame(
-            {"time_s": run.time_s, "displacement_mm": run.displacement_mm, "force_N": run.force_N}
-        )
+        table = pl.DataFrame({"time_s": run.time_s, "displacement_mm": run.displacement_mm, "force_N": run.force_N})
         yield file, _encoded(table, format)
         if progress:
             progress(str(run.row["run"]))

@@ -11,6 +11,8 @@ import sympy as sp
 
 from pipeclamp import symbols
 
+NOTHING = sp.Integer(0)
+
 Part = Literal["base", "clamp", "rig"]
 Role = Literal["stiffness", "damping"]
 
@@ -106,9 +108,9 @@ class Effect:
     told_apart_by: str
     parameters: tuple[Parameter, ...]
     coefficients: tuple[Coefficient, ...] = ()
-    force: sp.Expr = sp.Integer(0)
+    force: sp.Expr = NOTHING
     states: tuple[State, ...] = ()
-    energy: sp.Expr = sp.Integer(0)
+    energy: sp.Expr = NOTHING
     scales: Mapping[str, sp.Expr] = field(default_factory=dict)
     replaces: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
     argument: str = ""
@@ -148,6 +150,4 @@ def power_surface(reference: sp.Expr, exponents: Mapping[sp.Symbol, sp.Expr]) ->
 
 def exponent(symbol: sp.Symbol, of: str, over: sp.Symbol, limit: float) -> Parameter:
     """The exponent of a power surface: neutral at zero, free only where the signal varies."""
-    return Parameter(
-        symbol, "-", f"exponent of {of} over {over}", 0.0, -limit, limit, neutral=0.0, follows=(over,)
-    )
+    return Parameter(symbol, "-", f"exponent of {of} over {over}", 0.0, -limit, limit, neutral=0.0, follows=(over,))

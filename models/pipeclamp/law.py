@@ -134,9 +134,7 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
     # A coefficient that a modifier has made fast (it depends on v, say) goes into the force itself.
     inlined = {entry.symbol: entry.expression for entry in coefficients if entry.expression.free_symbols & FAST_SYMBOLS}
     in_series: dict[sp.Symbol, sp.Expr] = {symbols.x: symbols.y}
-    for effect in effects:
-        for signal, path in effect.replaces.items():
-            in_series[signal] = path
+    in_series |= {signal: path for effect in effects for signal, path in effect.replaces.items()}
     return Equations(
         effects=effects,
         parameters=tuple(parameter for effect in effects for parameter in effect.parameters),

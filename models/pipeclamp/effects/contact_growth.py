@@ -17,8 +17,14 @@ EFFECT = Effect(
     told_apart_by="more temperatures around the one where the rise begins, tested up and down",
     parameters=(
         Parameter(
-            beta, "1/K", "growth of stiffness per kelvin above T_c", (1e-3,) * 3, lower=0.0, upper=0.1,
-            neutral=0.0, follows=(T,),
+            beta,
+            "1/K",
+            "growth of stiffness per kelvin above T_c",
+            (1e-3,) * 3,
+            lower=0.0,
+            upper=0.1,
+            neutral=0.0,
+            follows=(T,),
         ),
         Parameter(
             T_c,

@@ -32,7 +32,11 @@ def series(argument: str) -> Effect:
         looks_like="the loop has no area",
         imitated_by=("memory", "coulomb", "viscous"),
         told_apart_by="amplitude and frequency swept apart: it follows the velocity alone",
-        parameters=(*parameters, exponent(r_A, "the damping series", A, 4.0), exponent(r_f, "the damping series", f, 3.0)),
+        parameters=(
+            *parameters,
+            exponent(r_A, "the damping series", A, 4.0),
+            exponent(r_f, "the damping series", f, 3.0),
+        ),
         coefficients=(Coefficient(r, "-", "damping", power_surface(sp.Integer(1), {A: r_A, f: r_f})),),
         force=r * force,
         argument=argument,

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from pipeclamp.effect import Effect, Parameter
-from pipeclamp.symbols import T, T_0
+from pipeclamp.symbols import T_0, T
 
 c_T1, c_T2 = sp.symbols("c_T1 c_T2", real=True)
 t = (T - T_0) / 100

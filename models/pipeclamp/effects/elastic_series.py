@@ -34,7 +34,11 @@ def series(argument: str) -> Effect:
         looks_like="the loop has no slope",
         imitated_by=(),
         told_apart_by="nothing imitates it over several amplitudes",
-        parameters=(*parameters, exponent(s_A, "the elastic series", A, 3.0), exponent(s_T, "the elastic series", T, 5.0)),
+        parameters=(
+            *parameters,
+            exponent(s_A, "the elastic series", A, 3.0),
+            exponent(s_T, "the elastic series", T, 5.0),
+        ),
         coefficients=(Coefficient(s, "-", "stiffness", power_surface(sp.Integer(1), {A: s_A, T: s_T})),),
         force=s * force,
         energy=s * energy,

@@ -7,7 +7,7 @@ t = T - T_zero, so that both readings of the paper's temperature, kelvin and deg
 import sympy as sp
 
 from pipeclamp.effect import Coefficient, Effect, Parameter
-from pipeclamp.symbols import A, A_0, T, f, f_0, signed_power, v, x
+from pipeclamp.symbols import A_0, A, T, f, f_0, signed_power, v, x
 
 k1, k3, c, alpha = sp.symbols("k1 k3 c alpha", real=True)
 p1, p1_A, p1_T, p3, p3_A, p3_T = sp.symbols("p1 p1_A p1_T p3 p3_A p3_T", real=True)

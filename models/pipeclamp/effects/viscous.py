@@ -15,7 +15,9 @@ EFFECT = Effect(
     imitated_by=("delay", "power_damping"),
     told_apart_by="a wider range of frequency at one amplitude: the loop's area grows in proportion to f",
     parameters=(
-        Parameter(c1, "N s/mm", "viscous coefficient", 0.05 * F_typical / (2 * sp.pi * f_typical * A_typical), lower=0.0),
+        Parameter(
+            c1, "N s/mm", "viscous coefficient", 0.05 * F_typical / (2 * sp.pi * f_typical * A_typical), lower=0.0
+        ),
     ),
     force=c1 * v,
 )

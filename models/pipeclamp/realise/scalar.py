@@ -46,8 +46,8 @@ def clamp_equations(law: Law) -> Equations:
 def python_source(law: Law) -> str:
     """Give the law as the text of a module of the standard library alone.
 
-    It defines `STATES` (name and start of each), `coefficients(A, f, T)` with A in mm, f in Hz, T in K, which gives what
-    depends on slow signals only, and `step(k, state, y_previous, y, v, h)`, which gives the force in N, the stored
+    It defines `STATES` (name and start of each), `coefficients(A, f, T)` with A in mm, f in Hz, T in K, which gives
+    what depends on slow signals only, and `step(k, state, y_previous, y, v, h)`, which gives the force in N, the stored
     energy in N mm and the new state after a straight move from `y_previous` to `y` (mm) in `h` seconds.
     """
     equations = clamp_equations(law)

@@ -1,0 +1,176 @@
+"""What every effect of the folder owes: parametrised over it, so that a new file is tested by being there."""
+
+import math
+import random
+import re
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from pipeclamp import symbols
+from pipeclamp.catalogue import entries, find_effect
+from pipeclamp.effect import Effect, Family
+from pipeclamp.law import BASES, Law, Structure, compose
+from pipeclamp.realise.arrays import realise
+from pipeclamp.realise.scalar import clamp_equations, python_source
+from pipeclamp.response import Motion, respond, sinusoids
+
+NAMES = [entry.id for entry in entries().values()]
+ON_A_BASE = [name for name in NAMES if find_effect(name).part != "base"]
+STRUCTURES = [Structure(base) for base in BASES] + [Structure("power", (name,)) for name in ON_A_BASE]
+SMOOTHING = (0.0126, 0.002)
+SCALES = {
+    symbols.A_typical: 0.6, symbols.A_highest: 1.0, symbols.F_typical: 1500.0, symbols.f_typical: 3.0,
+    symbols.f_lowest: 1.0, symbols.f_highest: 5.0, symbols.T_lowest: 293.15, symbols.T_highest: 573.15,
+    **symbols.REFERENCES,
+}  # fmt: skip
+
+
+def sound_values(structure, seed=0):
+    """Values near each parameter's start, moved at random so that nothing sits at a neutral point."""
+    rng = random.Random(seed)
+    values = {}
+    for parameter in compose(structure).parameters:
+        start = float(sp.sympify(parameter.starts[-1]).subs(SCALES))
+        lower, upper = (float(sp.sympify(bound).subs(SCALES)) for bound in (parameter.lower, parameter.upper))
+        step = 0.1 * abs(start) or 0.02 * min(1.0, upper - lower)
+        values[parameter.name] = min(max(start + step * rng.uniform(0.3, 1.0), lower), upper)
+    return values | structure.held()
+
+
+def executed(source):
+    """Run the text that goes into an FMU; nothing but math is there for it."""
+    scope = {"math": math}
+    exec(source, scope)
+    return scope
+
+
+def name_of(structure):
+    return "+".join((structure.base, *structure.effects))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_effect_states_itself(name):
+    effect = find_effect(name)
+    assert isinstance(effect, Effect)
+    assert re.fullmatch(r"[a-z_]+", effect.id)
+    for text in (effect.source, effect.looks_like, effect.told_apart_by):
+        assert len(text) > 10
+    for parameter in effect.parameters:
+        assert parameter.unit
+        assert len(parameter.meaning) > 3
+        lower, upper = (float(sp.sympify(bound).subs(SCALES)) for bound in (parameter.lower, parameter.upper))
+        for start in parameter.starts:
+            assert lower <= float(sp.sympify(start).subs(SCALES)) <= upper
+        if parameter.follows:
+            assert parameter.neutral is not None, "what may be undetermined needs a value that changes nothing"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_effect_changes_something(name):
+    effect = find_effect(name)
+    assert effect.force != 0 or effect.scales or effect.replaces
+
+
+@pytest.mark.parametrize("name", [entry.id for entry in entries().values() if isinstance(entry, Family)])
+def test_a_family_refuses_a_bad_argument(name):
+    with pytest.raises(Exception, match="expected"):
+        find_effect(f"{name}:nonsense")
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_neutral_parameters_change_nothing(structure):
+    """With every parameter that has a neutral value at it, the law is the one without those parameters' effects."""
+    if not structure.effects:
+        pytest.skip("a base law has nothing to be neutral against")
+    effect = find_effect(structure.effects[0])
+    if any(parameter.neutral is None for parameter in effect.parameters):
+        pytest.skip("the effect is a force of its own, which vanishes at no value in the middle of its range")
+    motion = sinusoids([0.2, 1.0], [1.0, 5.0], [293.15, 550.0])
+    values = sound_values(structure) | {parameter.name: parameter.neutral for parameter in effect.parameters}
+    with_effect, without = compose(structure), compose(Structure(structure.base))
+    ours = respond(with_effect, [values[name] for name in with_effect.names], SMOOTHING, motion).force
+    theirs = respond(without, [values[name] for name in without.names], SMOOTHING, motion).force
+    np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-9)
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_realisations_agree(structure):
+    """Arrays and scalar source give the same force, energy and states to 1e-12, over random states."""
+    equations = compose(structure, ("base", "clamp"))
+    law = Law(structure, sound_values(structure), *SMOOTHING)
+    realised = executed(python_source(law))
+    compiled = realise(equations)
+    values = [law.values[name] for name in equations.names]
+    rng = random.Random(1)
+    for _ in range(50):
+        slow = {"A": rng.uniform(0.1, 1.5), "f": rng.uniform(0.5, 8), "T": rng.uniform(300, 600)}
+        y, y_previous, v = rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-30, 30)
+        states = [rng.uniform(-100, 100) for _ in equations.states]
+        k = realised["coefficients"](**slow)
+        force, energy, after = realised["step"](k, tuple(states), y_previous, y, v, 0.001)
+        ours = compiled.coefficients(*(slow[name] for name in compiled.slow), *values, *SMOOTHING)
+        fast = [y, v, 0.0, y_previous, 0.001]
+        new = compiled.update(*fast, *states, *ours, *values, *SMOOTHING)
+        arguments = [*fast, *new, *ours, *values, *SMOOTHING]
+        np.testing.assert_allclose(after, [float(entry) for entry in new], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(force, float(compiled.force(*arguments)[0]), rtol=1e-12, atol=1e-10)
+        np.testing.assert_allclose(energy, float(compiled.energy(*arguments)[0]), rtol=1e-12, atol=1e-10)
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_derivatives_are_exact(structure):
+    equations = compose(structure)
+    base = sound_values(structure)
+    vector = np.array([base[name] for name in equations.names])
+    motion = sinusoids([0.2, 0.5, 1.0], [1.0, 3.0, 5.0], [300.0, 450.0, 570.0], samples=64)
+    response = respond(equations, vector, SMOOTHING, motion, derivatives=True)
+    steady, exact = response.force, response.jacobian
+    assert exact is not None
+    for index, name in enumerate(equations.names):
+        width = 1e-6 * max(abs(vector[index]), 1e-2)
+        above, below = vector.copy(), vector.copy()
+        above[index] += width
+        below[index] -= width
+        numeric = (
+            respond(equations, above, SMOOTHING, motion).force - respond(equations, below, SMOOTHING, motion).force
+        ) / (2 * width)
+        rounding = 1e-15 * np.max(np.abs(steady)) / width
+        assert np.max(np.abs(exact[index] - numeric)) < 2e-5 * np.max(np.abs(numeric)) + rounding, name
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_stored_energy_is_the_forces_own(structure):
+    """Along a slow straight move without slip, the work done is the energy stored plus what is dissipated, >= 0."""
+    law = Law(structure, sound_values(structure), *SMOOTHING)
+    scope = executed(python_source(law))
+    k = scope["coefficients"](A=0.8, f=3.0, T=450.0)
+    state = tuple(start for _, start in scope["STATES"])
+    count, h = 4000, 1 / (3.0 * 4000)
+    force, energy, state = scope["step"](k, state, 0.0, 0.0, 0.0, h)
+    y_previous, lost = 0.0, 0.0
+    for index in range(1, 2 * count + 1):
+        phase = 2 * math.pi * index / count
+        y, v = 0.8 * math.sin(phase), 0.8 * 6 * math.pi * math.cos(phase)
+        new_force, new_energy, state = scope["step"](k, state, y_previous, y, v, h)
+        step_lost = (force + new_force) / 2 * (y - y_previous) - (new_energy - energy)
+        lost += step_lost
+        assert step_lost > -1e-3, f"energy made from nothing at phase {phase:.3f}"
+        force, energy, y_previous = new_force, new_energy, y
+    assert lost > 0
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_a_record_becomes_its_steady_cycle(structure):
+    """Marching a record from rest ends in the periodic response that is found directly."""
+    equations = compose(structure)
+    values = sound_values(structure)
+    vector = [values[name] for name in equations.names]
+    one = sinusoids([0.8], [3.0], [450.0], samples=128)
+    cycles = 30
+    slow = dict(one.slow)
+    many = Motion(*(np.tile(signal, cycles) for signal in (one.y, one.v, one.a)), slow, one.h, periodic=False)
+    steady = respond(equations, vector, SMOOTHING, one).force
+    record = respond(equations, vector, SMOOTHING, many).force[:, -128:]
+    np.testing.assert_allclose(record, steady, rtol=1e-9, atol=1e-6)
