@@ -1,0 +1,175 @@
+"""Pictures: measured and computed loops, maps over conditions, coefficients over conditions, the falling error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from pipeclamp.realise.arrays import Array
+from pipeclamp_identification.report import MEASURED, MODEL, SERIES, styled
+
+PANELS_PER_ROW = 4
+PANEL_HEIGHT = 250
+
+
+@dataclass(frozen=True)
+class LoopPanel:
+    """One loop: measured and, where there is one, computed force over the displacement.
+
+    Attributes:
+        title: what is above the panel.
+        y: displacement in mm, shape (n,), closed by the picture.
+        measured, computed: force in N, shape (n,) each; None where there is none.
+    """
+
+    title: str
+    y: Array
+    measured: Array | None
+    computed: Array | None
+
+
+def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
+    """Draw loops, one a panel, measured in grey and computed in red over it."""
+    columns = min(PANELS_PER_ROW, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    figure = make_subplots(
+        rows=rows,
+        cols=columns,
+        subplot_titles=[panel.title for panel in panels],
+        horizontal_spacing=0.06,
+        vertical_spacing=min(0.12, 0.35 / rows),
+    )
+    for index, panel in enumerate(panels):
+        place = {"row": index // columns + 1, "col": index % columns + 1}
+        for force, name, colour, width in (
+            (panel.measured, "measured", MEASURED, 4.0),
+            (panel.computed, "law", MODEL, 1.5),
+        ):
+            if force is not None:
+                figure.add_trace(
+                    go.Scatter(
+                        x=_closed(panel.y), y=_closed(force), mode="lines", name=name, legendgroup=name,
+                        showlegend=index == 0, line={"color": colour, "width": width},
+                    ),
+                    **place,
+                )  # fmt: skip
+    figure.update_annotations(font={"size": 12})
+    for column in range(1, columns + 1):
+        figure.update_xaxes(title_text="y / mm", row=rows, col=column)
+    for row in range(1, rows + 1):
+        figure.update_yaxes(title_text="F / N", row=row, col=1)
+    figure = styled(figure, title, height=90 + PANEL_HEIGHT * rows)
+    return figure.update_layout(legend={"y": 1.0, "yanchor": "bottom", "x": 1.0, "xanchor": "right"}, margin={"t": 80})
+
+
+def _closed(samples: Array) -> Array:
+    return np.append(samples, samples[:1])
+
+
+def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go.Figure:
+    """Draw loops (name, y in mm, force in N) over one another, as the paper's figures 5-8 do."""
+    figure = go.Figure(
+        [
+            go.Scatter(x=_closed(y), y=_closed(force), mode="lines", name=name, line={"color": _shade(index, len(loops))})
+            for index, (name, y, force) in enumerate(loops)
+        ]
+    )
+    figure.update_xaxes(title_text="y / mm").update_yaxes(title_text="F / N")
+    return styled(figure, title)
+
+
+def _shade(index: int, count: int) -> str:
+    """Give a colour from blue to red: neighbouring conditions get neighbouring colours."""
+    share = index / max(count - 1, 1)
+    return f"hsl({210 - 210 * share:.0f}, 75%, {45 + 8 * math.sin(math.pi * share):.0f}%)"
+
+
+def curves_picture(
+    x: str, y: str, curves: Sequence[tuple[str, Sequence[float], Sequence[float], str]], title: str
+) -> go.Figure:
+    """Draw curves (name, abscissae, ordinates, mode "lines", "markers" or "lines+markers") with axis titles x and y."""
+    figure = go.Figure(
+        [go.Scatter(x=list(xs), y=list(ys), mode=mode, name=name) for name, xs, ys, mode in curves]
+    )
+    figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
+    return styled(figure, title)
+
+
+@dataclass(frozen=True)
+class ConditionsMap:
+    """A quantity over amplitude and frequency, one panel a temperature.
+
+    Attributes:
+        A, f, T: nominal conditions of the runs (mm, Hz, degC), shape (R,) each.
+        value: what is shown, shape (R,).
+        label: its name and unit.
+    """
+
+    A: Array
+    f: Array
+    T: Array
+    value: Array
+    label: str
+
+
+def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
+    """Draw the map: rows are amplitudes, columns frequencies, panels temperatures; one colour scale for all."""
+    temperatures = np.unique(conditions.T)
+    amplitudes, frequencies = np.unique(conditions.A), np.unique(conditions.f)
+    figure = make_subplots(
+        rows=1,
+        cols=len(temperatures),
+        shared_yaxes=True,
+        subplot_titles=[f"{T:g} °C" if math.isfinite(T) else "T not known" for T in temperatures],
+        horizontal_spacing=0.02,
+    )
+    top = float(np.nanmax(conditions.value))
+    for column, T in enumerate(temperatures):
+        cells = np.full((len(amplitudes), len(frequencies)), np.nan)
+        for row, A in enumerate(amplitudes):
+            for place, f in enumerate(frequencies):
+                chosen = (conditions.A == A) & (conditions.f == f) & ((conditions.T == T) | ~np.isfinite(conditions.T))
+                if np.any(chosen):
+                    cells[row, place] = np.mean(conditions.value[chosen])
+        figure.add_trace(
+            go.Heatmap(
+                z=cells, x=[f"{f:g}" for f in frequencies], y=[f"{A:g}" for A in amplitudes], zmin=0.0, zmax=top,
+                coloraxis="coloraxis", text=[[f"{cell:.3g}" if math.isfinite(cell) else "" for cell in row] for row in cells],
+                texttemplate="%{text}", hovertemplate="A %{y} mm, f %{x} Hz: %{z:.4g}<extra></extra>",
+            ),
+            row=1, col=column + 1,
+        )  # fmt: skip
+        figure.update_xaxes(title_text="f / Hz", type="category", row=1, col=column + 1)
+    figure.update_yaxes(title_text="A / mm", type="category", row=1, col=1)
+    figure = styled(figure, title, height=120 + 60 * len(amplitudes))
+    scale = {"colorscale": "YlOrRd", "cmin": 0.0, "cmax": top, "colorbar": {"title": {"text": conditions.label}}}
+    return figure.update_layout(coloraxis=scale, margin={"t": 80})
+
+
+def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, label: str, title: str) -> go.Figure:
+    """Draw the error falling step by step, with the scatter that no law can explain as a line.
+
+    Args:
+        steps: what was done and the error after it, as a share.
+        floor: the scatter, as a share, where it is known.
+        label: the error's name.
+        title: the picture's title.
+    """
+    names = [name for name, _ in steps]
+    figure = go.Figure(
+        go.Bar(
+            x=names, y=[100 * error for _, error in steps], marker={"color": SERIES[0]}, name=label,
+            text=[f"{100 * error:.3g} %" for _, error in steps], textposition="outside", cliponaxis=False,
+        )
+    )  # fmt: skip
+    if floor is not None:
+        figure.add_hline(
+            y=100 * floor, line={"color": MODEL, "dash": "dash"}, annotation_text=f"scatter {100 * floor:.2g} %"
+        )
+    figure.update_yaxes(title_text=f"{label} / %", rangemode="tozero")
+    return styled(figure, title).update_layout(showlegend=False)
