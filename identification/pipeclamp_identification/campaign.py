@@ -1,0 +1,135 @@
+"""Campaigns: the loop tests of one clamp on one rig, read whole from their folder (CAMPAIGN.md)."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from pipeclamp.errors import UserError
+from pipeclamp_identification import description as campaign_file
+from pipeclamp_identification import runs_table
+from pipeclamp_identification.clipping import check_clipping
+from pipeclamp_identification.cycles import Cycles, find_cycles
+from pipeclamp_identification.description import CampaignDescription, read_description
+from pipeclamp_identification.records import Record, UnusableRecord, check_samples, read_record
+from pipeclamp_identification.runs_table import RunRow, read_runs_table
+
+
+@dataclass(frozen=True)
+class Run:
+    """One usable run: what was set (None where not known), its samples and its steady cycles."""
+
+    name: str
+    specimen: str | None
+    amplitude_mm: float | None
+    frequency_Hz: float | None
+    temperature_C: float | None
+    density_g_cm3: float | None
+    first_cycle: float
+    conditions: Mapping[str, float]
+    record: Record
+    cycles: Cycles
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A run that can't be used, and why."""
+
+    run: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"run {self.run!r} is left out: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """The loop tests of one clamp: the usable runs in runs.csv's order, and those that were left out."""
+
+    name: str
+    notes: str
+    fingerprint: str
+    runs: tuple[Run, ...]
+    left_out: tuple[LeftOut, ...]
+    condition_columns: tuple[str, ...]
+
+
+def read_campaign(folder: Path, strict: bool = False) -> Campaign:
+    """Read a campaign: every file once, checked, its records split into cycles.
+
+    Args:
+        folder: the campaign's folder, in CAMPAIGN.md's layout.
+        strict: a run that can't be used is an error.
+
+    Returns:
+        The campaign. Its fingerprint is a SHA-256 over the bytes of campaign.toml, runs.csv and the records,
+        with their names, in the order of these; where the folder lies and other files in it don't matter.
+
+    Raises:
+        UserError: a file is missing or not as expected; no run can be used; or, with `strict`, one can't.
+    """
+    folder = Path(folder)
+    description = read_description(folder)
+    table = read_runs_table(folder, description)
+    with ThreadPoolExecutor(max_workers=min(4, os.cpu_count() or 1)) as readers:
+        outcomes = list(readers.map(partial(_read_run, folder, description), table.rows))
+    runs = tuple(outcome for _, outcome in outcomes if isinstance(outcome, Run))
+    left_out = tuple(outcome for _, outcome in outcomes if isinstance(outcome, LeftOut))
+    if left_out and (strict or not runs):
+        heading = f"{folder}: {len(left_out)} of {len(outcomes)} runs can't be used; mend their records"
+        remedy = ", take their rows out of runs.csv, or don't be strict" if runs else ""
+        raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in left_out)]))
+    digests = {row.file: digest for row, (digest, _) in zip(table.rows, outcomes, strict=True)}
+    return Campaign(
+        name=description.name,
+        notes=description.notes,
+        fingerprint=_fingerprint(folder, digests),
+        runs=runs,
+        left_out=left_out,
+        condition_columns=table.condition_columns,
+    )
+
+
+def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Run | LeftOut]:
+    path = folder / row.file
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise UserError(
+            f"{folder / runs_table.FILE_NAME}, row {row.row}, column 'file': {row.file!r} can't be read "
+            f"({error.strerror}); expected the record of run {row.run!r} there, relative to {folder}"
+        ) from error
+    digest = hashlib.sha256(content).hexdigest()
+    record = read_record(path, content, description.columns)
+    try:
+        check_samples(record)
+        cycles = find_cycles(record)
+        check_clipping(record, cycles)
+    except UnusableRecord as fault:
+        return digest, LeftOut(row.run, str(fault))
+    return digest, Run(
+        name=row.run,
+        specimen=row.specimen,
+        amplitude_mm=row.amplitude_mm,
+        frequency_Hz=row.frequency_Hz,
+        temperature_C=row.temperature_C,
+        density_g_cm3=row.density_g_cm3,
+        first_cycle=row.first_cycle,
+        conditions=row.conditions,
+        record=record,
+        cycles=cycles,
+    )
+
+
+def _fingerprint(folder: Path, digests: Mapping[str, str]) -> str:
+    tables = {
+        name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
+        for name in (campaign_file.FILE_NAME, runs_table.FILE_NAME)
+    }
+    named = [*tables.items(), *sorted(digests.items())]
+    return "sha256:" + hashlib.sha256("".join(f"{name}\0{digest}\n" for name, digest in named).encode()).hexdigest()

@@ -1,0 +1,300 @@
+"""Loops: each run as the harmonics of its displacement and force, averaged over cycles, with their scatter.
+
+Harmonics carry the whole loop in few numbers, tell what is periodic from what is noise, and give velocity and
+acceleration by multiplication with i n omega, which delays nothing against the force.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from pipeclamp_identification.campaign import Campaign, Run
+from pipeclamp_identification.harmonics import Array, ComplexArray, IntArray, cycle_harmonics, evaluate
+from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
+
+HARMONICS = 20
+
+# a harmonic of the displacement below this many standard errors is taken for noise
+SIGNIFICANT = 3.0
+# the weight, in degrees of freedom, of the noise level as a first estimate of each harmonic's own scatter: keeps
+# five cycles that agree by chance from weighing far too much
+NOISE_FREEDOMS = 4.0
+# no force is known better than this share of its rms, whatever a noise-free record says
+FINEST_SHARE = 1e-7
+# differences beyond this many robust standard deviations are jumps of the loop itself
+JUMP = 6.0
+
+
+@dataclass(frozen=True)
+class Loops:
+    """The loops of a campaign, one row per run (or, from `per_cycle`, one per run and cycle); R rows, H harmonics.
+
+    x(theta) = Re sum X_n exp(i n theta) with theta = 2 pi f t + phase such that displacement[:, 1] = A is real and
+    positive, so that the real parts of the force are in phase with the displacement. X_0 is the mean.
+    Unknown temperature, density and conditions are nan. A harmonic that a run's sampling can't carry is zero with an
+    infinite standard error.
+    """
+
+    run: tuple[str, ...]
+    specimen: tuple[str | None, ...]
+    cycle: Array
+    """(R,) load cycles that the specimen had seen at the middle of the row."""
+    amplitude_mm: Array
+    frequency_Hz: Array
+    temperature_K: Array
+    density_g_cm3: Array
+    conditions: Mapping[str, Array]
+    displacement: ComplexArray
+    """(R, H + 1) mm; harmonics that are not significant are zero."""
+    force: ComplexArray
+    """(R, H + 1) N."""
+    force_standard_error: Array
+    """(R, H + 1) N, of the real and of the imaginary part each."""
+    noise_rms_N: Array
+    """(R,) rms of what is not periodic in the force."""
+    force_rms_N: Array
+    """(R,) rms of the force over the steady samples."""
+    samples: Array
+    """(R,) number of steady samples."""
+    cycles: tuple[Array, ...]
+    """R arrays (cycles,): load cycles seen at the middle of each cycle."""
+    displacement_per_cycle: tuple[ComplexArray, ...]
+    """R arrays (cycles, H + 1) mm, each cycle turned so that its own fundamental is real."""
+    force_per_cycle: tuple[ComplexArray, ...]
+    """R arrays (cycles, H + 1) N, turned likewise."""
+
+    @property
+    def noise_nrmse(self) -> float:
+        """Return the part of the force, over all samples, that is not periodic: no law can explain it."""
+        noise = np.sum(self.samples * self.noise_rms_N**2)
+        return math.sqrt(noise / np.sum(self.samples * self.force_rms_N**2))
+
+
+@dataclass(frozen=True)
+class _RunLoop:
+    cycles: Array
+    displacement: ComplexArray
+    force: ComplexArray
+    displacement_per_cycle: ComplexArray
+    force_per_cycle: ComplexArray
+    force_standard_error: Array
+    noise_rms_N: float
+    force_rms_N: float
+    samples: int
+
+
+def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
+    """Turn a campaign's records into loops.
+
+    Args:
+        campaign: as `read_campaign` returns it.
+        harmonics: H, the highest harmonic to keep.
+
+    Returns:
+        One row per usable run, in the campaign's order.
+    """
+    loops = [_run_loop(run, harmonics) for run in campaign.runs]
+    runs = campaign.runs
+    displacement = np.stack([loop.displacement for loop in loops])
+    return Loops(
+        run=tuple(run.name for run in runs),
+        specimen=tuple(run.specimen for run in runs),
+        cycle=np.array([np.mean(loop.cycles) for loop in loops]),
+        amplitude_mm=displacement[:, 1].real.copy(),
+        frequency_Hz=np.array([run.cycles.frequency_Hz for run in runs]),
+        temperature_K=np.array([_kelvin(run) for run in runs]),
+        density_g_cm3=np.array([math.nan if run.density_g_cm3 is None else run.density_g_cm3 for run in runs]),
+        conditions=MappingProxyType(
+            {name: np.array([run.conditions[name] for run in runs]) for name in campaign.condition_columns}
+        ),
+        displacement=displacement,
+        force=np.stack([loop.force for loop in loops]),
+        force_standard_error=np.stack([loop.force_standard_error for loop in loops]),
+        noise_rms_N=np.array([loop.noise_rms_N for loop in loops]),
+        force_rms_N=np.array([loop.force_rms_N for loop in loops]),
+        samples=np.array([float(loop.samples) for loop in loops]),
+        cycles=tuple(loop.cycles for loop in loops),
+        displacement_per_cycle=tuple(loop.displacement_per_cycle for loop in loops),
+        force_per_cycle=tuple(loop.force_per_cycle for loop in loops),
+    )
+
+
+def per_cycle(loops: Loops) -> Loops:
+    """Return loops with one row per run and cycle, for effects that change from cycle to cycle.
+
+    Args:
+        loops: one row per run.
+
+    Returns:
+        One row per cycle, the runs' cycles one after another; standard errors are those of a single cycle.
+    """
+    counts = np.array([len(cycles) for cycles in loops.cycles])
+    row = np.repeat(np.arange(len(counts)), counts)
+    kept = loops.displacement != 0
+    displacement = np.concatenate(loops.displacement_per_cycle) * kept[row]
+    return Loops(
+        run=tuple(loops.run[r] for r in row),
+        specimen=tuple(loops.specimen[r] for r in row),
+        cycle=np.concatenate(loops.cycles),
+        amplitude_mm=displacement[:, 1].real.copy(),
+        frequency_Hz=loops.frequency_Hz[row],
+        temperature_K=loops.temperature_K[row],
+        density_g_cm3=loops.density_g_cm3[row],
+        conditions=MappingProxyType({name: values[row] for name, values in loops.conditions.items()}),
+        displacement=displacement,
+        force=np.concatenate(loops.force_per_cycle),
+        force_standard_error=loops.force_standard_error[row] * np.sqrt(counts)[row, None],
+        noise_rms_N=loops.noise_rms_N[row],
+        force_rms_N=loops.force_rms_N[row],
+        samples=(loops.samples / counts)[row],
+        cycles=tuple(np.concatenate(loops.cycles)[:, None]),
+        displacement_per_cycle=tuple(displacement[:, None, :]),
+        force_per_cycle=tuple(np.concatenate(loops.force_per_cycle)[:, None, :]),
+    )
+
+
+def on_grid(harmonics: ComplexArray, count: int, derivative: int = 0) -> Array:
+    """Return x, or its derivative by theta, at theta_j = 2 pi j/count.
+
+    Args:
+        harmonics: (R, H + 1).
+        count: number of grid points.
+        derivative: how often to differentiate by theta.
+
+    Returns:
+        (R, count) in the harmonics' unit per rad^derivative.
+    """
+    order = np.arange(harmonics.shape[1])
+    phasors = np.exp(2j * np.pi * (np.outer(order, np.arange(count)) % count) / count)
+    return np.asarray(((harmonics * (1j * order) ** derivative) @ phasors).real)
+
+
+def displacement_on_grid(loops: Loops, count: int) -> tuple[Array, Array, Array]:
+    """Return displacement, velocity and acceleration over one cycle.
+
+    Args:
+        loops: R rows.
+        count: number of points theta_j = 2 pi j/count.
+
+    Returns:
+        y (R, count) mm, v (R, count) mm/s, a (R, count) mm/s2.
+    """
+    speed = 2 * np.pi * loops.frequency_Hz[:, None]
+    y, slope, curvature = (on_grid(loops.displacement, count, derivative) for derivative in range(3))
+    return y, speed * slope, speed**2 * curvature
+
+
+def _kelvin(run: Run) -> float:
+    """Return the temperature that the record measured, or else the one of runs.csv, or nan."""
+    measured = run.record.temperature_C
+    if measured is not None:
+        steady = measured[run.cycles.steady]
+        known = steady[np.isfinite(steady)]
+        if len(known):
+            return float(np.mean(known)) - ABSOLUTE_ZERO_C
+    return math.nan if run.temperature_C is None else run.temperature_C - ABSOLUTE_ZERO_C
+
+
+def _run_loop(run: Run, harmonics: int) -> _RunLoop:
+    record, cycles = run.record, run.cycles
+    y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
+    phase = cycles.phase(record)
+    bounds = cycles.bounds - cycles.bounds[0]
+    count = min(harmonics, _carried_harmonics(phase, bounds))
+    fitted = cycle_harmonics(phase, bounds, [y, force], count)
+    # each cycle has its own phase: a drive that wanders in phase doesn't smear the mean loop
+    lag = np.angle(fitted[0, :, 1])
+    fitted *= np.exp(-1j * lag[:, None] * np.arange(count + 1))
+    mean_displacement, mean_force = np.mean(fitted, axis=1)
+    own_phase = phase + np.repeat(lag - 2 * np.pi * np.arange(cycles.count), np.diff(bounds))
+    order = np.argsort(own_phase, kind="stable")
+    noise = _noise_rms(own_phase[order], (force - evaluate(mean_force, own_phase))[order])
+    per_sample = len(y) / cycles.count
+    force_variance = _variance(fitted[1], 2 * noise**2 / per_sample)
+    displacement_error = np.sqrt(_variance(fitted[0], _displacement_noise(fitted[0])) / cycles.count)
+    force_rms = math.sqrt(np.mean(force**2))
+    force_error = np.maximum(np.sqrt(force_variance / cycles.count), FINEST_SHARE * force_rms)
+    insignificant = np.abs(mean_displacement) < SIGNIFICANT * displacement_error
+    insignificant[:2] = False
+    padding = (0, harmonics - count)
+    middle = np.asarray(run.first_cycle + cycles.before + 0.5 + np.arange(cycles.count), dtype=np.float64)
+    return _RunLoop(
+        cycles=middle,
+        displacement=np.pad(np.where(insignificant, 0, mean_displacement), padding),
+        force=np.pad(mean_force, padding),
+        displacement_per_cycle=np.pad(fitted[0], ((0, 0), padding)),
+        force_per_cycle=np.pad(fitted[1], ((0, 0), padding)),
+        force_standard_error=np.pad(force_error, padding, constant_values=math.inf),
+        noise_rms_N=noise,
+        force_rms_N=force_rms,
+        samples=len(y),
+    )
+
+
+def _carried_harmonics(phase: Array, bounds: IntArray) -> int:
+    """Return the highest harmonic with four samples in each of its periods, and two beside the widest gap."""
+    fewest = int(np.min(np.diff(bounds)))
+    widest = float(np.max(np.diff(phase))) / (2 * np.pi)
+    return max(1, min(fewest // 4, int(1 / (2 * widest))))
+
+
+def _noise_rms(phase: Array, residual: Array) -> float:
+    """Return the rms of what is not periodic, from neighbours in phase.
+
+    Neighbours in phase come from different cycles, so their difference holds the noise of both and little of the
+    loop: half its mean square is the noise variance (Rice, 1984), and needs no count of fitted parameters. A jump
+    of the loop, such as friction makes at a reversal, shows in one pair among hundreds, far beyond the others.
+    Where the cycle is a whole number of samples, those of all cycles lie at the same phases, and the few pairs
+    between two such phases are left out.
+
+    Args:
+        phase: (N,) rad, ascending.
+        residual: (N,) force without its harmonics.
+    """
+    spacing = np.diff(phase)
+    difference = np.diff(residual)[spacing <= 1.5 * np.mean(spacing)]
+    typical = float(np.median(np.abs(difference))) / 0.6745
+    # quantised readings of equal phase may agree exactly more often than not
+    usual = difference[np.abs(difference) <= JUMP * typical] if typical > 0.0 else difference
+    return math.sqrt(np.mean(usual**2) / 2)
+
+
+def _displacement_noise(per_cycle_harmonics: ComplexArray) -> float:
+    """Return the noise level of a cycle's harmonics of displacement: most of them hold nothing else.
+
+    Args:
+        per_cycle_harmonics: (cycles, H + 1).
+
+    Returns:
+        The variance of the real part, in the harmonics' unit squared.
+    """
+    cycles = len(per_cycle_harmonics)
+    if cycles > 1:
+        spread = np.sum(np.abs(per_cycle_harmonics - np.mean(per_cycle_harmonics, axis=0)) ** 2, axis=0)
+        return float(np.median(spread[1:])) / (2 * (cycles - 1))
+    # one cycle has no scatter: the upper half of its harmonics is the best that is known of the noise
+    upper = np.abs(per_cycle_harmonics[0, per_cycle_harmonics.shape[1] // 2 + 1 :]) ** 2
+    return float(np.median(upper)) / 2 if len(upper) else 0.0
+
+
+def _variance(per_cycle_harmonics: ComplexArray, noise: float) -> Array:
+    """Return each harmonic's variance from cycle to cycle, of the real and of the imaginary part each.
+
+    Args:
+        per_cycle_harmonics: (cycles, H + 1).
+        noise: the variance that noise alone gives the real part of a harmonic above 0.
+
+    Returns:
+        (H + 1,), a mean of the scatter and the noise level, weighted by their degrees of freedom.
+    """
+    cycles, count = per_cycle_harmonics.shape
+    parts = np.where(np.arange(count) > 0, 2.0, 1.0)
+    freedoms = parts * (cycles - 1)
+    spread = np.sum(np.abs(per_cycle_harmonics - np.mean(per_cycle_harmonics, axis=0)) ** 2, axis=0)
+    # the mean has half the variance of a harmonic's part
+    return np.asarray((NOISE_FREEDOMS * noise * parts / 2 + spread) / (NOISE_FREEDOMS + freedoms))
