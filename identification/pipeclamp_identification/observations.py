@@ -10,8 +10,13 @@ import numpy as np
 import sympy as sp
 
 from pipeclamp import symbols
+from pipeclamp.errors import UserError
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion
+from pipeclamp_identification.loops import Loops, displacement_on_grid, on_grid
+
+SAMPLES = 256
+"""Points of the cycle at which laws are evaluated: folds less than 1e-4 of the damping force into the fundamental."""
 
 
 class Observations(Protocol):
@@ -131,6 +136,50 @@ class MetricObservations:
         d_elastic = (top - bottom) / 2 * self.motion.slow["A"][:, 0] / 2e3
         slopes = np.stack([-d_dissipated / dissipated, -d_elastic / elastic], axis=2)
         return np.asarray(slopes / self.relative_error)
+
+
+def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
+    """Give the measured motions of loops over one cycle, for laws to be evaluated on.
+
+    Where no temperature is known at all, T is the reference temperature, so that a law without temperature can be
+    identified; further conditions are named as in the campaign.
+
+    Raises:
+        UserError: the temperature is known for some runs only.
+    """
+    T = loops.temperature_K
+    known = np.isfinite(T)
+    if not known.any():
+        T = np.full(len(T), float(symbols.REFERENCES[symbols.T_0]))
+    elif not known.all():
+        blank = [run for run, there in zip(loops.run, known, strict=True) if not there]
+        raise UserError(
+            f"the temperature is known for {known.sum()} of {len(T)} runs only, not for {', '.join(blank[:5])}"
+            f"{' ...' if len(blank) > 5 else ''}; fill in temperature_C in runs.csv, or blank it everywhere"
+        )
+    slow = {
+        "A": loops.amplitude_mm,
+        "f": loops.frequency_Hz,
+        "T": T,
+        "N": loops.cycle,
+        "rho": loops.density_g_cm3,
+        **loops.conditions,
+    }
+    y, v, a = displacement_on_grid(loops, samples)
+    columns = {name: values[:, None] for name, values in slow.items()}
+    return Motion(y, v, a, columns, 1.0 / (loops.frequency_Hz[:, None] * samples))
+
+
+def loop_observations(loops: Loops) -> LoopObservations:
+    """Give the harmonics of loops as observations, in units of their scatter."""
+    harmonics = np.empty((len(loops.run), 2 * loops.force.shape[1] - 1))
+    harmonics[:, 0] = loops.force[:, 0].real
+    harmonics[:, 1::2] = loops.force[:, 1:].real
+    harmonics[:, 2::2] = loops.force[:, 1:].imag
+    error = loops.force_standard_error
+    both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
+    force = on_grid(loops.force, SAMPLES)
+    return LoopObservations(loop_motion(loops), harmonics, both, np.ptp(force, axis=1) / 2)
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
