@@ -1,6 +1,6 @@
 """Exact time stepping of vibration modes for loads that are linear over the step.
 
-One mode: q'' + damping q' + omega^2 q = g(t), with damping = 2 zeta omega in 1/s and g linear from g0 to g1 over the step h.
+One mode: q'' + damping q' + omega^2 q = g(t), damping = 2 zeta omega in 1/s, g linear from g0 to g1 over a step h.
 Valid for every omega and damping from 0 on: rigid body, underdamped, critically damped and overdamped modes alike.
 The pipe FMU carries this module's text, so it uses the standard library alone.
 """
@@ -8,7 +8,7 @@ The pipe FMU carries this module's text, so it uses the standard library alone.
 from __future__ import annotations
 
 TERMS = 14
-"""Terms of the power series: with omega h and damping h at most 1/2, the first one left out is below 1e-17 of the sum."""
+"""Terms of the power series; with omega h and damping h up to 1/2, the first left out is below 1e-17 of the sum."""
 
 Coefficients = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
 """(q, p, g0, g1) -> q at the end, then -> p = q' at the end, then -> the integral of q over the step."""

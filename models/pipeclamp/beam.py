@@ -1,0 +1,167 @@
+"""A straight Euler-Bernoulli beam in bending: elements, assembly, modes.
+
+E I w'''' + m w_tt = 0 between nodes. Each node has a displacement w and a slope w'. Cubic (Hermite) elements with the
+consistent mass: static shapes are exact at the nodes, and an eigenfrequency errs by (beta l)^4/1440 for elements of
+length l (beta^4 = omega^2 m/(E I)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, inf
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+Array = NDArray[np.float64]
+
+ELEMENT_PHASE = 0.4
+"""beta l of the longest element at the highest frequency: eigenfrequencies err by 2e-5 of their value."""
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A beam of one section.
+
+    Attributes:
+        length: m.
+        bending_stiffness: E I, N m2.
+        mass_per_length: kg/m.
+    """
+
+    length: float
+    bending_stiffness: float
+    mass_per_length: float
+
+    def wave_number(self, omega: float) -> float:
+        """Give beta in 1/m at an angular frequency in rad/s: beta^4 = omega^2 m/(E I)."""
+        return float((omega**2 * self.mass_per_length / self.bending_stiffness) ** 0.25)
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """What is attached to the beam at one position; an infinite stiffness holds it rigidly.
+
+    Attributes:
+        position: m.
+        stiffness: against displacement, N/m.
+        rotational_stiffness: against slope, N m/rad.
+        mass: kg.
+        rotary_inertia: kg m2.
+    """
+
+    position: float
+    stiffness: float = 0.0
+    rotational_stiffness: float = 0.0
+    mass: float = 0.0
+    rotary_inertia: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """The beam's matrices with what is attached to it, rigidly held degrees of freedom left out.
+
+    Attributes:
+        nodes: positions, m, (n,).
+        free: which of the 2 n degrees of freedom (w, w' by node) are free, (2 n,).
+        mass: (d, d), kg.
+        stiffness: (d, d), N/m.
+        translation: displacement of the free degrees of freedom when all moves by 1 m, (d,).
+    """
+
+    nodes: Array
+    free: NDArray[np.bool_]
+    mass: Array
+    stiffness: Array
+    translation: Array
+
+    def displacement_at(self, position: float) -> Array:
+        """Give the row that picks the displacement at a node's position out of the free degrees of freedom, (d,)."""
+        row = np.zeros(self.free.size)
+        row[2 * int(np.argmin(np.abs(self.nodes - position)))] = 1.0
+        return row[self.free]
+
+
+def element_matrices(beam: Beam, length: float) -> tuple[Array, Array]:
+    """Give the consistent mass (kg) and stiffness (N/m) of an element over (w1, w1', w2, w2'), each (4, 4)."""
+    a = length
+    mass = (beam.mass_per_length * a / 420) * np.array(
+        [
+            [156, 22 * a, 54, -13 * a],
+            [22 * a, 4 * a**2, 13 * a, -3 * a**2],
+            [54, 13 * a, 156, -22 * a],
+            [-13 * a, -3 * a**2, -22 * a, 4 * a**2],
+        ]
+    )
+    stiffness = (beam.bending_stiffness / a**3) * np.array(
+        [
+            [12, 6 * a, -12, 6 * a],
+            [6 * a, 4 * a**2, -6 * a, 2 * a**2],
+            [-12, -6 * a, 12, -6 * a],
+            [6 * a, 2 * a**2, -6 * a, 4 * a**2],
+        ]
+    )
+    return mass, stiffness
+
+
+def mesh(length: float, positions: tuple[float, ...], longest: float) -> Array:
+    """Give nodes from 0 to `length` that hold all positions, no further apart than `longest`, m."""
+    fixed = np.unique(np.array([0.0, length, *positions]))
+    # Positions closer than this are one: shorter elements would cost the stiffness matrix its digits.
+    fixed = fixed[np.concatenate([[True], np.diff(fixed) > 1e-6 * length])]
+    fixed[-1] = length
+    parts = [
+        np.linspace(start, end, max(1, ceil((end - start) / longest)), endpoint=False) for start, end in pairwise(fixed)
+    ]
+    return np.concatenate([*parts, fixed[-1:]])
+
+
+def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> Assembly:
+    """Assemble a beam with its attachments.
+
+    Args:
+        beam: the beam.
+        nodes: positions that `mesh` gave, m, (n,).
+        attachments: supports and masses; their positions are nodes.
+    """
+    size = 2 * nodes.size
+    mass, stiffness = np.zeros((size, size)), np.zeros((size, size))
+    for index, length in enumerate(np.diff(nodes)):
+        own = slice(2 * index, 2 * index + 4)
+        element_mass, element_stiffness = element_matrices(beam, float(length))
+        mass[own, own] += element_mass
+        stiffness[own, own] += element_stiffness
+    free = np.ones(size, dtype=bool)
+    for attachment in attachments:
+        node = 2 * int(np.argmin(np.abs(nodes - attachment.position)))
+        springs = (attachment.stiffness, attachment.rotational_stiffness)
+        inertias = (attachment.mass, attachment.rotary_inertia)
+        for freedom, (spring, inertia) in enumerate(zip(springs, inertias, strict=True), start=node):
+            mass[freedom, freedom] += inertia
+            if spring == inf:
+                free[freedom] = False
+            else:
+                stiffness[freedom, freedom] += spring
+    translation = np.zeros(size)
+    translation[0::2] = 1.0
+    kept = np.ix_(free, free)
+    return Assembly(nodes, free, mass[kept], stiffness[kept], translation[free])
+
+
+def modes(assembly: Assembly) -> tuple[Array, Array]:
+    """Give all natural frequencies and mode shapes of an assembly.
+
+    Returns:
+        omega, (d,), rad/s, ascending (0 for rigid body modes), and shapes, (d, d), one per column, of unit modal mass.
+    """
+    mass, stiffness = assembly.mass, assembly.stiffness
+    # The inverse problem, M x = mu (K + s M) x with mu = 1/(omega^2 + s), keeps the digits of the lowest frequencies;
+    # the shift s keeps K + s M definite when the beam can move as a rigid body.
+    shift = 1e-9 * float(np.trace(stiffness) / np.trace(mass))
+    mu, shapes = eigh(mass, stiffness + shift * mass)
+    squared = 1.0 / mu[::-1] - shift
+    shapes = shapes[:, ::-1] / np.sqrt(mu[::-1])
+    squared[squared < 1e-3 * shift] = 0.0
+    return np.sqrt(squared), shapes

@@ -1,0 +1,286 @@
+"""A described pipe reduced to modes: what the pipe FMU and the monolithic solution step through time.
+
+q'' + 2 zeta omega q' + omega^2 q = participation u - sum over clamps of shape f, with u the base's acceleration (m/s2;
+all displacements are then relative to the base) or a force (N), and f the force into each clamp (N).
+
+The modes up to the stated frequency are kept as they are. What the modes above it give statically at the clamps and at
+the excitation is kept too, by residual vectors (MacNeal's residual flexibility, Computers & Structures 1 (1971) 581, as
+further modes): without them a clamp that is stiff beside the pipe would feel a pipe that is too stiff.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from pipeclamp.beam import ELEMENT_PHASE, Assembly, Attachment, Beam, assemble, mesh, modes
+from pipeclamp.errors import UserError
+from pipeclamp.materials import find_fluid, find_material
+from pipeclamp.pipe_description import Condition, PipeDescription, Springs
+from pipeclamp.pipe_response import ModalModel, ReductionErrors, reduction_errors
+
+Array = NDArray[np.float64]
+
+MOST_NODES = 1000
+"""A finer mesh than this takes minutes and hints at a wrong unit."""
+
+RIGID: dict[str, tuple[float, float]] = {
+    "free": (0.0, 0.0),
+    "pinned": (inf, 0.0),
+    "clamped": (inf, inf),
+    "guided": (0.0, inf),
+}
+"""Stiffness against displacement and against slope of the named conditions."""
+
+
+@dataclass(frozen=True)
+class ReducedPipe:
+    """A pipe in modes of unit mass; plain numbers, so that it can be written into an FMU.
+
+    Attributes:
+        name: of the pipe.
+        omega: rad/s per mode; 0 for rigid body modes. The residual modes come last.
+        damping: 2 zeta omega, 1/s, per mode.
+        kept: how many of the modes are the pipe's own; those after them are residual.
+        clamp_names: of the clamps, in the description's order.
+        clamp_shapes: [clamp][mode], 1/sqrt(kg): displacement per modal displacement.
+        probe_names: of the probes.
+        probe_shapes: [probe][mode].
+        excitation: "base" or "force".
+        excitation_participation: [mode]: modal load per m/s2 of the base, or per N.
+        up_to_Hz: the stated frequency.
+        mass: all that moves, kg.
+        mass_per_length: kg/m, with fluid.
+        bending_stiffness: E I, N m2.
+        errors: what the reduction costs.
+        shear_error: estimated share by which beam theory without shear and rotary inertia overstates the frequency of
+            a mode at `up_to_Hz`.
+    """
+
+    name: str
+    omega: tuple[float, ...]
+    damping: tuple[float, ...]
+    kept: int
+    clamp_names: tuple[str, ...]
+    clamp_shapes: tuple[tuple[float, ...], ...]
+    probe_names: tuple[str, ...]
+    probe_shapes: tuple[tuple[float, ...], ...]
+    excitation: str
+    excitation_participation: tuple[float, ...]
+    up_to_Hz: float
+    mass: float
+    mass_per_length: float
+    bending_stiffness: float
+    errors: ReductionErrors
+    shear_error: float
+
+    @property
+    def zeta(self) -> tuple[float, ...]:
+        """Damping ratio per mode; 0 for rigid body modes."""
+        return tuple(d / (2 * w) if w else 0.0 for w, d in zip(self.omega, self.damping, strict=True))
+
+    @property
+    def frequencies(self) -> tuple[float, ...]:
+        """Natural frequencies of the kept modes, Hz."""
+        return tuple(w / (2 * pi) for w in self.omega[: self.kept])
+
+    def summary(self) -> str:
+        """Give what was kept and what it costs, for a person to read."""
+        first = ", ".join(f"{frequency:.4g}" for frequency in self.frequencies[:6])
+        more = ", ..." if self.kept > 6 else ""
+        lines = [
+            f"pipe {self.name!r}: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m2",
+            f"{self.kept} modes up to {self.up_to_Hz:g} Hz: {first}{more} Hz; "
+            f"{len(self.omega) - self.kept} residual modes",
+            f"static compliance: {self.errors.static_truncated:.1%} lies in the modes left out; "
+            f"with the residual modes the error is {self.errors.static:.1e}",
+            f"frequency response up to {self.up_to_Hz:g} Hz: largest error {self.errors.response:.1e}",
+        ]
+        if self.shear_error > 0.02:
+            lines.append(
+                f"shear and rotary inertia, which are neglected, would lower a mode at {self.up_to_Hz:g} Hz "
+                f"by about {self.shear_error:.0%}"
+            )
+        return "\n".join(lines)
+
+
+def beam_of(description: PipeDescription) -> Beam:
+    """Give the beam that a pipe with its fluid is."""
+    table = description.pipe
+    outer, inner = 1e-3 * table.outer_diameter_mm, 1e-3 * (table.outer_diameter_mm - 2 * table.wall_mm)
+    if isinstance(table.material, str):
+        material = find_material(table.material)
+        modulus, density = material.youngs_modulus(table.temperature_C), material.density
+    else:
+        modulus, density = 1e9 * table.material.E_GPa, table.material.density_kg_m3
+    fluid = find_fluid(table.fluid) if isinstance(table.fluid, str) else table.fluid.density_kg_m3
+    mass_per_length = pi / 4 * (density * (outer**2 - inner**2) + fluid * inner**2) + table.added_mass_kg_m
+    return Beam(table.length_m, modulus * pi / 64 * (outer**4 - inner**4), mass_per_length)
+
+
+def attachments_of(description: PipeDescription) -> tuple[Attachment, ...]:
+    """Give the ends, supports and masses as what is attached to the beam."""
+    length = description.pipe.length_m
+    held: list[tuple[float, Condition]] = [(0.0, description.ends.left), (length, description.ends.right)]
+    held += [(support.position_m, support.condition) for support in description.supports]
+    return (
+        *(Attachment(position, *_stiffnesses(condition)) for position, condition in held),
+        *(
+            Attachment(entry.position_m, mass=entry.mass_kg, rotary_inertia=entry.rotary_inertia_kg_m2)
+            for entry in description.masses
+        ),
+    )
+
+
+def _stiffnesses(condition: Condition) -> tuple[float, float]:
+    if isinstance(condition, Springs):
+        return 1e3 * condition.stiffness_N_mm, condition.rotational_stiffness_Nm_rad
+    return RIGID[condition]
+
+
+def finite_elements(description: PipeDescription) -> Assembly:
+    """Give the finite element model of a pipe, fine enough for the modes up to the stated frequency.
+
+    Raises:
+        UserError: the stated frequency needs an unreasonable number of elements.
+    """
+    beam = beam_of(description)
+    attachments = attachments_of(description)
+    points = [entry.position_m for entry in (*description.clamps, *description.probes)]
+    if description.excitation.position_m is not None:
+        points.append(description.excitation.position_m)
+    positions = tuple(attachment.position for attachment in attachments) + tuple(points)
+    longest = min(ELEMENT_PHASE / beam.wave_number(2 * pi * description.modes.up_to_Hz), beam.length / 16)
+    if beam.length / longest > MOST_NODES:
+        raise UserError(
+            f"pipe {description.name!r}: modes.up_to_Hz = {description.modes.up_to_Hz:g} needs "
+            f"{beam.length / longest:.0f} elements, expected at most {MOST_NODES}; lower it, or check length_m "
+            f"and the section"
+        )
+    return assemble(beam, mesh(beam.length, positions, longest), attachments)
+
+
+def reduce(description: PipeDescription) -> ReducedPipe:
+    """Reduce a pipe to its modes up to the stated frequency, with residual modes for its clamps and its excitation.
+
+    Raises:
+        UserError: a clamp or the force sits where the pipe can't move, or no mode lies below the stated frequency.
+    """
+    assembly = finite_elements(description)
+    beam = beam_of(description)
+    omega, shapes = modes(assembly)
+    loads = _load_vectors(description, assembly)
+    up_to = 2 * pi * description.modes.up_to_Hz
+    kept = int(np.count_nonzero(omega <= up_to))
+    if kept == 0:
+        raise UserError(
+            f"pipe {description.name!r}: no mode lies below modes.up_to_Hz = {description.modes.up_to_Hz:g}; "
+            f"the lowest is at {omega[0] / (2 * pi):.4g} Hz: raise it"
+        )
+    above = omega[kept:]
+    residual = shapes[:, kept:] @ ((shapes[:, kept:].T @ loads) / above[:, None] ** 2)
+    residual_omega, residual_shapes = _residual_modes(assembly, residual)
+    all_omega = np.concatenate([omega[:kept], residual_omega])
+    all_shapes = np.hstack([shapes[:, :kept], residual_shapes])
+
+    clamp_rows = _rows(assembly, [entry.position_m for entry in description.clamps])
+    probe_rows = _rows(assembly, [entry.position_m for entry in description.probes])
+    rows = np.vstack([clamp_rows, probe_rows])
+    damping = _damping(description, all_omega)
+    reduced = ModalModel(all_omega, damping, all_shapes.T @ loads, rows @ all_shapes)
+    full = ModalModel(omega, _damping(description, omega), shapes.T @ loads, rows @ shapes)
+    return ReducedPipe(
+        name=description.name,
+        omega=_floats(all_omega),
+        damping=_floats(damping),
+        kept=kept,
+        clamp_names=tuple(entry.name for entry in description.clamps),
+        clamp_shapes=tuple(_floats(row) for row in clamp_rows @ all_shapes),
+        probe_names=tuple(entry.name for entry in description.probes),
+        probe_shapes=tuple(_floats(row) for row in probe_rows @ all_shapes),
+        excitation=description.excitation.kind,
+        excitation_participation=_floats(all_shapes.T @ loads[:, -1]),
+        up_to_Hz=description.modes.up_to_Hz,
+        mass=beam.mass_per_length * beam.length + sum(entry.mass_kg for entry in description.masses),
+        mass_per_length=beam.mass_per_length,
+        bending_stiffness=beam.bending_stiffness,
+        errors=reduction_errors(full, reduced, kept, up_to),
+        shear_error=_shear_error(description, beam, up_to),
+    )
+
+
+def _floats(values: Array) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)
+
+
+def _rows(assembly: Assembly, positions: list[float]) -> Array:
+    """Give the rows that pick the displacements at the positions, (positions, d)."""
+    rows = [assembly.displacement_at(position) for position in positions]
+    return np.array(rows).reshape(len(positions), assembly.mass.shape[0])
+
+
+def _load_vectors(description: PipeDescription, assembly: Assembly) -> Array:
+    """Give the load of a unit force at each clamp, and last that of the excitation, (d, clamps + 1)."""
+    columns = []
+    for entry in description.clamps:
+        columns.append(assembly.displacement_at(entry.position_m))
+        if not columns[-1].any():
+            raise UserError(
+                f"pipe {description.name!r}: clamp {entry.name!r} at {entry.position_m:g} m sits on a rigid support, "
+                "where nothing moves; give one of them another position, or the support a stiffness"
+            )
+    position = description.excitation.position_m
+    if position is None:
+        columns.append(-assembly.mass @ assembly.translation)
+    else:
+        columns.append(assembly.displacement_at(position))
+        if not columns[-1].any():
+            raise UserError(
+                f"pipe {description.name!r}: the exciting force at {position:g} m acts on a rigid support; "
+                "give it another position_m"
+            )
+    return np.column_stack(columns)
+
+
+def _residual_modes(assembly: Assembly, residual: Array) -> tuple[Array, Array]:
+    """Make modes of unit mass out of residual vectors.
+
+    Args:
+        assembly: the finite element model.
+        residual: static shapes of the left-out modes under each load, (d, loads).
+
+    Returns:
+        omega (r,), rad/s, and shapes (d, r); r is smaller than the number of loads where they give the same shapes.
+    """
+    norms = np.sqrt(np.einsum("ij,ij->j", residual, assembly.mass @ residual))
+    present = residual[:, norms > 1e-12 * norms.max(initial=0.0)] / norms[norms > 1e-12 * norms.max(initial=0.0)]
+    weight, mix = eigh(present.T @ assembly.mass @ present)
+    independent = weight > 1e-9
+    basis = present @ (mix[:, independent] / np.sqrt(weight[independent]))
+    squared, turn = eigh(basis.T @ assembly.stiffness @ basis)
+    return np.sqrt(squared), basis @ turn
+
+
+def _damping(description: PipeDescription, omega: Array) -> Array:
+    """Give 2 zeta omega of the modes, 1/s."""
+    table = description.damping
+    if table.ratio is not None:
+        return 2 * table.ratio * omega
+    return (table.rayleigh_alpha_1_s or 0.0) + (table.rayleigh_beta_s or 0.0) * omega**2
+
+
+def _shear_error(description: PipeDescription, beam: Beam, omega: float) -> float:
+    """Estimate by how much beam theory overstates a mode's frequency at omega (rad/s).
+
+    (beta r)^2 (1 + E/(kappa G))/2 with r the section's radius of gyration (Timoshenko's first correction of a pinned
+    beam), kappa = 2 (1 + nu)/(4 + 3 nu) of a thin tube (Cowper 1966).
+    """
+    table = description.pipe
+    outer, inner = 1e-3 * table.outer_diameter_mm, 1e-3 * (table.outer_diameter_mm - 2 * table.wall_mm)
+    nu = find_material(table.material).poisson if isinstance(table.material, str) else 0.3
+    gyration_squared = (outer**2 + inner**2) / 16
+    return beam.wave_number(omega) ** 2 * gyration_squared / 2 * (1 + (4 + 3 * nu))

@@ -1,0 +1,100 @@
+"""A pipe's modes as a state space (python-control), its truncation, and what the truncation costs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+BAND_POINTS = 40
+"""Frequencies at which the responses are compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModalModel:
+    """Vibration modes with their loads and their points of observation.
+
+    q'' + damping q' + omega^2 q = loads u, s = shapes q.
+
+    Attributes:
+        omega: rad/s, (m,).
+        damping: 2 zeta omega, 1/s, (m,).
+        loads: modal load per unit input, (m, inputs).
+        shapes: displacement per unit modal displacement, (outputs, m).
+    """
+
+    omega: Array
+    damping: Array
+    loads: Array
+    shapes: Array
+
+
+@dataclass(frozen=True)
+class ReductionErrors:
+    """What the reduction costs, each as a share of the full model's largest value of the same channel.
+
+    Attributes:
+        static_truncated: compliance that the left-out modes carry, were nothing put in their place.
+        static: error of the compliance of the reduced model.
+        response: largest error of the frequency response up to the stated frequency.
+    """
+
+    static_truncated: float
+    static: float
+    response: float
+
+
+def state_space(model: ModalModel) -> control.StateSpace:
+    """Give the state space of modes, states (q1, q1', q2, q2', ...), inputs the loads, outputs the displacements."""
+    count = model.omega.size
+    A = np.zeros((2 * count, 2 * count))
+    position = np.arange(count) * 2
+    A[position, position + 1] = 1.0
+    A[position + 1, position] = -(model.omega**2)
+    A[position + 1, position + 1] = -model.damping
+    B = np.zeros((2 * count, model.loads.shape[1]))
+    B[1::2] = model.loads
+    C = np.zeros((model.shapes.shape[0], 2 * count))
+    C[:, 0::2] = model.shapes
+    return control.ss(A, B, C, 0.0)
+
+
+def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
+    """Give the state space with the first `kept` modes."""
+    left_out = list(range(2 * kept, full.nstates))
+    return control.model_reduction(full, left_out, method="truncate", warn_unstable=False) if left_out else full
+
+
+def reduction_errors(full: ModalModel, reduced: ModalModel, kept: int, omega_up_to: float) -> ReductionErrors:
+    """Compare a reduced model with the full one.
+
+    Args:
+        full: all modes of the finite element model, ascending.
+        reduced: the modes that stand for them.
+        kept: how many of the full model's modes the reduced one holds unchanged.
+        omega_up_to: the stated frequency, rad/s.
+    """
+    if not full.loads.size or not full.shapes.size:
+        return ReductionErrors(0.0, 0.0, 0.0)
+    whole, replacement = state_space(full), state_space(reduced)
+    truncated = truncate(whole, kept)
+    # Rigid body modes have no static compliance: there, "static" is far below the stated frequency.
+    low = 1e-3 * omega_up_to if full.omega[0] == 0 else 0.0
+    band = np.concatenate([[low], np.linspace(omega_up_to / BAND_POINTS, omega_up_to, BAND_POINTS)])
+    exact = _frequency_response(whole, band)
+    scale = np.abs(exact).max(axis=2)
+    scale[scale == 0] = 1.0  # a probe on a support: no response, no error
+    error = np.abs(_frequency_response(replacement, band) - exact) / scale[:, :, None]
+    static_scale = np.abs(exact[:, :, 0])
+    static_scale = np.maximum(static_scale, 1e-9 * static_scale.max())
+    lost = np.abs(_frequency_response(truncated, band[:1])[:, :, 0] - exact[:, :, 0]) / static_scale
+    return ReductionErrors(float(lost.max()), float(error[:, :, 0].max()), float(error.max()))
+
+
+def _frequency_response(system: control.StateSpace, band: Array) -> NDArray[np.complex128]:
+    """Give the frequency response, (outputs, inputs, frequencies)."""
+    return np.asarray(control.frequency_response(system, band, squeeze=False).complex, dtype=np.complex128)
