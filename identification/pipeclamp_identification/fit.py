@@ -92,15 +92,13 @@ class _Evaluator:
 
     def residual(self, free_values: Array) -> Array:
         """Give the weighted residuals, flat; values beyond all reason count as huge, not as NaN."""
-        residual = self.observations.residual(self.response(free_values).force)
+        residual = self.observations.residual(self.response(free_values))
         return np.nan_to_num(residual, nan=1e6, posinf=1e6, neginf=-1e6).ravel()
 
     def jacobian(self, free_values: Array) -> Array:
         """Give the residuals' derivatives by the free parameters, shape (residuals, free)."""
-        response = self.response(free_values)
-        assert response.jacobian is not None
-        slopes = self.observations.residual_slopes(response.force, response.jacobian[self.free])
-        return np.nan_to_num(slopes.reshape(len(self.free), -1).T)
+        slopes = self.observations.residual_slopes(self.response(free_values), self.free)
+        return np.nan_to_num(slopes.reshape(len(self.free), slopes.shape[1] * slopes.shape[2]).T)
 
 
 Progress = Callable[[str], None]
@@ -163,6 +161,36 @@ def fit(
             best = cost, solution
     assert best is not None
     return _finish(structure, equations, observations, smooth, best[1], reasons, scales, evaluations)
+
+
+def unfitted(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Fit:
+    """Give a law with the given values as it stands against observations, nothing fitted.
+
+    Args:
+        structure: the law's structure.
+        observations: what it is held against.
+        values: a value for each parameter; what is missing is neutral.
+    """
+    equations = compose(structure)
+    scales = data_scales(observations)
+    chosen = {
+        parameter.name: values.get(parameter.name, _neutral(parameter, scales)) for parameter in equations.parameters
+    }
+    A, f = observations.motion.slow["A"], observations.motion.slow["f"]
+    law = Law(structure, chosen, *smoothing(float(np.min(A)), float(np.min(f))))
+    response = respond(equations, law.vector(equations), (law.v_r, law.y_r), observations.motion)
+    residual = observations.residual(response)
+    return Fit(
+        law=law,
+        equations=equations,
+        fitted=(),
+        covariance=np.zeros((0, 0)),
+        frozen=undetermined(equations, observations),
+        at_bound=frozenset(),
+        response=response,
+        cost=float(np.sum(residual**2)) / 2,
+        evaluations=1,
+    )
 
 
 def _neutral(parameter: Parameter, scales: Mapping[sp.Symbol, float]) -> float:

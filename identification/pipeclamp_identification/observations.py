@@ -7,16 +7,20 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 import sympy as sp
 
 from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.realise.arrays import Array
-from pipeclamp.response import Motion
+from pipeclamp.response import Motion, Response
 from pipeclamp_identification.loops import Loops, displacement_on_grid, on_grid
 
 SAMPLES = 256
 """Points of the cycle at which laws are evaluated: folds less than 1e-4 of the damping force into the fundamental."""
+
+
+Rows = npt.NDArray[np.intp]
 
 
 class Observations(Protocol):
@@ -30,11 +34,11 @@ class Observations(Protocol):
     def force_amplitude(self) -> Array:
         """Half the range of the measured force in N, shape (R,)."""
 
-    def residual(self, force: Array) -> Array:
-        """Give the weighted residuals, measured less law, shape (R, m), for the law's force (R, n) in N."""
+    def residual(self, response: Response) -> Array:
+        """Give the weighted residuals, measured less law, shape (R, m), for the law's response on the motion."""
 
-    def residual_slopes(self, force: Array, jacobian: Array) -> Array:
-        """Give the derivatives of the residuals, shape (P, R, m), for those of the force, shape (P, R, n)."""
+    def residual_slopes(self, response: Response, parameters: Rows) -> Array:
+        """Give the derivatives of the residuals by some of the parameters, shape (P, R, m)."""
 
 
 def harmonics_of(samples: Array, count: int) -> Array:
@@ -57,6 +61,13 @@ def harmonics_of(samples: Array, count: int) -> Array:
     return np.asarray(samples @ transform)
 
 
+def _chosen(response: Response, parameters: Rows) -> Array:
+    """Give the derivatives of the force by some of the parameters, shape (P, R, n)."""
+    if response.jacobian is None:
+        raise ValueError("the response was computed without derivatives")
+    return response.jacobian[parameters]
+
+
 @dataclass(frozen=True)
 class LoopObservations:
     """Harmonics of measured loops.
@@ -73,30 +84,51 @@ class LoopObservations:
     standard_error: Array
     force_amplitude: Array
 
-    def residual(self, force: Array) -> Array:
-        """Give (measured - law)/standard error."""
+    def residual(self, response: Response) -> Array:
+        """Give (measured - law)/standard error; the mean force of a row that is adrift is no evidence."""
         count = (self.harmonics.shape[1] - 1) // 2
-        return np.asarray((self.harmonics - harmonics_of(force, count)) / self.standard_error)
+        residual = (self.harmonics - harmonics_of(response.force, count)) / self.standard_error
+        residual[response.adrift, 0] = 0.0
+        return np.asarray(residual)
 
-    def residual_slopes(self, force: Array, jacobian: Array) -> Array:
+    def residual_slopes(self, response: Response, parameters: Rows) -> Array:
         """Give the derivatives of the residuals; the transform is linear."""
         count = (self.harmonics.shape[1] - 1) // 2
-        return np.asarray(-harmonics_of(jacobian, count) / self.standard_error)
+        slopes = -harmonics_of(_chosen(response, parameters), count) / self.standard_error
+        slopes[:, response.adrift, 0] = 0.0
+        return np.asarray(slopes)
 
-    def with_discrepancy(self, force: Array) -> LoopObservations:
+    def rows(self, chosen: Rows) -> LoopObservations:
+        """Give the observations of some of the loops."""
+        return LoopObservations(
+            self.motion.rows(chosen), self.harmonics[chosen], self.standard_error[chosen], self.force_amplitude[chosen]
+        )
+
+    def squared_error(self, response: Response) -> tuple[float, float]:
+        """Give the sums over runs of the law's and of the force's mean square, N2 (Parseval), scatter left aside."""
+        used = np.isfinite(self.standard_error)
+        error = np.where(used, self.residual(response) * np.where(used, self.standard_error, 0.0), 0.0)
+        return _mean_square(error), _mean_square(self.harmonics)
+
+    def with_discrepancy(self, response: Response) -> LoopObservations:
         """Widen the uncertainty by what a law leaves over beyond the noise, harmonic by harmonic.
 
         Where the law misses something, noise alone would let the quietest runs rule the fit. The variance that is left
         beyond noise, pooled over runs for each harmonic, is added as a random error of the law.
         """
         used = np.isfinite(self.standard_error)
-        error = np.where(used, self.residual(force) * np.where(used, self.standard_error, 0.0), 0.0)
+        error = np.where(used, self.residual(response) * np.where(used, self.standard_error, 0.0), 0.0)
         noise = np.where(used, self.standard_error, 0.0) ** 2
         runs = np.maximum(used.sum(axis=0), 1)
         excess = np.maximum(np.sum(error**2 - noise, axis=0) / runs, 0.0)
         # Real and imaginary parts of a harmonic share one variance.
         excess[1::2] = excess[2::2] = (excess[1::2] + excess[2::2]) / 2
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
+
+
+def _mean_square(harmonics: Array) -> float:
+    """Give the sum over rows of the mean square of what the harmonics say, as `harmonics_of` orders them."""
+    return float(np.sum(harmonics[:, 0] ** 2) + np.sum(harmonics[:, 1:] ** 2) / 2)
 
 
 @dataclass(frozen=True)
@@ -114,22 +146,31 @@ class MetricObservations:
     elastic_energy: Array
     relative_error: float = 0.01
 
+    def rows(self, chosen: Rows) -> MetricObservations:
+        """Give the observations of some of the loops."""
+        return replace(
+            self,
+            motion=self.motion.rows(chosen),
+            dissipated_energy=self.dissipated_energy[chosen],
+            elastic_energy=self.elastic_energy[chosen],
+        )
+
     @property
     def force_amplitude(self) -> Array:
         """Half the force's range, from W = F X0/2."""
         return 2e3 * self.elastic_energy / self.motion.slow["A"][:, 0]
 
-    def residual(self, force: Array) -> Array:
+    def residual(self, response: Response) -> Array:
         """Give the logs of measured over computed dW and W, over the relative error; shape (R, 2)."""
-        dissipated, elastic = loop_energies(self.motion, force)
+        dissipated, elastic = loop_energies(self.motion, response.force)
         logs = np.stack([np.log(self.dissipated_energy / dissipated), np.log(self.elastic_energy / elastic)], axis=1)
         return np.asarray(logs / self.relative_error)
 
-    def residual_slopes(self, force: Array, jacobian: Array) -> Array:
+    def residual_slopes(self, response: Response, parameters: Rows) -> Array:
         """Give the derivatives of the residuals; a maximum's derivative is that at its place."""
+        force, jacobian = response.force, _chosen(response, parameters)
         dissipated, elastic = loop_energies(self.motion, force)
-        y, v = self.motion.y, self.motion.v
-        rows = np.arange(len(y))
+        v, rows = self.motion.v, np.arange(len(force))
         d_dissipated = np.sum(jacobian * v * self.motion.h, axis=2) / 1e3
         top = jacobian[:, rows, np.argmax(force, axis=1)]
         bottom = jacobian[:, rows, np.argmin(force, axis=1)]

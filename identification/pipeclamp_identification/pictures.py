@@ -75,7 +75,9 @@ def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go
     """Draw loops (name, y in mm, force in N) over one another, as the paper's figures 5-8 do."""
     figure = go.Figure(
         [
-            go.Scatter(x=_closed(y), y=_closed(force), mode="lines", name=name, line={"color": _shade(index, len(loops))})
+            go.Scatter(
+                x=_closed(y), y=_closed(force), mode="lines", name=name, line={"color": _shade(index, len(loops))}
+            )
             for index, (name, y, force) in enumerate(loops)
         ]
     )
@@ -93,9 +95,7 @@ def curves_picture(
     x: str, y: str, curves: Sequence[tuple[str, Sequence[float], Sequence[float], str]], title: str
 ) -> go.Figure:
     """Draw curves (name, abscissae, ordinates, mode "lines", "markers" or "lines+markers") with axis titles x and y."""
-    figure = go.Figure(
-        [go.Scatter(x=list(xs), y=list(ys), mode=mode, name=name) for name, xs, ys, mode in curves]
-    )
+    figure = go.Figure([go.Scatter(x=list(xs), y=list(ys), mode=mode, name=name) for name, xs, ys, mode in curves])
     figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
     return styled(figure, title)
 

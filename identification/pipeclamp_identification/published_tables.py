@@ -12,8 +12,7 @@ import polars as pl
 
 from pipeclamp.law import Law, Structure, compose, smoothing
 from pipeclamp.parameter_file import CoefficientEntry, DataSource, Interval, LawFile
-from pipeclamp.realise.arrays import Array
-from pipeclamp.response import law_force, sinusoids
+from pipeclamp.response import law_response, sinusoids
 from pipeclamp_identification.fit import Fit, fit
 from pipeclamp_identification.observations import MetricObservations
 
@@ -72,9 +71,9 @@ def emwm2_observations() -> MetricObservations:
     return MetricObservations(motion, table["dissipated_energy_J"].to_numpy(), table["max_elastic_energy_J"].to_numpy())
 
 
-def metric_errors(observations: MetricObservations, force: Array) -> tuple[float, float, float]:
+def metric_errors(observations: MetricObservations, law: Law) -> tuple[float, float, float]:
     """Give the rms of the log ratios measured/computed: of dW and W together, of dW, of W."""
-    logs = observations.residual(force) * observations.relative_error
+    logs = observations.residual(law_response(law, observations.motion)) * observations.relative_error
     dissipated, elastic = np.sqrt(np.mean(logs**2, axis=0))
     return float(np.sqrt(np.mean(logs**2))), float(dissipated), float(elastic)
 
@@ -91,7 +90,7 @@ def reading_file(reading: Reading, software: str) -> LawFile:
     """Give the parameter file of a reading, with what it errs against the paper's own tables."""
     law = reading_law(reading)
     observations = emwm2_observations()
-    _, dissipated, elastic = metric_errors(observations, law_force(law, observations.motion))
+    _, dissipated, elastic = metric_errors(observations, law)
     return LawFile(
         schema="pipeclamp-law-1",
         name=reading.name,
@@ -157,7 +156,7 @@ def way() -> tuple[Step, ...]:
         Step(
             "as printed (reading R1)",
             printed,
-            metric_errors(observations, law_force(printed, observations.motion)),
+            metric_errors(observations, printed),
             (),
             None,
         )
@@ -165,7 +164,7 @@ def way() -> tuple[Step, ...]:
     for title, structure in WAY:
         result = fit(structure, observations)
         rests_on = _single_rows(result, observations) if structure.effects else ()
-        steps.append(Step(title, result.law, metric_errors(observations, result.response.force), rests_on, result))
+        steps.append(Step(title, result.law, metric_errors(observations, result.law), rests_on, result))
     return tuple(steps)
 
 
@@ -175,7 +174,7 @@ def _single_rows(result: Fit, observations: MetricObservations) -> tuple[tuple[f
     without = replace(structure, effects=structure.effects[:-1])
 
     def gain(rows: npt.NDArray[np.intp]) -> float:
-        part = _rows(observations, rows)
+        part = observations.rows(rows)
         plain = fit(without, part, start=result.law.values)
         return plain.cost - fit(structure, part, start=result.law.values).cost
 
@@ -187,9 +186,3 @@ def _single_rows(result: Fit, observations: MetricObservations) -> tuple[tuple[f
         for row in everything
         if gain(np.delete(everything, row)) < ROWS_ALIKE * whole
     )
-
-
-def _rows(observations: MetricObservations, rows: npt.NDArray[np.intp]) -> MetricObservations:
-    slow = observations.motion.slow
-    motion = sinusoids(slow["A"][rows, 0], slow["f"][rows, 0], slow["T"][rows, 0])
-    return MetricObservations(motion, observations.dissipated_energy[rows], observations.elastic_energy[rows])

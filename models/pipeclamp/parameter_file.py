@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -12,7 +12,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 from pipeclamp.law import Law, Structure, compose
 
-SCHEMA = "pipeclamp-law-1"
+SCHEMA: Final = "pipeclamp-law-1"
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 

@@ -34,6 +34,11 @@ class Motion:
     h: Array
     periodic: bool = True
 
+    def rows(self, chosen: npt.NDArray[np.intp]) -> Motion:
+        """Give some of the motions."""
+        slow = {name: values[chosen] for name, values in self.slow.items()}
+        return Motion(self.y[chosen], self.v[chosen], self.a[chosen], slow, self.h[chosen], self.periodic)
+
 
 def sinusoids(
     amplitude: npt.ArrayLike, frequency: npt.ArrayLike, temperature: npt.ArrayLike, samples: int = 512
@@ -61,16 +66,19 @@ class Response:
     Attributes:
         force: N, shape (R, n).
         jacobian: derivatives of the force by the parameters, shape (parameters, R, n), where asked for.
+        adrift: rows in which a state never loses its beginning (an element that sticks all the way round, say), so
+            that the force is known up to a constant which only the history before the record would tell; shape (R,).
     """
 
     force: Array
     jacobian: Array | None
+    adrift: npt.NDArray[np.bool_]
 
 
-def law_force(law: Law, motion: Motion) -> Array:
-    """Give the force of a law on motions, N, shape (R, n)."""
+def law_response(law: Law, motion: Motion) -> Response:
+    """Give the response of a law to motions."""
     equations = compose(law.structure)
-    return respond(equations, law.vector(equations), (law.v_r, law.y_r), motion).force
+    return respond(equations, law.vector(equations), (law.v_r, law.y_r), motion)
 
 
 def respond(
@@ -102,14 +110,14 @@ def respond(
         slopes = compiled.coefficient_slopes(*slow, *values, *smoothing) if derivatives else ()
         coefficient_slopes = dict(zip(compiled.coefficient_slope_index, slopes, strict=derivatives))
         march = _March(compiled, equations, coefficients, coefficient_slopes, values, smoothing, motion)
-        states, state_slopes = march.states(derivatives=derivatives)
+        states, state_slopes, adrift = march.states(derivatives=derivatives)
         y_previous = np.roll(motion.y, 1, axis=1)
         if not motion.periodic:
             y_previous[:, 0] = 0.0
         arguments = [motion.y, motion.v, motion.a, y_previous, motion.h, *states, *coefficients, *values, *smoothing]
         force = np.broadcast_to(compiled.force(*arguments)[0], (rows, samples))
         if not derivatives:
-            return Response(force, None)
+            return Response(force, None, adrift)
         jacobian = np.zeros((len(values), rows, samples))
         state_count, coefficient_count = len(states), len(coefficients)
         for column, slope in zip(compiled.force_slope_index, compiled.force_slopes(*arguments), strict=True):
@@ -121,7 +129,7 @@ def respond(
                         jacobian[parameter] += slope * inner
             else:
                 jacobian[column - state_count - coefficient_count] += slope
-    return Response(force, jacobian)
+    return Response(force, jacobian, adrift)
 
 
 @dataclass(frozen=True)
@@ -136,8 +144,8 @@ class _March:
     smoothing: tuple[float, float]
     motion: Motion
 
-    def states(self, *, derivatives: bool) -> tuple[list[Array], Array]:
-        """Give the states, J arrays (R, n), and their slopes by the parameters, (J, P, R, n).
+    def states(self, *, derivatives: bool) -> tuple[list[Array], Array, npt.NDArray[np.bool_]]:
+        """Give the states, J arrays (R, n), their slopes by the parameters, (J, P, R, n), and the rows adrift, (R,).
 
         On periodic motions the states' map over one cycle is brought to its fixed point by Newton's method from rest.
         Directions in which the map is the identity (an element that never slips) stay as the move from rest left them.
@@ -146,12 +154,12 @@ class _March:
         rows, samples = self.motion.y.shape
         parameters = len(self.values) if derivatives else 0
         if count == 0:
-            return [], np.zeros((0, parameters, rows, samples))
+            return [], np.zeros((0, parameters, rows, samples)), np.zeros(rows, dtype=bool)
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
         no_slopes = np.zeros((count, count + parameters, rows))
         if not self.motion.periodic:
             trajectory, trail = self._walk(rest, no_slopes, np.zeros(rows), derivatives=derivatives)
-            return list(trajectory), trail[:, count:]
+            return list(trajectory), trail[:, count:], np.zeros(rows, dtype=bool)
         start, slopes = self._step(rest, no_slopes, np.zeros(rows), -1, derivatives=derivatives)
         scale = 1e-300 + np.max(np.abs(start), axis=0)
         for _ in range(SETTLING_CYCLES):
@@ -160,19 +168,19 @@ class _March:
             trajectory, trail = self._walk(start, slopes, self.motion.y[:, -1], derivatives=derivatives)
             change = trajectory[:, :, -1] - start
             to_begin = np.moveaxis(np.eye(count)[:, :, None] - trail[:, :count, :, -1], -1, 0)
-            inverse = np.linalg.pinv(to_begin, rcond=1e-9)
+            inverse = np.linalg.pinv(to_begin, rcond=SETTLED)
             if np.all(np.abs(change) <= SETTLED * (scale + np.max(np.abs(trajectory), axis=(0, 2)))):
                 break
             start = start + np.einsum("rjk,kr->jr", inverse, change)
+        adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
         if not derivatives:
-            return list(trajectory), trail[:, count:]
+            return list(trajectory), trail[:, count:], adrift
         missing = trail[:, count:, :, -1] - slopes[:, count:]
         at_begin = np.einsum("rjk,kpr->jpr", inverse, missing)
-        return list(trajectory), trail[:, count:] + np.einsum("jkrn,kpr->jprn", trail[:, :count], at_begin)
+        slopes_now = trail[:, count:] + np.einsum("jkrn,kpr->jprn", trail[:, :count], at_begin)
+        return list(trajectory), slopes_now, adrift
 
-    def _walk(
-        self, start: Array, slopes: Array, y_previous: Array, *, derivatives: bool
-    ) -> tuple[Array, Array]:
+    def _walk(self, start: Array, slopes: Array, y_previous: Array, *, derivatives: bool) -> tuple[Array, Array]:
         """Step along all samples from the one before the first; give states (J, R, n), slopes (J, J + P, R, n)."""
         samples = self.motion.y.shape[1]
         states = np.empty((*start.shape, samples))

@@ -1,0 +1,234 @@
+"""Identification: a law fitted to all runs of a campaign at once, with everything its parameter file states."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from pipeclamp.errors import UserError
+from pipeclamp.law import Structure, compose
+from pipeclamp.parameter_file import (
+    SCHEMA,
+    CoefficientEntry,
+    Correlation,
+    Covariance,
+    DataSource,
+    FitQuality,
+    HistoryStep,
+    Interval,
+    LawFile,
+    LeftOutRun,
+    RunQuality,
+)
+from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.fit import Fit, Progress, fit, unfitted
+from pipeclamp_identification.loops import Loops, loops_of, per_cycle
+from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.observations import LoopObservations, loop_observations
+from pipeclamp_identification.series_orders import choose_series
+from pipeclamp_identification.surfaces import surface_values
+
+Method = Literal["joint", "surfaces"]
+
+DIGITS = 10
+"""Significant digits of the file's numbers: more than any test supports, fewer than the last bits of a solver."""
+
+
+@dataclass(frozen=True)
+class Identification:
+    """A law identified from a campaign.
+
+    Attributes:
+        fit: the fit.
+        loops: the campaign's loops.
+        misfits: its error on each run.
+        method: how it was found.
+    """
+
+    fit: Fit
+    loops: Loops
+    misfits: tuple[RunMisfit, ...]
+    method: Method
+
+
+def identify(
+    campaign: Campaign,
+    *,
+    base: str = "power",
+    effects: Sequence[str] = (),
+    frozen: Mapping[str, float] | None = None,
+    method: Method = "joint",
+    progress: Progress | None = None,
+) -> Identification:
+    """Identify a law from all runs of a campaign.
+
+    Args:
+        campaign: the tests.
+        base: name of the base law; "series" chooses its orders by their accuracy on left-out conditions.
+        effects: names of effects fitted with it.
+        frozen: values of parameters that are not to be fitted, by name.
+        method: "joint" fits everything at once; "surfaces" is the paper's route by itself, loop by loop and then
+            surfaces over the conditions (power base without effects).
+        progress: is told what is being done.
+
+    Raises:
+        UserError: an unknown base or effect, data that can't determine the law, or no temperature where it's needed.
+    """
+    tell = progress or (lambda _: None)
+    tell(f"loops of {len(campaign.runs)} runs")
+    loops = loops_of(campaign)
+    observations = loop_observations(loops)
+    if base == "series":
+        tell("orders of the series")
+        base = choose_series(loops, observations, tuple(effects))
+    structure = Structure(base, tuple(effects), tuple(sorted((frozen or {}).items())))
+    result = fit_structure(structure, loops, observations, method=method, progress=tell)
+    tell("error on every sample")
+    return Identification(result, loops, misfits(result.law, campaign, loops), method)
+
+
+def fit_structure(
+    structure: Structure,
+    loops: Loops,
+    observations: LoopObservations | None = None,
+    *,
+    start: Mapping[str, float] | None = None,
+    method: Method = "joint",
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
+
+    Effects that change from cycle to cycle are fitted to every cycle by itself.
+
+    Raises:
+        UserError: the data can't serve the structure.
+    """
+    equations = compose(structure)
+    if "N" in {str(symbol) for symbol in equations.slow_signals}:
+        loops = per_cycle(loops)
+        observations = None
+    observations = observations or loop_observations(loops)
+    from_surfaces = surface_values(structure, loops)
+    if method == "surfaces":
+        if not from_surfaces or structure.effects:
+            raise UserError(
+                f"method surfaces: got base {structure.base!r} with effects {list(structure.effects)}; "
+                "expected base power or memory without effects (the joint method fits the others)"
+            )
+        return unfitted(structure, observations, from_surfaces)
+    tell = progress or (lambda _: None)
+    tell(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
+    first = fit(structure, observations, start={**from_surfaces, **(start or {})}, progress=progress)
+    widened = observations.with_discrepancy(first.response)
+    return fit(structure, widened, start=first.law.values, progress=progress)
+
+
+def law_file(
+    identification: Identification,
+    campaign: Campaign,
+    *,
+    name: str,
+    command: str,
+    date: str | None,
+    history: Iterable[HistoryStep] = (),
+) -> LawFile:
+    """Give the parameter file of an identified law.
+
+    Args:
+        identification: what was found.
+        campaign: the tests it was found from.
+        name: name of the law.
+        command: the command that makes this file again.
+        date: when it was made; None leaves the line out.
+        history: what was added before, and what the error did.
+    """
+    result, loops, runs = identification.fit, identification.loops, identification.misfits
+    order = np.argsort(np.array(result.fitted))
+    names = tuple(result.fitted[index] for index in order)
+    matrix = result.covariance[np.ix_(order, order)]
+    nrmse = rounded(overall_nrmse(runs))
+    step = HistoryStep(step=" + ".join((result.law.structure.base, *result.law.structure.effects)), nrmse=nrmse)
+    return LawFile(
+        schema=SCHEMA,
+        name=name,
+        base=result.law.structure.base,
+        effects=result.law.structure.effects,
+        smoothing={"v_r": rounded(result.law.v_r), "y_r": rounded(result.law.y_r)},
+        coefficients=coefficient_entries(result),
+        covariance=Covariance(names=names, matrix=tuple(tuple(rounded(entry) for entry in row) for row in matrix)),
+        correlations=tuple(
+            Correlation(pair=(one, other), value=round(value, 4)) for one, other, value in result.strong_correlations()
+        ),
+        range=range_of(loops),
+        data=DataSource(
+            name=campaign.name,
+            fingerprint=campaign.fingerprint,
+            runs_used=len(campaign.runs),
+            left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in campaign.left_out),
+        ),
+        fit=FitQuality(
+            method=identification.method,
+            nrmse=nrmse,
+            noise_nrmse=rounded(overall_noise(runs)),
+            runs=tuple(
+                RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse)) for run in runs
+            ),
+        ),
+        history=(*history, step),
+        software=software(),
+        command=command,
+        date=date,
+    )
+
+
+def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
+    """Give the file's entry of each parameter: value, standard error, and how it came about."""
+    errors = result.standard_errors()
+    entries = {}
+    for parameter in result.equations.parameters:
+        name = parameter.name
+        if name in result.frozen:
+            state: Literal["fitted", "frozen", "at_bound", "given"] = "frozen"
+        elif name in result.at_bound:
+            state = "at_bound"
+        else:
+            state = "fitted" if name in errors else "given"
+        entries[name] = CoefficientEntry(
+            value=rounded(result.law.values[name]),
+            unit=parameter.unit,
+            standard_error=rounded(errors[name]) if name in errors else None,
+            state=state,
+            meaning=parameter.meaning,
+            reason=result.frozen.get(name, ""),
+        )
+    return entries
+
+
+def range_of(loops: Loops) -> dict[str, Interval]:
+    """Give the range of conditions that the loops cover; conditions that aren't known are left out, but for A, f, T."""
+    columns = {
+        "A": (loops.amplitude_mm, "mm"),
+        "f": (loops.frequency_Hz, "Hz"),
+        "T": (np.where(np.isfinite(loops.temperature_K), loops.temperature_K, 293.15), "K"),
+        "rho": (loops.density_g_cm3, "g/cm3"),
+        **{name: (values, "in its name") for name, values in loops.conditions.items()},
+    }
+    return {
+        name: Interval(minimum=rounded(float(values.min())), maximum=rounded(float(values.max())), unit=unit)
+        for name, (values, unit) in columns.items()
+        if np.all(np.isfinite(values))
+    }
+
+
+def rounded(value: float) -> float:
+    """Give the number with ten significant digits, so that the same data give the same file."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def software() -> str:
+    """Give the program's name and version."""
+    return f"pipeclamp {importlib.metadata.version('pipeclamp')}"

@@ -1,0 +1,130 @@
+"""The error of a law against a campaign's samples: one number for all, one a run (CONTRACT.md, compare)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp.law import Law, compose
+from pipeclamp.realise.arrays import Array
+from pipeclamp.response import law_response
+from pipeclamp_identification.campaign import Campaign, Run
+from pipeclamp_identification.harmonics import cycle_harmonics
+from pipeclamp_identification.loops import Loops, on_grid, per_cycle
+from pipeclamp_identification.observations import loop_motion
+
+FINE_SAMPLES = 512
+"""Points of the cycle between which a law's loop is interpolated to the record's samples."""
+TURNING = 3
+"""Harmonics of the displacement from which a sample's phase within its own cycle is found."""
+
+
+@dataclass(frozen=True)
+class RunMisfit:
+    """How a law fits one run, over its steady samples.
+
+    Attributes:
+        run: its name.
+        phase: of each sample within the cycle, rad, 0 at the fundamental's maximum; shape (samples,).
+        measured, computed: force in N, shape (samples,).
+        noise_rms_N: rms of what no law can explain.
+    """
+
+    run: str
+    phase: Array
+    measured: Array
+    computed: Array
+    noise_rms_N: float
+
+    @property
+    def squared_error(self) -> float:
+        """Sum of squared errors, N2."""
+        return float(np.sum((self.measured - self.computed) ** 2))
+
+    @property
+    def squared_force(self) -> float:
+        """Sum of squared measured forces, N2."""
+        return float(np.sum(self.measured**2))
+
+    @property
+    def nrmse(self) -> float:
+        """Error of the run as a share of its force."""
+        return math.sqrt(self.squared_error / self.squared_force)
+
+    @property
+    def noise_nrmse(self) -> float:
+        """Cycle-to-cycle scatter as a share of the run's force."""
+        return self.noise_rms_N / math.sqrt(self.squared_force / len(self.measured))
+
+
+def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]:
+    """Compare a law with every steady sample of a campaign.
+
+    The law sees the measured motion as its harmonics say it: noise of the displacement sensor is not taken for force.
+    Where the law's force is known up to a constant only (a state that never loses its beginning), the run's measured
+    mean is taken for that constant.
+
+    Args:
+        law: the law.
+        campaign: its runs.
+        loops: `loops_of(campaign)`.
+
+    Raises:
+        UserError: the law needs a condition that the campaign doesn't state.
+    """
+    changing = "N" in slow_signals(law)
+    force = force_of_rows(law, per_cycle(loops) if changing else loops)
+    edges = np.concatenate([[0], np.cumsum([len(cycles) if changing else 1 for cycles in loops.cycles])])
+    return tuple(
+        _run_misfit(run, force[edges[index] : edges[index + 1]], float(loops.noise_rms_N[index]))
+        for index, run in enumerate(campaign.runs)
+    )
+
+
+def force_of_rows(law: Law, loops: Loops) -> Array:
+    """Give the law's force on loops, rows that are adrift moved to the measured mean, N, shape (R, FINE_SAMPLES)."""
+    response = law_response(law, loop_motion(loops, FINE_SAMPLES))
+    shift = loops.force[:, 0].real - np.mean(response.force, axis=1)
+    return response.force + np.where(response.adrift, shift, 0.0)[:, None]
+
+
+def slow_signals(law: Law) -> frozenset[str]:
+    """Give the names of the slow signals that a law depends on."""
+    return frozenset(str(symbol) for symbol in compose(law.structure).slow_signals)
+
+
+def _run_misfit(run: Run, force: Array, noise: float) -> RunMisfit:
+    """Interpolate a run's computed loops, one for all cycles or one a cycle, shape (1 or cycles, n), to its samples."""
+    cycles = run.cycles
+    measured = run.record.force_N[cycles.steady]
+    phase = cycles.phase(run.record)
+    bounds = cycles.bounds - cycles.bounds[0]
+    y = run.record.displacement_mm[cycles.steady]
+    lag = np.angle(cycle_harmonics(phase, bounds, [y], TURNING)[0, :, 1])
+    cycle = np.repeat(np.arange(cycles.count), np.diff(bounds))
+    within = (phase + lag[cycle]) % (2 * np.pi)
+    n = force.shape[1]
+    place = within * (n / (2 * np.pi))
+    left = np.floor(place).astype(np.intp) % n
+    share = place - np.floor(place)
+    row = np.minimum(cycle, len(force) - 1)
+    computed = (1 - share) * force[row, left] + share * force[row, (left + 1) % n]
+    return RunMisfit(run.name, within, measured, computed, noise)
+
+
+def overall_nrmse(runs: tuple[RunMisfit, ...]) -> float:
+    """Give the error over all samples of all runs as a share of their force."""
+    return math.sqrt(sum(run.squared_error for run in runs) / sum(run.squared_force for run in runs))
+
+
+def overall_noise(runs: tuple[RunMisfit, ...]) -> float:
+    """Give the scatter over all samples of all runs as a share of their force."""
+    noise = sum(len(run.measured) * run.noise_rms_N**2 for run in runs)
+    return math.sqrt(noise / sum(run.squared_force for run in runs))
+
+
+def loop_of_run(loops: Loops, row: int, samples: int = FINE_SAMPLES) -> tuple[Array, Array]:
+    """Give a run's measured loop as (displacement mm, force N) over one cycle, shape (samples,) each."""
+    return on_grid(loops.displacement[row : row + 1], samples)[0], on_grid(loops.force[row : row + 1], samples)[0]
