@@ -105,7 +105,7 @@ def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tu
             f"({error.strerror}); expected the record of run {row.run!r} there, relative to {folder}"
         ) from error
     digest = hashlib.sha256(content).hexdigest()
-    record = read_record(path, content, description.columns)
+    record = read_record(path, content, description.columns.given())
     try:
         check_samples(record)
         cycles = find_cycles(record)

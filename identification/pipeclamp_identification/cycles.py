@@ -212,8 +212,8 @@ def _refined_frequency(time: Array, y: Array, frequency: float) -> float:
     """Fit mean, a few harmonics and the frequency at once by Gauss-Newton: works for any number of cycles."""
     t = time - (time[0] + time[-1]) / 2
     duration = t[-1] - t[0]
-    # one cycle alone can't tell a wrong frequency from harmonics
-    count = 3 if frequency * duration > 2 else 1
+    # little more than one cycle can't tell a wrong frequency from harmonics
+    count = DISTORTION if frequency * duration > 1.2 else 1
     for _ in range(20):
         unit = unit_phasor(2 * np.pi * frequency * t)
         powers = [unit**n for n in range(1, count + 1)]

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-import difflib
-import math
-import tomllib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictFloat, StrictInt, StrictStr, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictStr, model_validator
 
 from pipeclamp.errors import UserError
+from pipeclamp.toml_file import Number, Table, read_table, unknown
 
 FILE_NAME = "campaign.toml"
 
 RecordColumn = Literal["time_s", "displacement_mm", "force_N", "temperature_C"]
 
 
-def _finite(value: float) -> float:
-    if not math.isfinite(value):
-        raise ValueError("expected a finite number")
-    return value
-
-
-def _finite_and_not_zero(value: float) -> float:
+def _not_zero(value: float) -> float:
     if value == 0.0:
         raise ValueError("expected a factor other than 0")
-    return _finite(value)
+    return value
 
 
 def _not_blank(text: str) -> str:
@@ -36,27 +28,53 @@ def _not_blank(text: str) -> str:
 
 
 Text = Annotated[StrictStr, AfterValidator(_not_blank)]
-Number = Annotated[StrictFloat | StrictInt, AfterValidator(_finite)]
 
 
 class ColumnSource(BaseModel):
     """Where one of our record columns comes from in a test machine's export: ours = factor * theirs."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(frozen=True)
 
     name: Text = Field(alias="from")
-    factor: Annotated[StrictFloat | StrictInt, AfterValidator(_finite_and_not_zero)] = 1.0
+    factor: Annotated[Number, AfterValidator(_not_zero)] = 1.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            raise ValueError('expected for example { from = "Load [kN]", factor = 1000 }')
+        for key in data:
+            if key not in ("from", "factor"):
+                raise ValueError(unknown(str(key), ["from", "factor"], "key"))
+        return data
 
 
-class CampaignDescription(BaseModel):
+class ColumnSources(Table):
+    """The table [columns]; a column that isn't there has our own name."""
+
+    time_s: ColumnSource | None = None
+    displacement_mm: ColumnSource | None = None
+    force_N: ColumnSource | None = None
+    temperature_C: ColumnSource | None = None
+
+    def given(self) -> dict[RecordColumn, ColumnSource]:
+        """Return the sources that the table states."""
+        pairs: dict[RecordColumn, ColumnSource | None] = {
+            "time_s": self.time_s,
+            "displacement_mm": self.displacement_mm,
+            "force_N": self.force_N,
+            "temperature_C": self.temperature_C,
+        }
+        return {ours: source for ours, source in pairs.items() if source is not None}
+
+
+class CampaignDescription(Table):
     """campaign.toml as CAMPAIGN.md describes it."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: Text
     notes: StrictStr = ""
-    defaults: dict[str, Number | StrictStr] = {}
-    columns: dict[RecordColumn, ColumnSource] = {}
+    defaults: dict[str, Number | StrictStr] = Field(default_factory=dict)
+    columns: ColumnSources = ColumnSources()
 
 
 def read_description(folder: Path) -> CampaignDescription:
@@ -71,48 +89,6 @@ def read_description(folder: Path) -> CampaignDescription:
     Raises:
         UserError: the folder or the file is not there, is no TOML, or has keys or values that CAMPAIGN.md doesn't know.
     """
-    path = folder / FILE_NAME
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; expected a campaign's folder with {FILE_NAME} and runs.csv")
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise UserError(
-            f"{path}: no such file; expected it in the campaign's folder, with at least: name = \"...\""
-        ) from None
-    except OSError as error:
-        raise UserError(f"{path}: can't be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
-        raise UserError(f"{path}: is no valid TOML: {error}") from error
-    try:
-        return CampaignDescription.model_validate(content)
-    except ValidationError as error:
-        raise UserError(_first_fault(path, error)) from error
-
-
-def _first_fault(path: Path, error: ValidationError) -> str:
-    fault = error.errors()[0]
-    # pydantic ends a location with the member of the union that it tried, which is no key of the user's
-    keys = [str(part) for part in fault["loc"]]
-    got = repr(fault["input"])
-    if keys[0] == "columns" and keys[-1] == "[key]":
-        return _unknown_key(path, "[columns]", keys[1], list(RecordColumn.__args__))  # type: ignore[attr-defined]
-    if fault["type"] == "extra_forbidden" and keys[0] == "columns":
-        return _unknown_key(path, f"[columns] {keys[1]}", keys[-1], ["from", "factor"])
-    if fault["type"] == "extra_forbidden":
-        return _unknown_key(path, "top level", keys[-1], list(CampaignDescription.model_fields))
-    if fault["type"] == "missing":
-        example = 'name = "..."' if keys == ["name"] else '{ from = "Load [kN]", factor = 1000 }'
-        return f"{path}, {'.'.join(keys)}: is missing; expected for example: {example}"
-    if keys[0] == "columns" and len(keys) == 2:
-        return f'{path}, columns.{keys[1]}: got {got}; expected for example: {{ from = "Load [kN]", factor = 1000 }}'
-    if keys[0] == "defaults" and len(keys) > 1:
-        return f"{path}, defaults.{keys[1]}: got {got}; expected a finite number or a text"
-    return f"{path}, {'.'.join(keys[:3])}: got {got}; {fault['msg'].removeprefix('Value error, ')}"
-
-
-def _unknown_key(path: Path, where: str, key: str, known: list[str]) -> str:
-    best = difflib.get_close_matches(key, known, n=1, cutoff=0.0)[0]
-    return f"{path}, {where}: unknown key {key!r}; expected one of {', '.join(known)}; the best match is {best!r}"
+    return read_table(folder / FILE_NAME, CampaignDescription)
