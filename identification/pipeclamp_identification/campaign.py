@@ -77,14 +77,16 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
     description = read_description(folder)
     table = read_runs_table(folder, description)
     with ThreadPoolExecutor(max_workers=min(4, os.cpu_count() or 1)) as readers:
-        outcomes = list(readers.map(partial(_read_run, folder, description), table.rows))
-    runs = tuple(outcome for _, outcome in outcomes if isinstance(outcome, Run))
-    left_out = tuple(outcome for _, outcome in outcomes if isinstance(outcome, LeftOut))
+        # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
+        records = list(readers.map(partial(_read_run, folder, description), table.rows))
+    digests = {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)}
+    outcomes = [_checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
+    runs = tuple(outcome for outcome in outcomes if isinstance(outcome, Run))
+    left_out = tuple(outcome for outcome in outcomes if isinstance(outcome, LeftOut))
     if left_out and (strict or not runs):
         heading = f"{folder}: {len(left_out)} of {len(outcomes)} runs can't be used; mend their records"
         remedy = ", take their rows out of runs.csv, or don't be strict" if runs else ""
         raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in left_out)]))
-    digests = {row.file: digest for row, (digest, _) in zip(table.rows, outcomes, strict=True)}
     return Campaign(
         name=description.name,
         notes=description.notes,
@@ -95,7 +97,7 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
     )
 
 
-def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Run | LeftOut]:
+def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
     path = folder / row.file
     try:
         content = path.read_bytes()
@@ -104,15 +106,17 @@ def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tu
             f"{folder / runs_table.FILE_NAME}, row {row.row}, column 'file': {row.file!r} can't be read "
             f"({error.strerror}); expected the record of run {row.run!r} there, relative to {folder}"
         ) from error
-    digest = hashlib.sha256(content).hexdigest()
-    record = read_record(path, content, description.columns.given())
+    return hashlib.sha256(content).hexdigest(), read_record(path, content, description.columns.given())
+
+
+def _checked_run(row: RunRow, record: Record) -> Run | LeftOut:
     try:
         check_samples(record)
         cycles = find_cycles(record)
         check_clipping(record, cycles)
     except UnusableRecord as fault:
-        return digest, LeftOut(row.run, str(fault))
-    return digest, Run(
+        return LeftOut(row.run, str(fault))
+    return Run(
         name=row.run,
         specimen=row.specimen,
         amplitude_mm=row.amplitude_mm,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,7 +88,8 @@ def find_cycles(record: Record) -> Cycles:
     stride = max(1, int(1.0 / (SAMPLES_ENOUGH * frequency * interval)))
     first, last = _steady_samples(time[::stride], y[::stride], frequency, interval * stride)
     first, last = first * stride, min(last * stride, len(time))
-    frequency = _refined_frequency(time[first:last:stride], y[first:last:stride], frequency)
+    frequency, rest = _fitted_sine(time[first:last:stride], y[first:last:stride], frequency)
+    _require_vibration(y, frequency, rest)
     bounds = first + _bounds(time[first:last], frequency, interval)
     if len(bounds) > 2:
         frequency += _frequency_correction(time, y, bounds, frequency)
@@ -95,8 +97,6 @@ def find_cycles(record: Record) -> Cycles:
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
-    some = slice(bounds[0], bounds[-1], stride)
-    _require_vibration(time[some], y[some], frequency)
     return Cycles(frequency, bounds, before=frequency * time[bounds[0]])
 
 
@@ -115,15 +115,12 @@ def _require_samples(time: Array, frequency: float, interval: float) -> None:
         )
 
 
-def _require_vibration(time: Array, y: Array, frequency: float) -> None:
+def _require_vibration(y: Array, frequency: float, rest: float) -> None:
     """Refuse a displacement that is nothing but noise or drift, in which some fundamental is always found."""
-    phase = 2 * np.pi * frequency * (time - time[0])
-    harmonics = cycle_harmonics(phase, np.array([0, len(time)]), [y], 1)[0, 0]
-    rest = float(np.std(y - evaluate(harmonics, phase)))
-    if rest > abs(harmonics[1]) / 2:
+    if rest > 0.5:
         raise UnusableRecord(
-            f"constant displacement but for noise or drift: amplitude {abs(harmonics[1]):.3g} mm at {frequency:.4g} Hz "
-            f"beside {rest:.3g} mm rms that is no sine"
+            f"constant displacement but for noise or drift: it stays within {np.ptp(y):.3g} mm, and of the sine of "
+            f"{frequency:.4g} Hz that fits it best {100 * rest:.0f} % of the amplitude is left over"
         )
 
 
@@ -208,29 +205,35 @@ def _samples_that_follow(
     return int(strays[0]) if len(strays) else len(off)
 
 
-def _refined_frequency(time: Array, y: Array, frequency: float) -> float:
-    """Fit mean, a few harmonics and the frequency at once by Gauss-Newton: works for any number of cycles."""
+def _fitted_sine(time: Array, y: Array, frequency: float) -> tuple[float, float]:
+    """Fit mean, a few harmonics and the frequency at once by Gauss-Newton: works for any number of cycles.
+
+    Returns:
+        the frequency, and the rms of what the fundamental leaves over as a share of its amplitude.
+    """
     t = time - (time[0] + time[-1]) / 2
-    duration = t[-1] - t[0]
+    duration = float(t[-1] - t[0])
     # little more than one cycle can't tell a wrong frequency from harmonics
-    count = DISTORTION if frequency * duration > 1.2 else 1
+    order = np.arange(1, 1 + (DISTORTION if frequency * duration > 1.2 else 1))
     for _ in range(20):
-        unit = unit_phasor(2 * np.pi * frequency * t)
-        powers = [unit**n for n in range(1, count + 1)]
-        basis = np.column_stack([np.ones_like(t), *(p.real for p in powers), *(p.imag for p in powers)])
+        powers = np.cumprod(np.tile(unit_phasor(2 * np.pi * frequency * t), (len(order), 1)), axis=0)
+        basis = np.vstack([np.ones_like(t), powers.real, powers.imag])
         solution = _least_squares(basis, y)
-        cosines, sines = solution[1 : count + 1], solution[count + 1 :]
-        slope = sum(n * (sines[n - 1] * p.real - cosines[n - 1] * p.imag) for n, p in enumerate(powers, 1))
-        step = _least_squares(np.column_stack([basis, 2 * np.pi * t * slope]), y)[-1]
+        cosines, sines = solution[1 : len(order) + 1], solution[len(order) + 1 :]
+        slope = np.concatenate([[0.0], order * sines, -order * cosines]) @ basis
+        step = float(_least_squares(np.vstack([basis, 2 * np.pi * t * slope]), y)[-1])
         frequency += float(np.clip(step, -0.2 / duration, 0.2 / duration))
-        if abs(step) * duration < 1e-7:
+        # convergence is quadratic: what is left is the square of this
+        if abs(step) * duration < 1e-4:
             break
-    return max(frequency, 1e-3 / float(duration))
+    amplitude = math.hypot(cosines[0], sines[0])
+    rest = math.sqrt(max(float(np.var(y)) - amplitude**2 / 2, 0.0))
+    return max(frequency, 1e-3 / duration), rest / amplitude if amplitude > 0.0 else math.inf
 
 
 def _least_squares(basis: Array, y: Array) -> Array:
     """Solve by the normal equations: the harmonics of whole cycles are nearly orthogonal."""
-    return np.asarray(np.linalg.solve(basis.T @ basis, basis.T @ y), dtype=np.float64)
+    return np.asarray(np.linalg.solve(basis @ basis.T, basis @ y), dtype=np.float64)
 
 
 def _frequency_correction(time: Array, y: Array, bounds: IntArray, frequency: float) -> float:

@@ -221,19 +221,25 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
     force_error = np.maximum(np.sqrt(force_variance / cycles.count), FINEST_SHARE * force_rms)
     insignificant = np.abs(mean_displacement) < SIGNIFICANT * displacement_error
     insignificant[:2] = False
-    padding = (0, harmonics - count)
     middle = np.asarray(run.first_cycle + cycles.before + 0.5 + np.arange(cycles.count), dtype=np.float64)
     return _RunLoop(
         cycles=middle,
-        displacement=np.pad(np.where(insignificant, 0, mean_displacement), padding),
-        force=np.pad(mean_force, padding),
-        displacement_per_cycle=np.pad(fitted[0], ((0, 0), padding)),
-        force_per_cycle=np.pad(fitted[1], ((0, 0), padding)),
-        force_standard_error=np.pad(force_error, padding, constant_values=math.inf),
+        displacement=_padded(np.where(insignificant, 0, mean_displacement), harmonics),
+        force=_padded(mean_force, harmonics),
+        displacement_per_cycle=_padded(fitted[0], harmonics),
+        force_per_cycle=_padded(fitted[1], harmonics),
+        force_standard_error=np.append(force_error, np.full(harmonics - count, math.inf)),
         noise_rms_N=noise,
         force_rms_N=force_rms,
         samples=len(y),
     )
+
+
+def _padded(values: ComplexArray, harmonics: int) -> ComplexArray:
+    """Add zeros for the harmonics that the sampling can't carry."""
+    full = np.zeros((*values.shape[:-1], harmonics + 1), dtype=np.complex128)
+    full[..., : values.shape[-1]] = values
+    return full
 
 
 def _carried_harmonics(phase: Array, bounds: IntArray) -> int:

@@ -36,7 +36,8 @@ class Study:
     @property
     def title(self) -> str:
         """Return the study in words, for example "against frequency_Hz at amplitude_mm 0.8, temperature_C 20"."""
-        held = ", ".join(f"{name} {value}" if isinstance(value, str) else f"{name} {value:g}" for name, value in self.held)
+        named = (f"{name} {value if isinstance(value, str) else f'{value:g}'}" for name, value in self.held)
+        held = ", ".join(named)
         return f"against {self.quantity} at {held}" if held else f"against {self.quantity}"
 
 
