@@ -18,6 +18,7 @@ from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Response, respond
 from pipeclamp_identification.observations import Observations, data_scales
 
+HELD = "held by the law's structure"
 VARIES = 1.02
 """A condition counts as varied when its largest value exceeds its smallest by this factor."""
 SINGULAR = 1e-7
@@ -139,7 +140,7 @@ def fit(
     """
     equations = compose(structure)
     held = structure.held()
-    reasons = {name: "held by the law's structure" for name in held if name in equations.names}
+    reasons = {name: HELD for name in held if name in equations.names}
     for name, reason in undetermined(equations, observations).items():
         reasons.setdefault(name, reason)
     scales = data_scales(observations)

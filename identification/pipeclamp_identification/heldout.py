@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import numpy.typing as npt
 
-Rows = npt.NDArray[np.intp]
+from pipeclamp.law import Structure
+from pipeclamp.response import law_response
+from pipeclamp_identification.fit import fit
+from pipeclamp_identification.loops import Loops
+from pipeclamp_identification.observations import LoopObservations, Rows
+
+FOLDS = 4
 
 
 def condition_groups(amplitude: npt.ArrayLike, frequency: npt.ArrayLike) -> npt.NDArray[np.intp]:
@@ -45,14 +51,26 @@ def folds(groups: npt.NDArray[np.intp], most: int) -> Iterator[tuple[Rows, Rows]
 
 
 def heldout_nrmse(
-    groups: npt.NDArray[np.intp], most: int, squared_errors: Callable[[Rows, Rows], tuple[float, float]]
+    structure: Structure, loops: Loops, observations: LoopObservations, start: Mapping[str, float], most: int = FOLDS
 ) -> float:
-    """Give the error on left-out groups as a share of the force there.
+    """Give the error of a structure on (amplitude, frequency) groups that weren't used to fit it.
 
     Args:
-        groups: group of each row.
+        structure: the law's structure.
+        loops: the tests.
+        observations: the same, as observations.
+        start: values to start each fit from.
         most: most folds.
-        squared_errors: fits to the first rows; gives the sum of squared error and of squared force on the second.
+
+    Returns:
+        error over all left-out loops as a share of their force, scatter included.
     """
-    sums = [squared_errors(used, left_out) for used, left_out in folds(groups, most)]
-    return float(np.sqrt(sum(error for error, _ in sums) / sum(force for _, force in sums)))
+    groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
+    error = force = 0.0
+    for used, left_out in folds(groups, most):
+        law = fit(structure, observations.rows(used), start=start).law
+        beyond = observations.rows(left_out)
+        misfit = beyond.mean_squares(law_response(law, beyond.motion))
+        error += float(np.sum(misfit + loops.noise_rms_N[left_out] ** 2))
+        force += float(np.sum(loops.force_rms_N[left_out] ** 2))
+    return float(np.sqrt(error / force))

@@ -14,6 +14,7 @@ from pipeclamp.law import Structure, compose
 from pipeclamp.parameter_file import (
     SCHEMA,
     CoefficientEntry,
+    CoefficientState,
     Correlation,
     Covariance,
     DataSource,
@@ -25,7 +26,7 @@ from pipeclamp.parameter_file import (
     RunQuality,
 )
 from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.fit import Fit, Progress, fit, unfitted
+from pipeclamp_identification.fit import HELD, Fit, Progress, fit, unfitted
 from pipeclamp_identification.loops import Loops, loops_of, per_cycle
 from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.observations import LoopObservations, loop_observations
@@ -192,7 +193,7 @@ def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
     for parameter in result.equations.parameters:
         name = parameter.name
         if name in result.frozen:
-            state: Literal["fitted", "frozen", "at_bound", "given"] = "frozen"
+            state: CoefficientState = "held" if result.frozen[name] == HELD else "frozen"
         elif name in result.at_bound:
             state = "at_bound"
         else:

@@ -104,11 +104,11 @@ class LoopObservations:
             self.motion.rows(chosen), self.harmonics[chosen], self.standard_error[chosen], self.force_amplitude[chosen]
         )
 
-    def squared_error(self, response: Response) -> tuple[float, float]:
-        """Give the sums over runs of the law's and of the force's mean square, N2 (Parseval), scatter left aside."""
+    def mean_squares(self, response: Response) -> Array:
+        """Give the mean square of each loop's error, N2, shape (R,), by Parseval; scatter left aside."""
         used = np.isfinite(self.standard_error)
         error = np.where(used, self.residual(response) * np.where(used, self.standard_error, 0.0), 0.0)
-        return _mean_square(error), _mean_square(self.harmonics)
+        return np.asarray(error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2)
 
     def with_discrepancy(self, response: Response) -> LoopObservations:
         """Widen the uncertainty by what a law leaves over beyond the noise, harmonic by harmonic.
@@ -124,11 +124,6 @@ class LoopObservations:
         # Real and imaginary parts of a harmonic share one variance.
         excess[1::2] = excess[2::2] = (excess[1::2] + excess[2::2]) / 2
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
-
-
-def _mean_square(harmonics: Array) -> float:
-    """Give the sum over rows of the mean square of what the harmonics say, as `harmonics_of` orders them."""
-    return float(np.sum(harmonics[:, 0] ** 2) + np.sum(harmonics[:, 1:] ** 2) / 2)
 
 
 @dataclass(frozen=True)

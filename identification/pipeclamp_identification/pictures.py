@@ -139,7 +139,8 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
         figure.add_trace(
             go.Heatmap(
                 z=cells, x=[f"{f:g}" for f in frequencies], y=[f"{A:g}" for A in amplitudes], zmin=0.0, zmax=top,
-                coloraxis="coloraxis", text=[[f"{cell:.3g}" if math.isfinite(cell) else "" for cell in row] for row in cells],
+                coloraxis="coloraxis",
+                text=[[f"{cell:.3g}" if math.isfinite(cell) else "" for cell in row] for row in cells],
                 texttemplate="%{text}", hovertemplate="A %{y} mm, f %{x} Hz: %{z:.4g}<extra></extra>",
             ),
             row=1, col=column + 1,

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import gzip
 import itertools
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from io import BytesIO
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -14,6 +17,7 @@ import polars as pl
 
 from pipeclamp.errors import UserError
 from pipeclamp.law import Law, compose
+from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, respond
 
@@ -231,3 +235,69 @@ def _encoded(table: pl.DataFrame, format: Format) -> bytes:
     table.write_csv(stream, float_precision=None)
     content = stream.getvalue()
     return gzip.compress(content, mtime=0) if format == "csv.gz" else content
+
+
+def truth_law(file: LawFile, effects: Sequence[str], values: Mapping[str, float]) -> tuple[Law, dict[str, float]]:
+    """Give the law that the virtual clamp obeys: a law file's, with further effects and other values.
+
+    Args:
+        file: the law to begin with.
+        effects: names of effects to add; their parameters must be given.
+        values: parameters by name; what is no parameter is a further condition, the same in every run.
+
+    Returns:
+        the law, and the further conditions.
+
+    Raises:
+        UserError: an effect isn't known, or a parameter of an added one isn't given.
+    """
+    law = law_of(file)
+    structure = replace(law.structure, effects=(*law.structure.effects, *effects), frozen=())
+    names = compose(structure).names
+    known = {**law.values, **values}
+    missing = [name for name in names if name not in known]
+    if missing:
+        raise UserError(f"--effects {','.join(effects)}: give {', '.join(missing)} with --set name=value,...")
+    conditions = {name: value for name, value in values.items() if name not in names}
+    needed = {str(symbol) for symbol in compose(structure).slow_signals}
+    unknown = set(conditions) - needed
+    if unknown:
+        raise UserError(f"--set: {', '.join(sorted(unknown))} is no parameter of the law; it has {', '.join(names)}")
+    return Law(structure, {name: known[name] for name in names}, law.v_r, law.y_r), conditions
+
+
+def write_campaign(
+    folder: Path,
+    runs: Iterator[VirtualRun],
+    *,
+    name: str,
+    notes: str,
+    format: Format = "csv",
+    progress: Callable[[str], None] | None = None,
+) -> int:
+    """Write a campaign into a new folder; it appears whole or not at all.
+
+    Returns:
+        the number of runs.
+
+    Raises:
+        UserError: the folder exists, or its parent can't be written.
+    """
+    if folder.exists():
+        raise UserError(f"{folder}: exists already; expected a folder that is not there yet")
+    try:
+        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
+    except OSError as error:
+        raise UserError(f"{folder}: can't write there ({error.strerror}); expected an existing parent folder") from error
+    try:
+        (work / "runs").mkdir()
+        count = 0
+        for file, content in campaign_files(name, notes, runs, format, progress):
+            (work / file).write_bytes(content)
+            count += file.startswith("runs/")
+        work.chmod(0o755)
+        work.rename(folder)
+    except BaseException:
+        shutil.rmtree(work, ignore_errors=True)
+        raise
+    return count

@@ -51,7 +51,8 @@ def loop_coefficients(loops: Loops, alpha: float | None = None) -> LoopCoefficie
     elastic = on_grid(loops.force.real.astype(np.complex128), GRID)
     elastic -= loops.force[:, :1].real
     basis = np.stack([y, y**3], axis=2)
-    solution = np.linalg.solve(np.swapaxes(basis, 1, 2) @ basis, np.swapaxes(basis, 1, 2) @ elastic[:, :, None])
+    transposed = np.swapaxes(basis, 1, 2)
+    solution: Array = np.linalg.solve(transposed @ basis, transposed @ elastic[:, :, None])
     peak = 2 * np.pi * loops.frequency_Hz * loops.amplitude_mm
     theta = 2 * np.pi * np.arange(GRID) / GRID
     # Odd harmonics only: even ones are asymmetry, which a power of |v| doesn't have.
@@ -69,7 +70,9 @@ def loop_coefficients(loops: Loops, alpha: float | None = None) -> LoopCoefficie
     quadrature = np.maximum(loops.force[:, 1].imag, 0.0)
     area = 2 * np.sqrt(np.pi) * gamma(exponents / 2 + 1) / gamma(exponents / 2 + 1.5)
     c: Array = np.pi * quadrature / (area * peak**exponents)
-    return LoopCoefficients(solution[:, 0, 0], solution[:, 1, 0], c, exponents)
+    k1: Array = solution[:, 0, 0]
+    k3: Array = solution[:, 1, 0]
+    return LoopCoefficients(k1, k3, c, exponents)
 
 
 def surface_values(structure: Structure, loops: Loops) -> Mapping[str, float]:

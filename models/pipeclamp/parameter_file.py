@@ -14,6 +14,7 @@ from pipeclamp.law import Law, Structure, compose
 
 SCHEMA: Final = "pipeclamp-law-1"
 
+CoefficientState = Literal["fitted", "held", "frozen", "at_bound", "given"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -26,14 +27,14 @@ class Part(BaseModel):
 class CoefficientEntry(Part):
     """One parameter of the law.
 
-    `state` says how it came about: "fitted"; "frozen" (held: the data can't determine it, or it was asked for);
-    "at_bound" (the fit ran into a bound that physics sets); "given" (taken from a source).
+    `state` says how it came about: "fitted"; "held" (by the law's structure or by wish); "frozen" (the data can't
+    determine it); "at_bound" (the fit ran into a bound that physics sets); "given" (taken from a source).
     """
 
     value: Finite
     unit: str
     standard_error: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
-    state: Literal["fitted", "frozen", "at_bound", "given"]
+    state: CoefficientState
     meaning: str = ""
     reason: str = ""
 
@@ -150,9 +151,9 @@ class LawFile(Part):
 
 
 def structure_of(file: LawFile) -> Structure:
-    """Give the structure that the file names; what is not fitted is frozen."""
-    frozen = tuple((name, entry.value) for name, entry in file.coefficients.items() if entry.state == "frozen")
-    return Structure(file.base, file.effects, frozen)
+    """Give the structure that the file names, with what it holds."""
+    held = tuple(sorted((name, entry.value) for name, entry in file.coefficients.items() if entry.state == "held"))
+    return Structure(file.base, file.effects, held)
 
 
 def law_of(file: LawFile) -> Law:

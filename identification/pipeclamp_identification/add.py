@@ -1,0 +1,130 @@
+"""Add an effect to a law: refit everything, and say what the error did."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from pipeclamp.catalogue import find_effect
+from pipeclamp.effect import Effect
+from pipeclamp.errors import UserError
+from pipeclamp.law import Structure, compose
+from pipeclamp.parameter_file import HistoryStep, LawFile, law_of, structure_of
+from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.fit import Progress
+from pipeclamp_identification.heldout import heldout_nrmse
+from pipeclamp_identification.identify import Identification, fit_structure, law_file, rounded
+from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.misfit import misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.observations import loop_observations
+from pipeclamp_identification.report import Table
+
+
+@dataclass(frozen=True)
+class Addition:
+    """What adding an effect did.
+
+    Attributes:
+        effect: the effect's name.
+        before, after: the law's file before, and the one with the effect.
+        nrmse: error on the campaign before and after, as a share of the force.
+        heldout: error on left-out groups of conditions before and after.
+        noise_nrmse: the scatter that no law can explain.
+    """
+
+    effect: str
+    before: LawFile
+    after: LawFile
+    nrmse: tuple[float, float]
+    heldout: tuple[float, float]
+    noise_nrmse: float
+
+
+def add_effect(
+    file: LawFile,
+    effect: str,
+    campaign: Campaign,
+    *,
+    command: str,
+    date: str | None,
+    progress: Progress | None = None,
+) -> Addition:
+    """Add an effect to a law and refit everything to a campaign.
+
+    Args:
+        file: the law.
+        effect: name of the effect.
+        campaign: the tests to refit to.
+        command: the command that makes the new file again.
+        date: when it is made; None leaves the line out.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: the effect isn't known or is there already, or the data can't serve it.
+    """
+    tell = progress or (lambda _: None)
+    old, law = structure_of(file), law_of(file)
+    new = with_effect(old, effect)
+    loops = loops_of(campaign)
+    observations = loop_observations(loops)
+    tell("error of the law as it is")
+    error_before = overall_nrmse(misfits(law, campaign, loops))
+    tell(f"refit with {effect}")
+    result = fit_structure(new, loops, observations, start=_shared_values(law.values, new), progress=tell)
+    runs = misfits(result.law, campaign, loops)
+    tell("error on left-out conditions")
+    heldout = (
+        heldout_nrmse(old, loops, observations, law.values),
+        heldout_nrmse(new, loops, observations, result.law.values),
+    )
+    history = file.history or (HistoryStep(step=file.name, nrmse=rounded(error_before)),)
+    history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(heldout[0])}))
+    identification = Identification(result, loops, runs, "joint")
+    after = law_file(identification, campaign, name=file.name, command=command, date=date)
+    last = HistoryStep(step=f"+ {effect}", nrmse=rounded(overall_nrmse(runs)), heldout_nrmse=rounded(heldout[1]))
+    after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
+    return Addition(effect, file, after, (error_before, overall_nrmse(runs)), heldout, overall_noise(runs))
+
+
+def with_effect(structure: Structure, effect: str) -> Structure:
+    """Give the structure with one more effect; a family's effect takes the place of a smaller one of its kind.
+
+    Raises:
+        UserError: the effect is there already, or it is part of the base law.
+    """
+    added = Structure(structure.base, (effect,), declared=structure.declared).all_effects()[-1]
+    if added.part == "base":
+        raise UserError(f"effect {effect!r} is a term of base laws; choose a base with identify --base")
+    if added.name in {present.name for present in structure.all_effects()}:
+        raise UserError(f"effect {effect!r} is in the law already, base {structure.base!r} with {structure.effects}")
+    declared = dict(structure.declared)
+    kept = tuple(name for name in structure.effects if not _replaces(added, find_effect(name, declared)))
+    return replace(structure, effects=(*kept, effect))
+
+
+def _replaces(added: Effect, present: Effect) -> bool:
+    """Tell whether an added effect is the present one with another argument, sharing its symbols."""
+    own = {parameter.symbol for parameter in added.parameters} | {state.symbol for state in added.states}
+    other = {parameter.symbol for parameter in present.parameters} | {state.symbol for state in present.states}
+    return added.id == present.id and bool(own & other)
+
+
+def _shared_values(values: Mapping[str, float], structure: Structure) -> dict[str, float]:
+    """Give the values of those parameters that both laws have."""
+    names = set(compose(structure).names)
+    return {name: value for name, value in values.items() if name in names}
+
+
+def addition_table(addition: Addition) -> Table:
+    """Give what adding the effect did to the error and to the parameters."""
+    rows: list[tuple[str, float | None, float | None]] = [
+        ("error on the runs used / %", 100 * addition.nrmse[0], 100 * addition.nrmse[1]),
+        ("error on left-out conditions / %", 100 * addition.heldout[0], 100 * addition.heldout[1]),
+        ("scatter that no law explains / %", 100 * addition.noise_nrmse, 100 * addition.noise_nrmse),
+    ]
+    before, after = addition.before.coefficients, addition.after.coefficients
+    for name in dict.fromkeys((*before, *after)):
+        unit = (after.get(name) or before[name]).unit
+        values = (before[name].value if name in before else None, after[name].value if name in after else None)
+        rows.append((f"{name} / {unit}", *values))
+    return Table(("", "before", f"with {addition.effect}"), rows, f"What adding {addition.effect} did")

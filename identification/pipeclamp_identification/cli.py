@@ -1,0 +1,401 @@
+"""The command line: reads, calls, writes and prints; nothing is computed here.
+
+What a command needs is imported inside it, so that `--help` and light commands start fast.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table as RichTable
+
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_whole
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.campaign import Campaign
+    from pipeclamp_identification.fit import Progress as Tell
+    from pipeclamp_identification.report import Section, Table
+
+app = typer.Typer(
+    name="pipeclamp",
+    help="Identify the law of a pipe clamp from loop tests, see where it fails, and carry it into system simulation.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    add_completion=False,
+)
+console = Console()
+errors = Console(stderr=True)
+
+
+class BaseLaw(StrEnum):
+    """Base laws that can be identified."""
+
+    power = "power"
+    memory = "memory"
+    series = "series"
+
+
+class FitMethod(StrEnum):
+    """Ways to identify a law."""
+
+    joint = "joint"
+    surfaces = "surfaces"
+
+
+class FmuKind(StrEnum):
+    """Kinds of FMUs that can be built."""
+
+    python = "python"
+
+
+class RecordFormat(StrEnum):
+    """Formats of records that the virtual rig writes."""
+
+    csv = "csv"
+    csv_gz = "csv.gz"
+    parquet = "parquet"
+
+
+CampaignFolder = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv.")]
+LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
+JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
+ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
+StrictOption = Annotated[bool, typer.Option("--strict", help="A run that can't be used is an error.")]
+EffectsOption = Annotated[str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`.")]
+ReproducibleOption = Annotated[bool, typer.Option("--reproducible", help="Leave out the date.")]
+
+
+def main() -> None:
+    """Run the command line; a user's mistake is one message on stderr and exit status 1."""
+    try:
+        app()
+    except UserError as error:
+        errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    except OSError as error:
+        errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+
+
+@app.command(epilog="Example: pipeclamp metrics my_campaign --report metrics.html")
+def metrics(campaign: CampaignFolder, json: JsonOption = None, report: ReportOption = None, strict: StrictOption = False) -> None:
+    """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
+    from pipeclamp_identification import metrics_report
+
+    with told("metrics") as tell:
+        tests = _read(campaign, strict, tell)
+        answer, sections = metrics_report.metrics_answer(tests), metrics_report.metrics_sections(tests)
+    _write(json, report, answer, f"Loop metrics of {tests.name}", tests.notes, sections)
+    _print_tables(sections)
+
+
+@app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
+def identify(
+    campaign: CampaignFolder,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW.json", help="The parameter file to write.")],
+    effects: EffectsOption = "",
+    base: Annotated[BaseLaw, typer.Option(help="Base law: Eq. 17 (power), Eq. 14 (memory), Eq. 10 (series).")] = BaseLaw.power,
+    method: Annotated[FitMethod, typer.Option(help="All at once, or the paper's route by itself.")] = FitMethod.joint,
+    freeze: Annotated[str, typer.Option(metavar="name=value,...", help="Parameters that are held, not fitted.")] = "",
+    name: Annotated[str | None, typer.Option(help="Name of the law; the campaign's by default.")] = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Fit a law to all runs of a campaign and write its parameter file."""
+    from pipeclamp.parameter_file import law_text
+    from pipeclamp_identification import identify as identification
+
+    with told("identify") as tell:
+        tests = _read(campaign, strict, tell)
+        found = identification.identify(
+            tests, base=base.value, effects=_names(effects), frozen=_values(freeze), method=method.value, progress=tell
+        )
+        file = identification.law_file(
+            found, tests, name=name or tests.name, command=_command(), date=None if reproducible else _now()
+        )
+    if report:
+        from pipeclamp_identification.identify_report import identification_sections
+
+        sections = identification_sections(file, found, tests)
+        _write(None, report, None, f"Law {file.name}", f"identified from {tests.name}", sections)
+    write_whole(output, law_text(file))
+    _print_law(file, output)
+
+
+@app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
+def compare(
+    law: LawArgument, campaign: CampaignFolder, json: JsonOption = None, report: ReportOption = None, strict: StrictOption = False
+) -> None:
+    """Hold a law against measurements: how much it errs, and where."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp_identification import compare as comparing
+
+    with told("compare") as tell:
+        file = open_law(law)
+        tests = _read(campaign, strict, tell)
+        comparison = comparing.compare(file, tests)
+        answer, sections = comparing.comparison_json(comparison), comparing.comparison_sections(comparison)
+    _write(json, report, answer, f"Law {file.name} against {tests.name}", f"base {file.base}, effects: {', '.join(file.effects) or 'none'}", sections)
+    console.print(sections[0].paragraphs[0], highlight=False)
+    _print_table(comparing.worst_table(comparison, most=8))
+
+
+@app.command(epilog="Example: pipeclamp add law.json memory my_campaign -o law2.json")
+def add(
+    law: LawArgument,
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect to add, see `pipeclamp effects`.")],
+    campaign: CampaignFolder,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW2.json", help="The parameter file to write.")],
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Add an effect to a law, refit everything, and say what the error did."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp.parameter_file import law_text
+    from pipeclamp_identification import add as adding
+
+    with told("add") as tell:
+        file = open_law(law)
+        tests = _read(campaign, strict, tell)
+        addition = adding.add_effect(file, effect, tests, command=_command(), date=None if reproducible else _now(), progress=tell)
+    write_whole(output, law_text(addition.after))
+    _print_table(adding.addition_table(addition))
+    _print_law(addition.after, output)
+
+
+@app.command(epilog="Example: pipeclamp effects")
+def effects() -> None:
+    """The catalogue: every effect, what it looks like when it is missing, and what imitates it."""
+    from pipeclamp.catalogue import entries, find_effect
+    from pipeclamp_identification.report import Table
+
+    rows = []
+    for name, entry in entries().items():
+        effect = entry if (default := getattr(entry, "default", "")) is not None and not hasattr(entry, "build") else None
+        effect = effect or (find_effect(name) if default is not None else None)
+        if effect is not None:
+            rows.append((name, effect.part, effect.looks_like, ", ".join(effect.imitated_by), effect.told_apart_by))
+    _print_table(Table(("id", "part", "looks like, when missing", "imitated by", "told apart by"), rows))
+
+
+@app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
+def rig(
+    law: LawArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")],
+    effects: EffectsOption = "",
+    set_values: Annotated[str, typer.Option("--set", metavar="name=value,...", help="Values of parameters.")] = "",
+    amplitudes: Annotated[str, typer.Option(metavar="mm,...")] = "0.2,0.5,0.8,1",
+    frequencies: Annotated[str, typer.Option(metavar="Hz,...")] = "1,3,5",
+    temperatures: Annotated[str, typer.Option(metavar="degC,...")] = "20,100,200,300",
+    cycles: Annotated[float, typer.Option(help="Cycles per record; need not be whole.")] = 5.0,
+    ramp_cycles: Annotated[float, typer.Option(help="Cycles of ramp-in before them.")] = 0.0,
+    rate: Annotated[float, typer.Option(help="Samples per second.")] = 1000.0,
+    force_noise: Annotated[float, typer.Option(help="Rms noise of the force sensor, N.")] = 3.0,
+    displacement_noise: Annotated[float, typer.Option(help="Rms noise of the displacement sensor, mm.")] = 0.0002,
+    force_step: Annotated[float, typer.Option(help="Quantisation of the force, N.")] = 0.1,
+    displacement_step: Annotated[float, typer.Option(help="Quantisation of the displacement, mm.")] = 0.0001,
+    distortion: Annotated[float, typer.Option(help="Third harmonic of the drive, share of the amplitude.")] = 0.005,
+    amplitude_error: Annotated[float, typer.Option(help="Rms error of the amplitude, as a share.")] = 0.005,
+    temperature_error: Annotated[float, typer.Option(help="Rms error of the temperature, K.")] = 1.0,
+    seed: Annotated[int, typer.Option(help="Of the random numbers.")] = 0,
+    format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
+) -> None:
+    """A virtual campaign of a law: would this test plan see that effect?"""
+    from pipeclamp.bundled import open_law
+    from pipeclamp_identification import rig as virtual
+
+    with told("rig") as tell:
+        plan = virtual.TestPlan(
+            amplitudes=_numbers(amplitudes, "--amplitudes"),
+            frequencies=_numbers(frequencies, "--frequencies"),
+            temperatures=_numbers(temperatures, "--temperatures"),
+            cycles=cycles,
+            ramp_cycles=ramp_cycles,
+            rate=rate,
+            force_noise=force_noise,
+            displacement_noise=displacement_noise,
+            force_step=force_step,
+            displacement_step=displacement_step,
+            distortion=distortion,
+            amplitude_error=amplitude_error,
+            temperature_error=temperature_error,
+            seed=seed,
+        )
+        truth, conditions = virtual.truth_law(open_law(law), _names(effects), _values(set_values))
+        count = virtual.write_campaign(
+            output, virtual.virtual_runs(truth, plan, conditions), name=output.name, notes=f"Virtual rig: {_command()}",
+            format=format.value, progress=tell,
+        )  # fmt: skip
+    console.print(f"{output}: {count} runs")
+
+
+@app.command("build-fmu", epilog="Example: pipeclamp build-fmu law.json -o clamp.fmu")
+def build_fmu(
+    law: LawArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="CLAMP.fmu", help="The FMU to write.")],
+    kind: Annotated[FmuKind, typer.Option(help="python: needs a Python in the importing tool.")] = FmuKind.python,
+) -> None:
+    """Package a law as an FMU with A, f and T parameters."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp_fmu.build import build_clamp
+
+    with told("build-fmu"):
+        build_clamp(open_law(law), output)
+    console.print(f"{output}: FMI 2.0 co-simulation, {kind.value}")
+
+
+@app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
+def build_pipe(
+    pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="PIPE.fmu", help="The FMU to write.")],
+    kind: Annotated[FmuKind, typer.Option(help="python: needs a Python in the importing tool.")] = FmuKind.python,
+) -> None:
+    """Package a pipe as an FMU with a port for each of its clamps."""
+    from pipeclamp.pipe_description import read_pipe
+    from pipeclamp_fmu.build import build_pipe as build
+
+    with told("build-pipe"):
+        build(read_pipe(pipe), output)
+    console.print(f"{output}: FMI 2.0 co-simulation, {kind.value}")
+
+
+@app.command(epilog="Example: pipeclamp cosim system.toml -o result.csv --report result.html")
+def cosim(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="RESULT.csv", help="The result to write.")],
+    report: ReportOption = None,
+) -> None:
+    """Couple a pipe FMU with clamp FMUs and run them."""
+    from pipeclamp_identification import cosim as coupled
+    from pipeclamp_identification.cosim_report import cosim_sections
+
+    with told("cosim") as tell:
+        result = coupled.run_system(system, tell)
+        sections = cosim_sections(result)
+    if report:
+        _write(None, report, None, f"Co-simulation {system.stem}", "pipe and clamps", sections)
+    coupled.write_result(result, output)
+    for line in sections[0].paragraphs:
+        console.print(line, highlight=False)
+    console.print(str(output))
+
+
+@app.command(epilog="Example: pipeclamp demo my_demo")
+def demo(
+    folder: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="Where the results go.")] = Path("pipeclamp_demo"),
+) -> None:
+    """The whole story on bundled data, in about a minute."""
+    from pipeclamp_identification.demo import run_demo
+
+    for path in run_demo(folder, lambda line: console.print(line, highlight=False)):
+        console.print(f"  open {path}", highlight=False)
+
+
+@app.command(epilog="Example: pipeclamp schema > law.schema.json")
+def schema() -> None:
+    """The JSON schema of parameter files."""
+    from pipeclamp.parameter_file import schema_text
+
+    sys.stdout.write(schema_text())
+
+
+@contextmanager
+def told(title: str) -> Iterator[Tell]:
+    """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as progress:
+        task = progress.add_task(title)
+        yield lambda what: progress.update(task, description=f"{title}: {what}")
+
+
+def _read(folder: Path, strict: bool, tell: Tell) -> Campaign:
+    from pipeclamp_identification.campaign import read_campaign
+
+    tell(f"read {folder}")
+    tests = read_campaign(folder, strict=strict)
+    for entry in tests.left_out:
+        errors.print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+    return tests
+
+
+def _write(
+    json_path: Path | None, report: Path | None, answer: dict[str, Any] | None, title: str, subtitle: str, sections: list[Section]
+) -> None:
+    if json_path:
+        write_whole(json_path, json.dumps(answer, indent=1, allow_nan=False) + "\n")
+    if report:
+        from pipeclamp_identification.report import write_report
+
+        write_report(report, title, subtitle, sections)
+
+
+def _print_tables(sections: list[Section]) -> None:
+    for section in sections:
+        for table in section.tables:
+            _print_table(table)
+
+
+def _print_table(table: Table) -> None:
+    from pipeclamp_identification.report import cell
+
+    shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic")
+    for index, head in enumerate(table.header):
+        numeric = any(isinstance(row[index], float) for row in table.rows)
+        shown.add_column(head, justify="right" if numeric else "left", overflow="fold")
+    for row in table.rows:
+        shown.add_row(*(cell(value) for value in row))
+    console.print(shown, highlight=False)
+
+
+def _print_law(file: Any, output: Path) -> None:
+    from pipeclamp_identification.identify_report import coefficient_table
+
+    _print_table(coefficient_table(file))
+    if file.fit:
+        noise = f" (scatter {file.fit.noise_nrmse:.2%})" if file.fit.noise_nrmse is not None else ""
+        console.print(f"error {file.fit.nrmse:.2%} of the rms force{noise}", highlight=False)
+    console.print(str(output), highlight=False)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _values(text: str) -> dict[str, float]:
+    values = {}
+    for entry in _names(text):
+        name, equals, number = entry.partition("=")
+        if not equals:
+            raise UserError(f"got {entry!r}; expected name=value, for example k1_T=0")
+        values[name.strip()] = _numbers(number, name)[0]
+    return values
+
+
+def _numbers(text: str, where: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(entry) for entry in _names(text))
+    except ValueError as error:
+        raise UserError(f"{where}: got {text!r}; expected numbers separated by commas") from error
+
+
+def _command() -> str:
+    """Give the command as it was called, paths by their last part, so that it reads the same everywhere."""
+    words = [word if word.startswith("-") else Path(word).name or word for word in sys.argv[1:]]
+    return " ".join(["pipeclamp", *words])
+
+
+def _now() -> str:
+    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
