@@ -1,0 +1,274 @@
+"""Coupling of a pipe with clamps, macro step by macro step: parallel, sequential, iterated.
+
+The pipe takes the excitation and the force into each clamp and gives each clamp's displacement and velocity; a clamp
+takes these and gives its force. Over a step from t to t + h:
+
+parallel (Jacobi, order 1): all step at once with what the others gave at t.
+sequential (Gauss-Seidel, order 1): the pipe steps with the forces given at t, then the clamps with the motion at t + h.
+iterated (order 2): forces linear over the step, and at its end those that the clamps give for the motion that results:
+    r(f) = clamps(pipe(f)) - f = 0, every trial a roll-back and a new step, solved by Broyden's method (C. G. Broyden,
+    Math. Comp. 19 (1965) 577), whose Jacobian is carried from step to step; plain repetition f := clamps(pipe(f)) would
+    diverge as soon as a clamp is stiffer than the pipe is over one step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp.errors import UserError
+
+Array = NDArray[np.float64]
+Scheme = Literal["parallel", "sequential", "iterated"]
+
+ORDER: dict[Scheme, int] = {"parallel": 1, "sequential": 1, "iterated": 2}
+"""By which power of the macro step each scheme's error falls, for a law that is smooth."""
+
+
+SHALLOWEST = -0.1
+"""Largest eigenvalue that an updated Jacobian may have; softening clamps leave some room above -1."""
+
+
+class Participant(Protocol):
+    """What a scheme needs of a pipe or a clamp; `save` keeps one state, `restore` goes back to it."""
+
+    def set_inputs(self, values: Sequence[float]) -> None:
+        """Set all inputs, in the participant's order."""
+
+    def step(self, time: float, h: float) -> None:
+        """Step from `time` to `time + h`."""
+
+    def outputs(self) -> Sequence[float]:
+        """Give all outputs that couple, in the participant's order."""
+
+    def save(self) -> None:
+        """Keep the present state."""
+
+    def restore(self) -> None:
+        """Go back to the state that was kept."""
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """When an iterated step is done.
+
+    Attributes:
+        relative: of the force residual, as a share of the largest force that the clamp has had.
+        trials: how many times a step may be tried.
+    """
+
+    relative: float = 1e-6
+    trials: int = 60
+
+
+@dataclass(frozen=True)
+class Point:
+    """The coupled system at a communication point.
+
+    Attributes:
+        index: 0 at the start.
+        time: s.
+        excitation: m/s2 or N.
+        displacement: per clamp, m.
+        velocity: per clamp, m/s.
+        force: per clamp, into the clamp, N.
+        trials: how often the step to this point was taken; 1 where nothing is iterated.
+    """
+
+    index: int
+    time: float
+    excitation: float
+    displacement: tuple[float, ...]
+    velocity: tuple[float, ...]
+    force: tuple[float, ...]
+    trials: int
+
+
+@dataclass(frozen=True)
+class System:
+    """A pipe, its clamps and what shakes them.
+
+    Attributes:
+        pipe: inputs (excitation, force per clamp); outputs (displacement per clamp, velocity per clamp). For the
+            iterated scheme its inputs are those at the end of the step, else those that are held over it.
+        clamps: inputs (displacement, velocity) at the end of the step; output (force,).
+        excitation: the excitation over time, s.
+    """
+
+    pipe: Participant
+    clamps: tuple[Participant, ...]
+    excitation: Callable[[float], float]
+
+
+def march(system: System, scheme: Scheme, h: float, steps: int, tolerance: Tolerance) -> Iterator[Point]:
+    """Step a coupled system through time; gives the start and then the end of each step.
+
+    Args:
+        system: participants that are initialised at time 0.
+        scheme: how they are coupled.
+        h: macro step, s.
+        steps: how many.
+        tolerance: for the iterated scheme.
+
+    Raises:
+        UserError: an iterated step doesn't reach its tolerance; the message names the step.
+    """
+    count = len(system.clamps)
+    outputs = system.pipe.outputs()
+    force = tuple(clamp.outputs()[0] for clamp in system.clamps)
+    point = Point(0, 0.0, system.excitation(0.0), tuple(outputs[:count]), tuple(outputs[count : 2 * count]), force, 0)
+    yield point
+    advance = {"parallel": _parallel, "sequential": _sequential}.get(scheme)
+    iteration = Iteration(system, tolerance)
+    for index in range(1, steps + 1):
+        start = (index - 1) * h
+        point = advance(system, point, start, h) if advance else iteration.advance(point, start, h)
+        yield point
+
+
+def _end(
+    system: System, index: int, time: float, motion: Sequence[float], force: Sequence[float], trials: int
+) -> Point:
+    count = len(system.clamps)
+    return Point(
+        index,
+        time,
+        system.excitation(time),
+        tuple(motion[:count]),
+        tuple(motion[count : 2 * count]),
+        tuple(force),
+        trials,
+    )
+
+
+def _step_clamps(system: System, motion: Sequence[float], time: float, h: float) -> tuple[float, ...]:
+    """Step each clamp to its displacement and velocity; give the forces."""
+    count = len(system.clamps)
+    for index, clamp in enumerate(system.clamps):
+        clamp.set_inputs((motion[index], motion[count + index]))
+        clamp.step(time, h)
+    return tuple(clamp.outputs()[0] for clamp in system.clamps)
+
+
+def _parallel(system: System, start: Point, time: float, h: float) -> Point:
+    system.pipe.set_inputs((start.excitation, *start.force))
+    system.pipe.step(time, h)
+    force = _step_clamps(system, (*start.displacement, *start.velocity), time, h)
+    return _end(system, start.index + 1, time + h, system.pipe.outputs(), force, 1)
+
+
+def _sequential(system: System, start: Point, time: float, h: float) -> Point:
+    system.pipe.set_inputs((start.excitation, *start.force))
+    system.pipe.step(time, h)
+    motion = system.pipe.outputs()
+    force = _step_clamps(system, motion, time, h)
+    return _end(system, start.index + 1, time + h, motion, force, 1)
+
+
+class Iteration:
+    """The iterated scheme's memory from step to step: the Jacobian, the forces' scale, the last forces."""
+
+    def __init__(self, system: System, tolerance: Tolerance) -> None:
+        self._system = system
+        self._tolerance = tolerance
+        count = len(system.clamps)
+        self._jacobian = -np.eye(count)
+        self._peak: Array = np.zeros(count)
+        self._before: Array | None = None
+
+    def advance(self, start: Point, time: float, h: float) -> Point:
+        """Take one step, tried until the forces agree.
+
+        Raises:
+            UserError: they don't within the number of trials.
+        """
+        system = self._system
+        participants = (system.pipe, *system.clamps)
+        for participant in participants:
+            participant.save()
+        excitation = system.excitation(time + h)
+        trials = 0
+        motion: Sequence[float] = ()
+
+        def answer(force: Array) -> Array:
+            """Give the clamps' forces for the motion that results from `force`."""
+            nonlocal trials, motion
+            if trials:
+                for participant in participants:
+                    participant.restore()
+            trials += 1
+            system.pipe.set_inputs((excitation, *force.tolist()))
+            system.pipe.step(time, h)
+            motion = system.pipe.outputs()
+            return np.array(_step_clamps(system, motion, time, h))
+
+        last = np.array(start.force)
+        guess = last if self._before is None else 2 * last - self._before
+        self._before = last
+        force = self._solve(answer, guess, start.index + 1, time + h)
+        return _end(system, start.index + 1, time + h, motion, force.tolist(), trials)
+
+    def _solve(self, answer: Callable[[Array], Array], guess: Array, index: int, time: float) -> Array:
+        """Find the forces that the clamps answer with themselves; the last trial is the solution's."""
+        force, given = guess, answer(guess)
+        residual = given - force
+        left = self._tolerance.trials - 1
+        rejected, share = 0, 1.0
+        while True:
+            scale = np.maximum(self._peak, np.abs(given))
+            scale = np.maximum(scale, 1e-9 * scale.max(initial=0.0))
+            error = self._error(residual, scale)
+            if error <= self._tolerance.relative:
+                self._peak = np.maximum(self._peak, np.abs(given))
+                return given
+            if left <= 0 or not np.isfinite(error):
+                raise UserError(
+                    f"step {index} (t = {time:.6g} s): the forces of pipe and clamps don't agree after "
+                    f"{self._tolerance.trials} trials: they differ by {error:.1e} of the largest force, expected at "
+                    f"most {self._tolerance.relative:.1e}; use a smaller step_s or more max_iterations"
+                )
+            if rejected == 2:  # the secant has lost its way: measure the Jacobian
+                self._measure(answer, force, residual, scale)
+                left -= force.size
+            change = -share * np.linalg.solve(self._jacobian, residual)
+            trial = force + change
+            trial_given = answer(trial)
+            left -= 1
+            trial_residual = trial_given - trial
+            trial_error = self._error(trial_residual, scale)
+            surprise = trial_residual - residual - self._jacobian @ change
+            self._learn(surprise, change)
+            if trial_error < error:
+                force, given, residual = trial, trial_given, trial_residual
+                rejected, share = 0, min(1.0, 2 * share)
+            else:
+                rejected += 1
+                # With one clamp the secant through a point on the other side of the kink is already a shorter step.
+                share = share / 2 if rejected >= 2 else share
+
+    @staticmethod
+    def _error(residual: NDArray[np.floating], scale: NDArray[np.floating]) -> float:
+        """Give the largest residual as a share of the forces' scale."""
+        return float(np.max(np.abs(residual) / np.where(scale > 0, scale, 1.0), initial=0.0))
+
+    def _learn(self, surprise: NDArray[np.floating], change: NDArray[np.floating]) -> None:
+        """Correct the Jacobian by Broyden's rank-one update, unless that would make it useless."""
+        square = float(change @ change)
+        if square == 0.0 or not np.all(np.isfinite(surprise)):
+            return
+        candidate = self._jacobian + np.outer(surprise, change) / square
+        # The pipe gives way to a force and a clamp resists motion: the true eigenvalues are at most -1.
+        if np.max(np.linalg.eigvals(candidate).real) < SHALLOWEST:
+            self._jacobian = candidate
+
+    def _measure(self, answer: Callable[[Array], Array], force: Array, residual: Array, scale: Array) -> None:
+        """Find the Jacobian by finite differences."""
+        for column in range(force.size):
+            moved = force.copy()
+            moved[column] += 10 * self._tolerance.relative * scale[column]
+            difference = (answer(moved) - moved) - residual
+            self._jacobian[:, column] = difference / (moved[column] - force[column])

@@ -1,0 +1,135 @@
+"""SYSTEM.toml: a pipe, the laws of its clamps, the excitation and how to run them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from pipeclamp.toml_file import Name, Number, Positive, Table, read_table
+from pipeclamp_identification.coupling import Scheme
+
+
+class PipeSource(Table):
+    """The pipe: its description, or a finished FMU."""
+
+    file: str | None = None
+    fmu: str | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.file is None) == (self.fmu is None):
+            raise ValueError("expected either file = 'PIPE.toml' or fmu = 'pipe.fmu'")
+        return self
+
+
+class ClampSource(Table):
+    """One clamp: where it sits, its law or finished FMU, and the motion that its law's coefficients are taken for.
+
+    With `track` amplitude and frequency are estimated from the motion itself, started from the values given here.
+    """
+
+    at: Name
+    law: str | None = None
+    fmu: str | None = None
+    temperature_C: Annotated[Number, Field(gt=-273.15)]
+    amplitude_mm: Positive | None = None
+    frequency_Hz: Positive | None = None
+    track: bool = False
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.law is None) == (self.fmu is None):
+            raise ValueError("expected either law = 'LAW.json' or fmu = 'clamp.fmu'")
+        if self.amplitude_mm is None and not self.track:
+            raise ValueError("amplitude_mm is missing: the law's coefficients depend on it; give it, or track = true")
+        return self
+
+
+class ExcitationTable(Table):
+    """The excitation: a sine, a sweep or a record; of the base's acceleration or displacement, or of the force."""
+
+    kind: Literal["sine", "sweep", "record"]
+    acceleration_m_s2: Positive | None = None
+    displacement_mm: Positive | None = None
+    force_N: Positive | None = None
+    frequency_Hz: Positive | None = None
+    from_Hz: Positive | None = None
+    to_Hz: Positive | None = None
+    file: str | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        amplitudes = [self.acceleration_m_s2, self.displacement_mm, self.force_N]
+        given = {
+            name
+            for name in ("acceleration_m_s2", "displacement_mm", "force_N", "frequency_Hz", "from_Hz", "to_Hz", "file")
+            if getattr(self, name) is not None
+        }
+        needed = {"sine": {"frequency_Hz"}, "sweep": {"from_Hz", "to_Hz"}, "record": {"file"}}[self.kind]
+        allowed = needed | (set() if self.kind == "record" else {"acceleration_m_s2", "displacement_mm", "force_N"})
+        if needed - given:
+            raise ValueError(f"kind = {self.kind!r} needs {', '.join(sorted(needed - given))}")
+        if given - allowed:
+            raise ValueError(f"{', '.join(sorted(given - allowed))} doesn't belong to kind = {self.kind!r}")
+        if self.kind != "record" and sum(value is not None for value in amplitudes) != 1:
+            raise ValueError("expected one amplitude: acceleration_m_s2, displacement_mm (of the base) or force_N")
+        return self
+
+
+class RunTable(Table):
+    """How to run: until when, in which macro steps, coupled how, to which tolerance."""
+
+    stop_s: Positive
+    step_s: Positive
+    scheme: Scheme = "iterated"
+    tolerance: Annotated[Positive, Field(lt=0.1)] = 1e-6
+    max_iterations: Annotated[int, Field(strict=True, ge=2, le=10_000)] = 60
+
+    @model_validator(mode="after")
+    def _sensible(self) -> Self:
+        if self.step_s > self.stop_s:
+            raise ValueError(f"step_s = {self.step_s:g} is longer than stop_s = {self.stop_s:g}")
+        if self.stop_s / self.step_s > 5e7:
+            raise ValueError(f"stop_s/step_s = {self.stop_s / self.step_s:.0f} steps; expected at most 50 million")
+        return self
+
+    @property
+    def steps(self) -> int:
+        """How many macro steps."""
+        return max(1, round(self.stop_s / self.step_s))
+
+
+class SystemDescription(Table):
+    """A coupled system; paths are relative to the file they stand in."""
+
+    name: str = "system"
+    notes: str = ""
+    pipe: PipeSource
+    clamps: tuple[ClampSource, ...] = ()
+    excitation: ExcitationTable
+    run: RunTable
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        seen: set[str] = set()
+        for index, clamp in enumerate(self.clamps, 1):
+            if clamp.at in seen:
+                raise ValueError(f"clamps[{index}].at = {clamp.at!r} is there twice; expected one law per place")
+            seen.add(clamp.at)
+            if clamp.frequency_Hz is None and self.excitation.kind != "sine" and not clamp.track:
+                raise ValueError(
+                    f"clamps[{index}].frequency_Hz is missing: the law's coefficients depend on it and the excitation "
+                    "isn't one sine; give it, or track = true"
+                )
+        return self
+
+
+def read_system(path: Path) -> SystemDescription:
+    """Read a coupled system.
+
+    Raises:
+        UserError: the file is missing, is not TOML, or describes no system; the message names the place.
+    """
+    return read_table(path, SystemDescription)

@@ -1,0 +1,228 @@
+"""The coupling schemes on plain Python participants: order, stiffness, stopping."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from math import pi, sin
+
+import numpy as np
+import pytest
+
+from pipeclamp import pipe_step
+from pipeclamp.errors import UserError
+from pipeclamp.pipe import ReducedPipe, reduce
+from pipeclamp.pipe_description import parse_pipe
+from pipeclamp_identification.coupling import ORDER, Scheme, System, Tolerance, march
+from pipeclamp_identification.monolithic import ClampEquations, solve_monolithic
+
+PIPE = """
+name = "bench"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 3.0
+material = "316L"
+[ends]
+left = "clamped"
+right = "free"
+[[clamps]]
+name = "first"
+position_m = 2.0
+[[clamps]]
+name = "second"
+position_m = 3.0
+[damping]
+ratio = 0.01
+[modes]
+up_to_Hz = 200
+"""
+
+
+coefficients = cache(pipe_step.coefficients)
+
+
+@cache
+def reduced(clamps: int) -> ReducedPipe:
+    return reduce(
+        parse_pipe(PIPE if clamps == 2 else PIPE.replace('[[clamps]]\nname = "second"\nposition_m = 3.0', ""))
+    )
+
+
+class PlainPipe:
+    """A reduced pipe as a participant."""
+
+    def __init__(self, pipe: ReducedPipe, clamps: int, at_end: bool) -> None:
+        self.pipe, self.at_end = pipe, at_end
+        self.shapes = pipe.clamp_shapes[:clamps]
+        self.state = ([0.0] * len(pipe.omega), [0.0] * len(pipe.omega), (0.0,) * (clamps + 1))
+        self.saved = self.state
+        self.inputs: tuple[float, ...] = self.state[2]
+
+    def set_inputs(self, values: Sequence[float]) -> None:
+        self.inputs = tuple(values)
+
+    def load(self, mode: int, inputs: Sequence[float]) -> float:
+        given = self.pipe.excitation_participation[mode] * inputs[0]
+        return given - sum(shape[mode] * force for shape, force in zip(self.shapes, inputs[1:], strict=True))
+
+    def step(self, time: float, h: float) -> None:
+        q, p, before = self.state
+        first = before if self.at_end else self.inputs
+        moved = [
+            pipe_step.step(
+                coefficients(omega, damping, h),
+                q[i],
+                p[i],
+                self.load(i, first),
+                self.load(i, self.inputs),
+            )
+            for i, (omega, damping) in enumerate(zip(self.pipe.omega, self.pipe.damping, strict=True))
+        ]
+        self.state = ([entry[0] for entry in moved], [entry[1] for entry in moved], self.inputs)
+
+    def outputs(self) -> list[float]:
+        q, p, _ = self.state
+        return [float(np.dot(shape, q)) for shape in self.shapes] + [float(np.dot(shape, p)) for shape in self.shapes]
+
+    def save(self) -> None:
+        self.saved = self.state
+
+    def restore(self) -> None:
+        self.state = self.saved
+
+
+class PlainClamp:
+    """A clamp's equations as a participant."""
+
+    def __init__(self, equations: ClampEquations) -> None:
+        self.equations = equations
+        self.state = self.saved = (equations.start, 0.0, equations.force(equations.start, 0.0, 0.0))
+        self.inputs = (0.0, 0.0)
+
+    def set_inputs(self, values: Sequence[float]) -> None:
+        self.inputs = (1e3 * values[0], 1e3 * values[1])
+
+    def step(self, time: float, h: float) -> None:
+        own, before, _ = self.state
+        y, v = self.inputs
+        force, _, after = self.equations.step(self.equations.coefficients, own, before, y, v, h)
+        self.state = (after, y, force)
+
+    def outputs(self) -> tuple[float]:
+        return (self.state[2],)
+
+    def save(self) -> None:
+        self.saved = self.state
+
+    def restore(self) -> None:
+        self.state = self.saved
+
+
+def smooth(k1: float, k3: float, c: float) -> ClampEquations:
+    """Spring, cubic spring and dashpot: N/mm, N/mm3, N s/mm."""
+
+    def step(k, state, y_previous, y, v, h):  # type: ignore[no-untyped-def]
+        return k1 * y + k3 * y**3 + c * v, 0.0, ()
+
+    return ClampEquations((), (), step)
+
+
+def dry(k1: float, slip: float, alpha: float = 0.3) -> ClampEquations:
+    """Spring and |v|^alpha sgn v, steep at v = 0: N/mm, N."""
+
+    def step(k, state, y_previous, y, v, h):  # type: ignore[no-untyped-def]
+        return k1 * y + slip * v * (v * v + 0.1**2) ** ((alpha - 1) / 2), 0.0, ()
+
+    return ClampEquations((), (), step)
+
+
+def elastic_slip(k_s: float, slip: float) -> ClampEquations:
+    """A Jenkins element: N/mm, N."""
+
+    def step(k, state, y_previous, y, v, h):  # type: ignore[no-untyped-def]
+        z = min(slip, max(-slip, state[0] + k_s * (y - y_previous)))
+        return z, 0.0, (z,)
+
+    return ClampEquations((0.0,), (), step)
+
+
+def excitation(frequency: float) -> Callable[[float], float]:
+    return lambda t: 2.0 * sin(2 * pi * frequency * t)
+
+
+def coupled(clamps: Sequence[ClampEquations], scheme: Scheme, frequency: float) -> System:
+    pipe = PlainPipe(reduced(len(clamps)), len(clamps), scheme == "iterated")
+    return System(pipe, tuple(PlainClamp(clamp) for clamp in clamps), excitation(frequency))
+
+
+def error(clamps: Sequence[ClampEquations], scheme: Scheme, end: float, steps: int, frequency: float) -> float:
+    """Give the largest error of a displacement against the monolithic solution, as a share of the largest one."""
+    h = end / steps
+    points = list(march(coupled(clamps, scheme, frequency), scheme, h, steps, Tolerance(1e-9, 200)))
+    ours = np.array([point.displacement for point in points])
+    time = np.arange(steps + 1) * h
+    exact = solve_monolithic(reduced(len(clamps)), clamps, excitation(frequency), time, 1e-10).displacement
+    return float(np.abs(ours - exact).max() / np.abs(exact).max())
+
+
+LAWS = {
+    "two smooth clamps": ([smooth(2.0, 0.5, 0.05), smooth(1.0, 0.0, 0.02)], 0.4, 9.0),
+    "one, 15 times as stiff as the pipe": ([smooth(300.0, 0.0, 0.05)], 0.2, 30.0),
+}
+
+
+@pytest.mark.parametrize("scheme", ["parallel", "sequential", "iterated"])
+@pytest.mark.parametrize("laws", LAWS)
+def test_error_falls_with_the_macro_step_at_the_stated_order(laws: str, scheme: Scheme) -> None:
+    clamps, end, frequency = LAWS[laws]
+    coarse, fine = (error(clamps, scheme, end, steps, frequency) for steps in (1200, 2400))
+    assert np.log2(coarse / fine) == pytest.approx(ORDER[scheme], abs=0.15)
+    assert fine < {1: 0.12, 2: 2e-4}[ORDER[scheme]]
+
+
+@pytest.mark.parametrize(
+    ("clamps", "limit"),
+    [
+        ([dry(20.0, 10.0)], 2e-4),
+        ([dry(300.0, 30.0), dry(100.0, 30.0)], 2e-4),
+        ([elastic_slip(300.0, 10.0)], 5e-4),
+        ([elastic_slip(300.0, 10.0), dry(30.0, 10.0)], 1e-3),
+        ([smooth(20_000.0, 0.0, 0.1)], 0.02),  # a thousand times as stiff as the pipe
+    ],
+)
+def test_steep_and_stiff_laws_converge(clamps: list[ClampEquations], limit: float) -> None:
+    assert error(clamps, "iterated", 0.3, 900, 15.0) < limit
+
+
+def test_few_trials_are_needed_where_plain_repetition_would_diverge() -> None:
+    """Over one step the clamp is stiffer than the pipe, so that f := clamps(pipe(f)) would grow."""
+    clamps = [smooth(20_000.0, 0.0, 0.1)]
+    points = list(march(coupled(clamps, "iterated", 15.0), "iterated", 1e-3, 200, Tolerance()))
+    assert np.mean([point.trials for point in points[1:]]) < 4
+
+    system = coupled(clamps, "iterated", 15.0)
+    force, answers = 1.0, []
+    system.clamps[0].save()
+    system.pipe.save()
+    for _ in range(10):
+        system.pipe.restore()
+        system.clamps[0].restore()
+        system.pipe.set_inputs((0.0, force))
+        system.pipe.step(0.0, 1e-3)
+        system.clamps[0].set_inputs(system.pipe.outputs())
+        system.clamps[0].step(0.0, 1e-3)
+        answers.append(force := system.clamps[0].outputs()[0])
+    assert abs(answers[-1]) > 5 * abs(answers[0])
+
+
+def test_a_step_that_does_not_converge_is_named() -> None:
+    system = coupled([dry(300.0, 300.0)], "iterated", 15.0)
+    with pytest.raises(UserError, match=r"step \d+ \(t = .* s\).*2 trials.*smaller step_s"):
+        list(march(system, "iterated", 1e-3, 300, Tolerance(1e-12, 2)))
+
+
+def test_no_clamps_is_the_bare_pipe() -> None:
+    pipe = reduced(2)
+    system = System(PlainPipe(pipe, 0, True), (), excitation(10.0))
+    assert list(march(system, "iterated", 1e-3, 5, Tolerance()))[-1].force == ()
