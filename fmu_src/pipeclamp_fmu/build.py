@@ -1,0 +1,103 @@
+"""Building FMUs: a law into a clamp, a described pipe into a pipe."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from pathlib import Path
+
+import sympy as sp
+
+from pipeclamp import symbols
+from pipeclamp.errors import UserError
+from pipeclamp.law import Equations
+from pipeclamp.parameter_file import Interval, LawFile, law_of
+from pipeclamp.realise.scalar import clamp_equations, python_source
+from pipeclamp_fmu.clamp import ClampModel, clamp_content
+from pipeclamp_fmu.packing import write_fmu
+from pipeclamp_fmu.passivity import require_dissipation
+
+KNOWN_SIGNALS = {symbols.A, symbols.f, symbols.T}
+"""The slow signals that a clamp FMU has."""
+
+
+def version() -> str:
+    """Give this program's version."""
+    return importlib.metadata.version("pipeclamp")
+
+
+def build_clamp(file: LawFile, output: Path) -> str:
+    """Build a clamp FMU (FMI 2.0 co-simulation, Python) from a law.
+
+    Args:
+        file: the law.
+        output: the FMU to write, whole or not at all.
+
+    Returns:
+        the FMU's model identifier, unique for its content.
+
+    Raises:
+        UserError: the law would create energy over some closed cycle in its range, needs a signal that the FMU doesn't
+            have, or the FMU can't be written.
+    """
+    model = clamp_model(file)
+    require_dissipation(model.name, model.source, model.range_A, model.range_f, model.range_T)
+    return write_fmu(clamp_content(model, version()), output)
+
+
+def clamp_model(file: LawFile) -> ClampModel:
+    """Give a law as the clamp FMU needs it.
+
+    Raises:
+        UserError: the law depends on a slow signal other than A, f and T.
+    """
+    law = law_of(file)
+    equations = clamp_equations(law)
+    strange = sorted(str(symbol) for symbol in equations.slow_signals - KNOWN_SIGNALS)
+    if strange:
+        raise UserError(
+            f"law {file.name!r} depends on {', '.join(strange)}, which a clamp FMU has no input for; expected a law of "
+            "A, f and T: identify it without the effects that bring these in"
+        )
+    entries = [(name, file.coefficients[name]) for name in equations.names]
+    return ClampModel(
+        name=file.name,
+        source=python_source(law),
+        range_A=_ends(file.range["A"]),
+        range_f=_ends(file.range["f"]),
+        range_T=_ends(file.range["T"]),
+        equations=equation_lines(equations),
+        parameters=[
+            (
+                name,
+                f"{entry.value:.6g}",
+                entry.state if entry.standard_error is None else f"{entry.standard_error:.2g}",
+                entry.unit,
+                entry.meaning,
+            )
+            for name, entry in entries
+        ],
+        notes=_notes(file),
+    )
+
+
+def _ends(interval: Interval) -> tuple[float, float]:
+    return (interval.minimum, interval.maximum)
+
+
+def equation_lines(equations: Equations) -> list[str]:
+    """Give a law's equations as lines of plain text."""
+    lines = [f"F = {sp.sstr(equations.force)}"]
+    lines += [f"{entry.symbol} = {sp.sstr(entry.expression)}" for entry in equations.coefficients]
+    lines += [f"{state.symbol} after a step = {sp.sstr(state.update)}" for state in equations.states]
+    return lines
+
+
+def _notes(file: LawFile) -> list[str]:
+    notes = [file.notes] if file.notes else []
+    effects = f" with {', '.join(file.effects)}" if file.effects else ""
+    notes.append(f"Base law {file.base}{effects}; data: {file.data.name} ({file.data.fingerprint}).")
+    smoothing = f"sgn v is smooth below v_r = {file.smoothing['v_r']:.3g} mm/s"
+    notes.append(f"{smoothing}, sgn y below y_r = {file.smoothing['y_r']:.3g} mm.")
+    if file.fit is not None:
+        notes.append(f"Error of the force against its data: nrmse {file.fit.nrmse:.4f}.")
+    return notes

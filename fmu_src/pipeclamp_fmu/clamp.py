@@ -1,0 +1,187 @@
+"""What a clamp's FMU is made of, from a law's generated source."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+
+from pipeclamp_fmu import clamp_slave
+from pipeclamp_fmu.documentation import Section, page
+from pipeclamp_fmu.model_description import ModelText, Quantity
+from pipeclamp_fmu.one_module import with_inlined
+from pipeclamp_fmu.packing import Content
+from pipeclamp_fmu.passivity import Interval, loaded
+
+MARGIN = 10.0
+"""min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
+
+TEMPERATURES = (1.0, 2000.0)
+"""min and max of temperatures, K: above absolute zero, and above what any steel stands."""
+
+STEPS_PER_CYCLE = 200
+"""Of the default experiment, at the highest frequency in range."""
+
+
+@dataclass(frozen=True)
+class ClampModel:
+    """A law as the clamp FMU needs it.
+
+    Attributes:
+        name: the law's name.
+        source: its generated source, see `pipeclamp.realise.scalar.python_source`.
+        range_A: amplitudes that its data hold, mm.
+        range_f: frequencies, Hz.
+        range_T: temperatures, K.
+        equations: for the documentation, one line each.
+        parameters: for the documentation: symbol, value, standard error, unit, meaning.
+        notes: for the documentation: what else to say of the law, its data and its quality.
+    """
+
+    name: str
+    source: str
+    range_A: Interval
+    range_f: Interval
+    range_T: Interval
+    equations: Sequence[str] = ()
+    parameters: Sequence[Sequence[str]] = ()
+    notes: Sequence[str] = ()
+
+
+def source_text(module: str) -> str:
+    """Give the text of a module of this package."""
+    return resources.files("pipeclamp_fmu").joinpath(f"{module}.py").read_text(encoding="utf-8")
+
+
+def clamp_module(model: ClampModel) -> str:
+    """Give the slave's one module: values, law, slave."""
+    law = "\n".join(
+        [
+            f"LAW_NAME = {model.name!r}",
+            f"RANGE_A = {model.range_A!r}",
+            f"RANGE_f = {model.range_f!r}",
+            f"RANGE_T = {model.range_T!r}",
+            "",
+            model.source,
+        ]
+    )
+    return with_inlined(
+        source_text("clamp_slave"),
+        {"pipeclamp_fmu.plain_slave": source_text("plain_slave"), "pipeclamp_fmu.stand_in_law": law},
+    )
+
+
+def usual(value: float) -> float:
+    """Give the value to one digit, as a nominal value; 1 for zero."""
+    return float(f"{abs(value):.0e}") or 1.0
+
+
+def quantities(model: ClampModel) -> Mapping[str, Quantity]:
+    """Give what an importer should know of the clamp's variables."""
+    law = loaded(model.source)
+    A, f, T = (clamp_slave.middle(interval) for interval in (model.range_A, model.range_f, model.range_T))
+    start = tuple(value for _, value in law.states)
+    force = usual(law.step(law.coefficients(A, f, T), start, 0.0, A, 0.0, 1 / (4 * f))[0])
+    farthest = MARGIN * model.range_A[1] / 1000
+    fastest = 2 * math.pi * MARGIN * model.range_f[1] * farthest
+    s = usual(A / 1000)
+    v = usual(2 * math.pi * f * A / 1000)
+
+    def amplitude(text: str) -> Quantity:
+        return Quantity(text, "m", "mm", model.range_A[0] / 1000 / MARGIN, farthest, s)
+
+    def frequency(text: str) -> Quantity:
+        return Quantity(text, "Hz", "", model.range_f[0] / MARGIN, MARGIN * model.range_f[1], usual(f))
+
+    def temperature(text: str) -> Quantity:
+        return Quantity(text, "K", "degC", *TEMPERATURES, usual(T))
+
+    def in_range(interval: Interval, unit: str) -> str:
+        return f"(law's range {interval[0]:g} to {interval[1]:g} {unit})"
+
+    range_A, range_f = in_range(model.range_A, "mm"), in_range(model.range_f, "Hz")
+    range_T = in_range(model.range_T, "K")
+    return {
+        "flange.s": Quantity("displacement of the clamp at the end of the step", "m", "mm", -farthest, farthest, s),
+        "flange.v": Quantity("its velocity at the end of the step", "m/s", "mm/s", -fastest, fastest, v),
+        "T_in": temperature(f"temperature, used where useTemperatureInput is true {range_T}"),
+        "A": amplitude(f"amplitude of the motion {range_A}"),
+        "f": frequency(f"frequency of the motion {range_f}"),
+        "T": temperature(f"temperature of the clamp {range_T}"),
+        "flange.f": Quantity("force into the clamp; a spring gives +c s", "N", "", -1e3 * force, 1e3 * force, force),
+        "A_used": amplitude("amplitude that the law is evaluated with"),
+        "f_used": frequency("frequency that the law is evaluated with"),
+        "T_used": temperature("temperature that the law is evaluated with"),
+        "energyDissipated": Quantity(
+            "work of flange.f on the clamp less what the clamp stores", "J", "", -1e6, 1e6, usual(force * s)
+        ),
+        "useTemperatureInput": Quantity("take T_in in place of the parameter T"),
+        "track": Quantity("estimate amplitude and frequency from the motion, starting from A and f"),
+        "inRange": Quantity("A, f, T of the motion and the displacement lie inside the law's range"),
+    }
+
+
+def clamp_content(model: ClampModel, version: str) -> Content:
+    """Give all that goes into the clamp's FMU."""
+    text = ModelText(
+        name=f"Pipe clamp, law {model.name}",
+        description="Hysteretic force of a pipe clamp from displacement, velocity and temperature",
+        version=version,
+        step_size=usual(1 / (STEPS_PER_CYCLE * model.range_f[1])),
+    )
+    described = quantities(model)
+    return Content(
+        kind="clamp",
+        source=clamp_module(model),
+        class_name=clamp_slave.ClampSlave.__name__,
+        text=text,
+        quantities=described,
+        initial_inputs=(*clamp_slave.INPUTS, *clamp_slave.PARAMETERS, *clamp_slave.BOOLEAN_PARAMETERS),
+        documentation=page(text.name, (text.description + ".", *model.notes), _sections(model, described)),
+    )
+
+
+def _sections(model: ClampModel, described: Mapping[str, Quantity]) -> list[Section]:
+    ranges = (("A", model.range_A, "mm"), ("f", model.range_f, "Hz"), ("T", model.range_T, "K"))
+    return [
+        Section(
+            "Equations",
+            ("y in mm, v in mm/s, force F in N; A, f, T are amplitude (mm), frequency (Hz), temperature (K).",),
+            model.equations,
+        ),
+        Section("Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters),
+        Section(
+            "Range",
+            (
+                "Where the law's data lie. Outside, the clamp warns once and inRange is false; so it is for "
+                "displacements beyond the largest amplitude.",
+            ),
+            (),
+            ("quantity", "from", "to", "unit"),
+            [(name, f"{low:g}", f"{high:g}", unit) for name, (low, high), unit in ranges],
+        ),
+        Section(
+            "Variables",
+            (),
+            (),
+            ("name", "unit", "meaning"),
+            [(name, entry.unit or "-", entry.description) for name, entry in described.items()],
+        ),
+        Section(
+            "Use",
+            (
+                "flange.s and flange.v are the values at the end of a step; from the last communication point to them "
+                "the motion is straight. A master that steps all models in parallel therefore sees the force one step "
+                "late.",
+                "With track, amplitude and frequency come from averages of y, y^2 and v^2 over the last few cycles "
+                f"(two first-order filters in a row, time constant {clamp_slave.AVERAGING:g} periods each): "
+                "A = sqrt(2 var y), 2 pi f = sqrt(<v^2>/var y), held inside the range.",
+                "energyDissipated is the work done on the clamp less the change of what it stores, at the "
+                "coefficients of the step; what a change of A, f or T does to the stored energy is not in it.",
+                "A step with a value that can't be (NaN or infinite; A, f or T not above 0; a step not above 0) is "
+                "discarded with a logged error, the state untouched.",
+                "States are saved, restored and serialised exactly. Standard library of Python only.",
+            ),
+        ),
+    ]

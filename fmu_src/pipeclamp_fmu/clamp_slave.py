@@ -1,0 +1,250 @@
+"""The clamp as an FMI 2.0 co-simulation slave on the standard library alone.
+
+The builder makes one module of this file, `plain_slave` and a generated law in place of `stand_in_law`, and gives the
+class a name of its own, since all Python FMUs of a process share one interpreter.
+
+Inputs are the values at the end of the step; between two communication points the motion is straight.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from pythonfmu.enums import Fmi2Status
+
+from pipeclamp_fmu.plain_slave import Fmi2Slave
+from pipeclamp_fmu.stand_in_law import LAW_NAME, RANGE_A, RANGE_T, STATES, RANGE_f, coefficients, step
+
+MM = 1000.0
+"""mm in a metre: the law is in mm, the FMU's boundary in m."""
+
+INPUTS = ("flange.s", "flange.v", "T_in")
+PARAMETERS = ("A", "f", "T")
+OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated")
+S, V, T_IN, A, F, T, FORCE, A_USED, F_USED, T_USED, DISSIPATED = range(11)
+
+BOOLEAN_PARAMETERS = ("useTemperatureInput", "track")
+BOOLEAN_OUTPUTS = ("inRange",)
+USE_T_IN, TRACK, IN_RANGE = range(3)
+
+AVERAGING = 1.5
+"""Time constant of each of the tracker's two averages, in periods of the frequency in use."""
+
+SLACK = 1e-9
+"""Share by which a value may pass the end of its range: rounding of units, not more."""
+
+FARTHEST = RANGE_A[1] * (1 + SLACK)
+"""Farthest displacement that the law's data hold, mm."""
+
+AT_REST = tuple(start for _, start in STATES)
+"""The law's memory before anything has moved."""
+
+NO_VALUE = (ArithmeticError, ValueError)
+"""What a law raises where it has no value, far outside its range."""
+
+Motion = tuple[Any, float, float, float, float, tuple[float, ...]]
+Conditions = tuple[float, float, float, tuple[float, ...] | None]
+
+
+def middle(interval: tuple[float, float]) -> float:
+    """Give the middle of a range."""
+    return (interval[0] + interval[1]) / 2
+
+
+def within(value: float, interval: tuple[float, float]) -> bool:
+    """Tell whether the value lies in the range, but for rounding."""
+    return interval[0] * (1 - SLACK) <= value <= interval[1] * (1 + SLACK)
+
+
+def held(value: float, interval: tuple[float, float]) -> float:
+    """Give the nearest value in the range."""
+    return min(max(value, interval[0]), interval[1])
+
+
+def start_tracking(A: float, f: float) -> tuple[float, ...]:
+    """Give the averages of y, y^2 and v^2 (two stages each) of a sinusoid of this amplitude (mm) and frequency (Hz)."""
+    square = A * A / 2
+    speed = (2 * math.pi * f) ** 2 * square
+    return (0.0, 0.0, square, square, speed, speed)
+
+
+def track_motion(averages: tuple[float, ...], share: float, y: float, v: float) -> tuple[float, ...]:
+    """Move the averages towards the present motion: two one-pole filters in a row, of the same share per step."""
+    mean1, mean, square1, square, speed1, speed = averages
+    mean1 += share * (y - mean1)
+    square1 += share * (y * y - square1)
+    speed1 += share * (v * v - speed1)
+    return (
+        mean1,
+        mean + share * (mean1 - mean),
+        square1,
+        square + share * (square1 - square),
+        speed1,
+        speed + share * (speed1 - speed),
+    )
+
+
+def amplitude_and_frequency(averages: tuple[float, ...], frequency: float) -> tuple[float, float]:
+    """Give A (mm) and f (Hz) of the sinusoid that has these averages; without motion the frequency stays.
+
+    A = sqrt(2 var), 2 pi f = sqrt(<v^2>/var), var = <y^2> - <y>^2. All three averages are filtered alike, so that the
+    ripple of the mean under an offset cancels in var.
+    """
+    _, mean, _, square, _, speed = averages
+    variance = square - mean * mean
+    if variance <= (SLACK * RANGE_A[0]) ** 2:
+        return 0.0, frequency
+    return math.sqrt(2 * variance), math.sqrt(speed / variance) / (2 * math.pi)
+
+
+def in_use(conditions: Conditions) -> tuple[float, float, float]:
+    """Give A, f, T for the law: as set, or as tracked but held inside the law's range."""
+    amplitude, frequency, temperature, averages = conditions
+    if averages is None:
+        return amplitude, frequency, temperature
+    return held(amplitude, RANGE_A), held(frequency, RANGE_f), temperature
+
+
+class ClampSlave(Fmi2Slave):
+    """A pipe clamp: force from displacement, velocity and temperature.
+
+    Attributes:
+        _motion: coefficients, y, v, force, stored energy and memory at the last communication point, as the law has
+            them (mm, N, s).
+        _conditions: A (mm), f (Hz), T (K) of the motion, before they are held inside the range; the tracker's averages.
+        _inside: whether the conditions are inside the law's range.
+    """
+
+    KEPT = ("_motion", "_conditions", "_inside")
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(INPUTS, PARAMETERS, OUTPUTS, BOOLEAN_PARAMETERS, BOOLEAN_OUTPUTS, kwargs)
+        self._reals[A], self._reals[F] = middle(RANGE_A) / MM, middle(RANGE_f)
+        self._reals[T] = self._reals[T_IN] = middle(RANGE_T)
+        self._signals = T_IN  # a new temperature is a new condition, as a new parameter is
+        self._motion: Motion = ((), 0.0, 0.0, 0.0, 0.0, AT_REST)
+        self._conditions: Conditions = (middle(RANGE_A), middle(RANGE_f), middle(RANGE_T), None)
+        self._inside = True
+        self._warned = False  # not part of a saved state: what was said stays said
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Move to the inputs' displacement and velocity; refuse what can't be, the state untouched."""
+        reals = self._reals
+        y = MM * reals[S]
+        v = MM * reals[V]
+        total = y + v + step_size
+        settled = self._settled
+        if settled and step_size > 0.0 and total - total == 0.0:
+            k, y_before, _, force_before, energy_before, memory = self._motion
+        else:
+            prepared = self._prepare(step_size, y, v)
+            if isinstance(prepared, str):
+                return self._refuse(current_time, step_size, prepared)
+            conditions, (k, y_before, _, force_before, energy_before, memory) = prepared
+        try:
+            force, energy, memory = step(k, memory, y_before, y, v, step_size)
+        except NO_VALUE as error:
+            return self._refuse(current_time, step_size, f"the law has no value there ({error})")
+        total = force + energy
+        if total - total != 0.0:
+            return self._refuse(current_time, step_size, f"the force would be {force} N")
+        if not settled:
+            self._take(conditions)
+        reals[FORCE] = force
+        # Trapezoid of the force over the straight way, less what is stored; N mm to J.
+        reals[DISSIPATED] += 0.001 * (0.5 * (force_before + force) * (y - y_before) - (energy - energy_before))
+        self._motion = (k, y, v, force, energy, memory)
+        self._flags[IN_RANGE] = inside = self._inside and -FARTHEST <= y <= FARTHEST
+        if not (inside or self._warned):
+            self._warn(y)
+        return True
+
+    def _settings(self) -> tuple[float, float, float] | str:
+        """Give A (mm), f (Hz), T (K) that are set, or what is wrong with inputs and parameters."""
+        reals = self._reals
+        names = INPUTS + PARAMETERS
+        for name, value in zip(names, reals, strict=False):
+            if not math.isfinite(value):
+                return f"{name} is {value}; expected a finite number"
+        temperature = T_IN if self._flags[USE_T_IN] else T
+        for index, unit in ((A, "m"), (F, "Hz"), (temperature, "K")):
+            if reals[index] <= 0.0:
+                return f"{names[index]} is {reals[index]:g} {unit}; expected a value above 0 {unit}"
+        return MM * reals[A], reals[F], reals[temperature]
+
+    def _prepare(self, step_size: float, y: float, v: float) -> tuple[Conditions, Motion] | str:
+        """Give the conditions of the step and what it starts from, or why it can't be; nothing is changed."""
+        if not (step_size > 0.0 and math.isfinite(step_size)):
+            return "expected a finite step above 0 s"
+        settings = self._settings()
+        if isinstance(settings, str):
+            return settings
+        conditions: Conditions = (*settings, None)
+        if self._flags[TRACK]:
+            averages = self._conditions[3] or start_tracking(*settings[:2])
+            periods = step_size * held(self._conditions[1], RANGE_f)
+            averages = track_motion(averages, -math.expm1(-periods / AVERAGING), y, v)
+            conditions = (*amplitude_and_frequency(averages, self._conditions[1]), settings[2], averages)
+        try:
+            return conditions, self._under(conditions)
+        except NO_VALUE as error:
+            return f"the law has no value at A = {conditions[0]:g} mm, f = {conditions[1]:g} Hz ({error})"
+
+    def _under(self, conditions: Conditions) -> Motion:
+        """Give the motion as it stands under other conditions.
+
+        Force and stored energy at the old place are those of the new coefficients, so that what a change of
+        conditions does to the stored energy is not taken for dissipation.
+        """
+        k, y, v, _, _, memory = self._motion
+        after = coefficients(*in_use(conditions))
+        if after == k:
+            return self._motion
+        force, energy, _ = step(after, memory, y, y, v, 0.0)
+        return (after, y, v, force, energy, memory)
+
+    def _take(self, conditions: Conditions) -> None:
+        """Keep the conditions and show what is used of them."""
+        reals = self._reals
+        amplitude, reals[F_USED], reals[T_USED] = in_use(conditions)
+        reals[A_USED] = amplitude / MM
+        self._conditions = conditions
+        self._inside = all(map(within, conditions[:3], (RANGE_A, RANGE_f, RANGE_T)))
+        self._settled = conditions[3] is None
+
+    def _evaluate_start(self) -> None:
+        """Evaluate the law at the present inputs and parameters, with fresh memory."""
+        settings = self._settings()
+        if isinstance(settings, str):
+            self.log(f"start values: {settings}", Fmi2Status.error)
+            return
+        conditions: Conditions = (*settings, start_tracking(*settings[:2]) if self._flags[TRACK] else None)
+        reals = self._reals
+        y, v = MM * reals[S], MM * reals[V]
+        self._motion = ((), y, v, 0.0, 0.0, AT_REST)
+        try:
+            self._motion = self._under(conditions)
+        except NO_VALUE as error:
+            self.log(f"start values: the law has no value there ({error})", Fmi2Status.error)
+            return
+        self._take(conditions)
+        reals[FORCE] = self._motion[3]
+        self._flags[IN_RANGE] = self._inside and -FARTHEST <= y <= FARTHEST
+
+    def _warn(self, y: float) -> None:
+        """Say once where the law is used beyond its data."""
+        self._warned = True
+        amplitude, frequency, temperature, _ = self._conditions
+        quantities = (
+            ("A", amplitude, RANGE_A, "mm"),
+            ("f", frequency, RANGE_f, "Hz"),
+            ("T", temperature, RANGE_T, "K"),
+            ("|flange.s|", abs(y), (0.0, RANGE_A[1]), "mm"),
+        )
+        outside = [
+            f"{name} = {value:.6g} {unit} is outside {interval[0]:g} to {interval[1]:g} {unit}"
+            for name, value, interval, unit in quantities
+            if not within(value, interval)
+        ]
+        self.log(f"law {LAW_NAME} is used beyond its range: {'; '.join(outside)}", Fmi2Status.warning)

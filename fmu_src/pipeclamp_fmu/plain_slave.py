@@ -1,0 +1,154 @@
+"""pythonfmu's slave with values in flat lists: fast getters and setters, and a state that is exact.
+
+The slaves' common part. Its text goes into each FMU's one module, and its class keeps pythonfmu's name, because
+pythonfmu's library takes the first `class ...(Fmi2Slave):` of the module's file for the model.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pythonfmu
+from pythonfmu import Boolean, Fmi2Causality, Fmi2Variability, Real
+from pythonfmu.enums import Fmi2Status
+
+Names = tuple[str, ...]
+
+
+def tuples(value: Any) -> Any:
+    """Give lists, as JSON reads them, as the tuples that they were."""
+    return tuple(tuples(item) for item in value) if isinstance(value, list) else value
+
+
+class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
+    """A slave with Real inputs, parameters and outputs, then Boolean parameters and outputs.
+
+    A value reference is a variable's position in that order. pythonfmu's own getters and setters cost more than a
+    clamp's law; its saved states hold registered variables only, and not exactly. A subclass keeps what else changes
+    in attributes named in `KEPT`, as immutable values that JSON can hold.
+    """
+
+    KEPT: Names = ()
+
+    def __init__(
+        self,
+        inputs: Names,
+        parameters: Names,
+        outputs: Names,
+        boolean_parameters: Names,
+        boolean_outputs: Names,
+        kwargs: dict[str, Any],
+    ) -> None:
+        super().__init__(**kwargs)
+        reals = ((inputs, "input"), (parameters, "parameter"), (outputs, "output"))
+        booleans = ((boolean_parameters, "parameter"), (boolean_outputs, "output"))
+        for kind, groups, changing in (
+            (Real, reals, Fmi2Variability.continuous),
+            (Boolean, booleans, Fmi2Variability.discrete),
+        ):
+            for names, causality in groups:
+                variability = Fmi2Variability.tunable if causality == "parameter" else changing
+                for name in names:
+                    self.register_variable(
+                        kind(name, causality=Fmi2Causality[causality], variability=variability), nested=False
+                    )
+        self._reals = [0.0] * (len(inputs) + len(parameters) + len(outputs))
+        self._flags = [False] * (len(boolean_parameters) + len(boolean_outputs))
+        self._signals = len(inputs)  # these many, the first, may change with every step and unsettle nothing
+        self._settable = len(inputs) + len(parameters)
+        self._settable_flags = len(boolean_parameters)
+        self._settled = False  # no parameter has changed since the last step
+        self._initialising = True
+
+    # --- Values
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Give Real variables."""
+        if self._initialising:
+            self._evaluate_start()
+        reals = self._reals
+        return [reals[vr] for vr in vrs]
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set inputs and parameters; what is set shows in the outputs after the next step."""
+        reals = self._reals
+        signals = self._signals
+        for vr, value in zip(vrs, values):  # noqa: B905 (equally long by the standard; `strict` costs time)
+            if vr < signals:
+                reals[vr] = value
+            elif vr < self._settable:
+                if reals[vr] != value:
+                    reals[vr] = value
+                    self._settled = False
+            else:
+                self._refuse_setting(vr)
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """Give Boolean variables."""
+        if self._initialising:
+            self._evaluate_start()
+        return [self._flags[self._flag(vr)] for vr in vrs]
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """Set Boolean parameters."""
+        for vr, value in zip(vrs, values, strict=True):
+            if self._flag(vr) < self._settable_flags:
+                self._flags[self._flag(vr)] = bool(value)
+                self._settled = False
+            else:
+                self._refuse_setting(vr)
+
+    def _flag(self, vr: int) -> int:
+        """Give a Boolean's place among the Booleans."""
+        flag = vr - len(self._reals)
+        if not 0 <= flag < len(self._flags):
+            raise TypeError(f"value reference {vr} is not a Boolean of this model")
+        return flag
+
+    def _refuse_setting(self, vr: int) -> None:
+        self.log(f"{self.vars[vr].name} is an output and can't be set; the value is ignored", Fmi2Status.error)
+
+    # --- Initialisation
+
+    def _evaluate_start(self) -> None:
+        """Evaluate the outputs at the inputs and parameters as they stand before the first step."""
+        raise NotImplementedError
+
+    def exit_initialization_mode(self) -> None:
+        """Take the inputs and parameters as the start."""
+        self._evaluate_start()
+        self._initialising = False
+
+    def _refuse(self, current_time: float, step_size: float, reason: str) -> bool:
+        """Say why a step can't be done; a subclass hands this to the host as a discarded step."""
+        self.log(f"step from {current_time:g} s by {step_size:g} s discarded: {reason}", Fmi2Status.error)
+        return False
+
+    # --- State
+
+    def _get_fmu_state(self) -> tuple[Any, ...]:
+        return (
+            type(self).__name__,
+            tuple(self._reals),
+            tuple(self._flags),
+            self._settled,
+            self._initialising,
+            *[getattr(self, name) for name in self.KEPT],
+        )
+
+    def _set_fmu_state(self, state: tuple[Any, ...]) -> None:
+        owner, reals, flags, settled, initialising, *kept = state
+        if owner != type(self).__name__:
+            raise ValueError(f"the state is one of {owner}; expected one of {type(self).__name__}")
+        self._reals, self._flags, self._settled, self._initialising = list(reals), list(flags), settled, initialising
+        for name, value in zip(self.KEPT, kept, strict=True):
+            setattr(self, name, value)
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: tuple[Any, ...]) -> bytes:
+        return json.dumps(state).encode("utf-8")
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> Any:
+        return tuples(json.loads(state.decode("utf-8")))
