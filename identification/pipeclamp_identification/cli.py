@@ -35,7 +35,8 @@ app = typer.Typer(
     rich_markup_mode="rich",
     add_completion=False,
 )
-console = Console()
+WIDE = 150
+console = Console(width=None if sys.stdout.isatty() else WIDE)
 errors = Console(stderr=True)
 
 
@@ -90,15 +91,23 @@ def main() -> None:
 
 
 @app.command(epilog="Example: pipeclamp metrics my_campaign --report metrics.html")
-def metrics(campaign: CampaignFolder, json: JsonOption = None, report: ReportOption = None, strict: StrictOption = False) -> None:
+def metrics(
+    campaign: CampaignFolder, json: JsonOption = None, report: ReportOption = None, strict: StrictOption = False
+) -> None:
     """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
-    from pipeclamp_identification import metrics_report
+    from pipeclamp_identification.loops import loops_of
+    from pipeclamp_identification.metrics_report import metrics_sections
+    from pipeclamp_identification.metrics_summary import metrics_json
 
     with told("metrics") as tell:
         tests = _read(campaign, strict, tell)
-        answer, sections = metrics_report.metrics_answer(tests), metrics_report.metrics_sections(tests)
+        loops = loops_of(tests)
+        answer, sections = metrics_json(tests, loops), metrics_sections(tests, loops)
     _write(json, report, answer, f"Loop metrics of {tests.name}", tests.notes, sections)
-    _print_tables(sections)
+    for section in sections[:-1]:
+        for table in section.tables:
+            _print_table(table)
+    console.print(f"{len(tests.runs)} runs; every run is in --json and --report", highlight=False)
 
 
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
@@ -106,7 +115,9 @@ def identify(
     campaign: CampaignFolder,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW.json", help="The parameter file to write.")],
     effects: EffectsOption = "",
-    base: Annotated[BaseLaw, typer.Option(help="Base law: Eq. 17 (power), Eq. 14 (memory), Eq. 10 (series).")] = BaseLaw.power,
+    base: Annotated[
+        BaseLaw, typer.Option(help="Base law: Eq. 17 (power), Eq. 14 (memory), Eq. 10 (series).")
+    ] = BaseLaw.power,
     method: Annotated[FitMethod, typer.Option(help="All at once, or the paper's route by itself.")] = FitMethod.joint,
     freeze: Annotated[str, typer.Option(metavar="name=value,...", help="Parameters that are held, not fitted.")] = "",
     name: Annotated[str | None, typer.Option(help="Name of the law; the campaign's by default.")] = None,
@@ -137,7 +148,11 @@ def identify(
 
 @app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
 def compare(
-    law: LawArgument, campaign: CampaignFolder, json: JsonOption = None, report: ReportOption = None, strict: StrictOption = False
+    law: LawArgument,
+    campaign: CampaignFolder,
+    json: JsonOption = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
 ) -> None:
     """Hold a law against measurements: how much it errs, and where."""
     from pipeclamp.bundled import open_law
@@ -148,7 +163,14 @@ def compare(
         tests = _read(campaign, strict, tell)
         comparison = comparing.compare(file, tests)
         answer, sections = comparing.comparison_json(comparison), comparing.comparison_sections(comparison)
-    _write(json, report, answer, f"Law {file.name} against {tests.name}", f"base {file.base}, effects: {', '.join(file.effects) or 'none'}", sections)
+    _write(
+        json,
+        report,
+        answer,
+        f"Law {file.name} against {tests.name}",
+        f"base {file.base}, effects: {', '.join(file.effects) or 'none'}",
+        sections,
+    )
     console.print(sections[0].paragraphs[0], highlight=False)
     _print_table(comparing.worst_table(comparison, most=8))
 
@@ -170,7 +192,9 @@ def add(
     with told("add") as tell:
         file = open_law(law)
         tests = _read(campaign, strict, tell)
-        addition = adding.add_effect(file, effect, tests, command=_command(), date=None if reproducible else _now(), progress=tell)
+        addition = adding.add_effect(
+            file, effect, tests, command=_command(), date=None if reproducible else _now(), progress=tell
+        )
     write_whole(output, law_text(addition.after))
     _print_table(adding.addition_table(addition))
     _print_law(addition.after, output)
@@ -182,19 +206,20 @@ def effects() -> None:
     from pipeclamp.catalogue import entries, find_effect
     from pipeclamp_identification.report import Table
 
-    rows = []
-    for name, entry in entries().items():
-        effect = entry if (default := getattr(entry, "default", "")) is not None and not hasattr(entry, "build") else None
-        effect = effect or (find_effect(name) if default is not None else None)
-        if effect is not None:
-            rows.append((name, effect.part, effect.looks_like, ", ".join(effect.imitated_by), effect.told_apart_by))
+    catalogue = [find_effect(name) for name, entry in entries().items() if getattr(entry, "default", "") is not None]
+    rows = [
+        (effect.id, effect.part, effect.looks_like, ", ".join(effect.imitated_by), effect.told_apart_by)
+        for effect in catalogue
+    ]
     _print_table(Table(("id", "part", "looks like, when missing", "imitated by", "told apart by"), rows))
 
 
 @app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
 def rig(
     law: LawArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")
+    ],
     effects: EffectsOption = "",
     set_values: Annotated[str, typer.Option("--set", metavar="name=value,...", help="Values of parameters.")] = "",
     amplitudes: Annotated[str, typer.Option(metavar="mm,...")] = "0.2,0.5,0.8,1",
@@ -332,7 +357,12 @@ def _read(folder: Path, strict: bool, tell: Tell) -> Campaign:
 
 
 def _write(
-    json_path: Path | None, report: Path | None, answer: dict[str, Any] | None, title: str, subtitle: str, sections: list[Section]
+    json_path: Path | None,
+    report: Path | None,
+    answer: dict[str, Any] | None,
+    title: str,
+    subtitle: str,
+    sections: list[Section],
 ) -> None:
     if json_path:
         write_whole(json_path, json.dumps(answer, indent=1, allow_nan=False) + "\n")
@@ -340,12 +370,6 @@ def _write(
         from pipeclamp_identification.report import write_report
 
         write_report(report, title, subtitle, sections)
-
-
-def _print_tables(sections: list[Section]) -> None:
-    for section in sections:
-        for table in section.tables:
-            _print_table(table)
 
 
 def _print_table(table: Table) -> None:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile
-from pipeclamp.realise.arrays import realise
+from pipeclamp.realise.arrays import Array, realise
 from pipeclamp.realise.text import equation_lines
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.compare import Comparison, comparison_sections
 from pipeclamp_identification.identify import Identification
-from pipeclamp_identification.pictures import curves_picture, waterfall_picture
+from pipeclamp_identification.pictures import curves_picture, surface_picture
 from pipeclamp_identification.report import Section, Table
 
-POINTS = 60
+POINTS = 40
 
 
 def coefficient_table(file: LawFile) -> Table:
@@ -35,39 +37,45 @@ def identification_sections(file: LawFile, identification: Identification, campa
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations
     ]
-    steps = [(step.step, step.nrmse) for step in file.history]
-    noise = file.fit.noise_nrmse if file.fit else None
     return [
         Section("Law", equation_lines(law.structure)),
         Section("Parameters", correlations, [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
-        Section("Error, step by step", (), (), [waterfall_picture(steps, noise, "error", "Error after each step")]),
         *comparison_sections(comparison),
     ]
 
 
 def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
-    """Draw each coefficient over the conditions it depends on, the others at the middle of the law's range."""
+    """Draw each coefficient over each pair of conditions it depends on, the others at the middle of the range."""
     equations = compose(law.structure)
     compiled = realise(equations)
-    ranges = {name: (file.range[name].minimum, file.range[name].maximum) for name in compiled.slow if name in file.range}
-    middle = {name: (low + high) / 2 for name, (low, high) in ranges.items()}
+    ranges = {
+        name: np.linspace(file.range[name].minimum, file.range[name].maximum, POINTS)
+        for name in compiled.slow
+        if name in file.range and file.range[name].maximum > file.range[name].minimum
+    }
+    middle = {
+        name: (file.range[name].minimum + file.range[name].maximum) / 2 for name in compiled.slow if name in file.range
+    }
     values = [law.values[name] for name in equations.names]
+
+    def level(index: int, along: dict[str, Array]) -> Array:
+        shape = np.broadcast_shapes(*(entry.shape for entry in along.values()))
+        slow = [along.get(name, np.asarray(middle[name])) for name in compiled.slow]
+        return np.broadcast_to(compiled.coefficients(*slow, *values, law.v_r, law.y_r)[index], shape)
+
     figures = []
     for index, coefficient in enumerate(equations.coefficients):
         free = {str(symbol) for symbol in coefficient.expression.free_symbols}
-        curves = []
-        for name, (low, high) in ranges.items():
-            if name not in free or high <= low:
-                continue
-            along = np.linspace(low, high, POINTS)
-            slow = [along if other == name else np.full(POINTS, middle[other]) for other in compiled.slow]
-            level = np.broadcast_to(compiled.coefficients(*slow, *values, law.v_r, law.y_r)[index], along.shape)
-            share = (along - low) / (high - low)
-            curves.append((f"{name} from {low:.4g} to {high:.4g} {file.range[name].unit}", share, level, "lines"))
-        if curves:
-            title = f"{coefficient.symbol} over its conditions, the others at mid range"
-            figures.append(
-                curves_picture("place in the range, 0 to 1", f"{coefficient.symbol} / {coefficient.unit}", curves, title)
-            )
+        varied = [name for name in ranges if name in free]
+        label = f"{coefficient.symbol} / {coefficient.unit}"
+        axes = {name: f"{name} / {file.range[name].unit}" for name in varied}
+        for x, y in itertools.combinations(varied, 2):
+            surface = level(index, {x: ranges[x][None, :], y: ranges[y][:, None]})
+            title = f"{coefficient.symbol}({x}, {y})"
+            figures.append(surface_picture(axes[x], axes[y], ranges[x], ranges[y], surface, label, title))
+        if len(varied) == 1:
+            (x,) = varied
+            curve = (str(coefficient.symbol), ranges[x].tolist(), level(index, {x: ranges[x]}).tolist(), "lines")
+            figures.append(curves_picture(axes[x], label, [curve], f"{coefficient.symbol}({x})"))
     return figures

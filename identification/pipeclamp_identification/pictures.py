@@ -15,6 +15,7 @@ from pipeclamp_identification.report import MEASURED, MODEL, SERIES, styled
 
 PANELS_PER_ROW = 4
 PANEL_HEIGHT = 250
+BESIDE = "published "
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
     for row in range(1, rows + 1):
         figure.update_yaxes(title_text="F / N", row=row, col=1)
     figure = styled(figure, title, height=90 + PANEL_HEIGHT * rows)
-    return figure.update_layout(legend={"y": 1.0, "yanchor": "bottom", "x": 1.0, "xanchor": "right"}, margin={"t": 80})
+    return figure.update_layout(legend={"y": -70 / (PANEL_HEIGHT * rows)}, margin={"t": 80, "b": 80})
 
 
 def _closed(samples: Array) -> Array:
@@ -94,8 +95,41 @@ def _shade(index: int, count: int) -> str:
 def curves_picture(
     x: str, y: str, curves: Sequence[tuple[str, Sequence[float], Sequence[float], str]], title: str
 ) -> go.Figure:
-    """Draw curves (name, abscissae, ordinates, mode "lines", "markers" or "lines+markers") with axis titles x and y."""
-    figure = go.Figure([go.Scatter(x=list(xs), y=list(ys), mode=mode, name=name) for name, xs, ys, mode in curves])
+    """Draw curves (name, abscissae, ordinates, mode "lines", "markers" or "lines+markers") with axis titles x and y.
+
+    A curve named "published ..." gets the colour of the one without that word, and open markers.
+    """
+    named = list(dict.fromkeys(name.removeprefix(BESIDE) for name, *_ in curves))
+    figure = go.Figure(
+        [
+            go.Scatter(
+                x=list(xs), y=list(ys), mode=mode, name=name,
+                marker={"symbol": "circle-open" if name.startswith(BESIDE) else "circle", "size": 8},
+                line={"color": SERIES[named.index(name.removeprefix(BESIDE)) % len(SERIES)]},
+            )
+            for name, xs, ys, mode in curves
+        ]
+    )  # fmt: skip
+    figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
+    return styled(figure, title)
+
+
+def surface_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str, title: str) -> go.Figure:
+    """Draw a surface as contours with their values.
+
+    Args:
+        x, y: axis titles.
+        xs, ys: the grid, shapes (n,) and (m,).
+        level: shape (m, n).
+        label: name and unit of what is drawn.
+        title: the picture's title.
+    """
+    figure = go.Figure(
+        go.Contour(
+            x=xs, y=ys, z=level, colorscale="Blues", ncontours=14,
+            contours={"showlabels": True, "labelfont": {"size": 11}}, colorbar={"title": {"text": label}},
+        )
+    )  # fmt: skip
     figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
     return styled(figure, title)
 

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib import resources
-from io import BytesIO
 
 import numpy as np
 import numpy.typing as npt
-import polars as pl
 
 from pipeclamp.law import Law, Structure, compose, smoothing
-from pipeclamp.parameter_file import CoefficientEntry, DataSource, Interval, LawFile
+from pipeclamp.parameter_file import SCHEMA, CoefficientEntry, DataSource, Interval, LawFile
 from pipeclamp.response import law_response, sinusoids
 from pipeclamp_identification.fit import Fit, fit
+from pipeclamp_identification.identify import coefficient_entries, rounded
 from pipeclamp_identification.observations import MetricObservations
+from pipeclamp_identification.published_rows import published_rows
 
 CELSIUS = 273.15
+MADE_BY = "python build_scripts/bundled_laws.py"
 PAPER = "Jiang, Ding, Wu, Bai, Shao, Zi, Symmetry 2020, 12(8), 1283, doi 10.3390/sym12081283"
 FIGURE_14 = (
     (0.2, 2.0, 20.0), (0.2, 3.0, 20.0), (0.5, 4.0, 20.0), (0.5, 3.0, 100.0),
@@ -52,23 +52,20 @@ READINGS = (
 """What PUBLISHED_LAW.md leaves open, each combination by name; R1 errs least."""
 
 
-def published_tables() -> pl.DataFrame:
-    """Give Tables 2-5 of the paper as rows (specimen, conditions, eta, dW, W)."""
-    content = resources.files("pipeclamp").joinpath("data", "published_tables.csv").read_bytes()
-    return pl.read_csv(BytesIO(content)).filter(pl.col("dissipated_energy_J").is_not_null())
-
-
 def emwm2_observations() -> MetricObservations:
     """Give the 11 distinct conditions of specimen EMWM2 as observations of dW and W."""
-    table = (
-        published_tables()
-        .filter(pl.col("specimen") == "EMWM2")
-        .unique(subset=["amplitude_mm", "frequency_Hz", "temperature_C"], maintain_order=True)
+    distinct = {
+        (row.amplitude_mm, row.frequency_Hz, row.temperature_C): row
+        for row in published_rows()
+        if row.specimen == "EMWM2"
+    }
+    A, f, T = np.array(list(distinct)).T
+    rows = list(distinct.values())
+    return MetricObservations(
+        sinusoids(A, f, T + CELSIUS),
+        np.array([row.dissipated_energy_J for row in rows]),
+        np.array([row.max_elastic_energy_J for row in rows]),
     )
-    motion = sinusoids(
-        table["amplitude_mm"].to_numpy(), table["frequency_Hz"].to_numpy(), table["temperature_C"].to_numpy() + CELSIUS
-    )
-    return MetricObservations(motion, table["dissipated_energy_J"].to_numpy(), table["max_elastic_energy_J"].to_numpy())
 
 
 def metric_errors(observations: MetricObservations, law: Law) -> tuple[float, float, float]:
@@ -92,7 +89,7 @@ def reading_file(reading: Reading, software: str) -> LawFile:
     observations = emwm2_observations()
     _, dissipated, elastic = metric_errors(observations, law)
     return LawFile(
-        schema="pipeclamp-law-1",
+        schema=SCHEMA,
         name=reading.name,
         notes=f"The published law, read with {reading.notes}; without the sine term of c, which can't be recovered. "
         f"Against the paper's own Tables 2, 3, 5 it errs by {elastic:.1%} in W and {dissipated:.1%} in dW "
@@ -108,7 +105,7 @@ def reading_file(reading: Reading, software: str) -> LawFile:
         range=RANGE,
         data=DataSource(name=PAPER, fingerprint="none: printed coefficients", runs_used=0),
         software=software,
-        command="python build_scripts/bundled_laws.py",
+        command=MADE_BY,
     )
 
 
@@ -186,3 +183,29 @@ def _single_rows(result: Fit, observations: MetricObservations) -> tuple[tuple[f
         for row in everything
         if gain(np.delete(everything, row)) < ROWS_ALIKE * whole
     )
+
+
+def emwm2_file(software: str) -> LawFile:
+    """Give the parameter file of the law that fits the tables: the last step of the way."""
+    last = way()[-1]
+    assert last.fit is not None
+    return LawFile(
+        schema=SCHEMA,
+        name="emwm2",
+        notes="Fitted to dW and W of Tables 2, 3, 5 (specimen EMWM2, 11 conditions); "
+        f"rms log ratio {last.errors[0]:.2%}. "
+        "contact_growth rests on the one row at 300 degC.",
+        base=last.law.structure.base,
+        effects=last.law.structure.effects,
+        smoothing={"v_r": rounded(last.law.v_r), "y_r": rounded(last.law.y_r)},
+        coefficients=coefficient_entries(last.fit),
+        range=RANGE,
+        data=DataSource(name=PAPER, fingerprint="none: printed tables", runs_used=11),
+        software=software,
+        command=MADE_BY,
+    )
+
+
+def bundled_files(software: str) -> tuple[LawFile, ...]:
+    """Give every law file that comes with the program, made anew."""
+    return (*(reading_file(reading, software) for reading in READINGS), emwm2_file(software))

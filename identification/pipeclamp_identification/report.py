@@ -82,7 +82,7 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
     drawn = [
         [
             figure.to_html(full_html=False, include_plotlyjs=False, div_id=f"figure-{row}-{column}",
-                           config={"responsive": True, "displaylogo": False})
+                           config={"responsive": True, "displayModeBar": False})
             for column, figure in enumerate(section.figures)
         ]
         for row, section in enumerate(sections)

@@ -288,7 +288,9 @@ def write_campaign(
     try:
         work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
     except OSError as error:
-        raise UserError(f"{folder}: can't write there ({error.strerror}); expected an existing parent folder") from error
+        raise UserError(
+            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
+        ) from error
     try:
         (work / "runs").mkdir()
         count = 0

@@ -52,7 +52,7 @@ def loop_coefficients(loops: Loops, alpha: float | None = None) -> LoopCoefficie
     elastic -= loops.force[:, :1].real
     basis = np.stack([y, y**3], axis=2)
     transposed = np.swapaxes(basis, 1, 2)
-    solution: Array = np.linalg.solve(transposed @ basis, transposed @ elastic[:, :, None])
+    solution = np.linalg.solve(transposed @ basis, transposed @ elastic[:, :, None])
     peak = 2 * np.pi * loops.frequency_Hz * loops.amplitude_mm
     theta = 2 * np.pi * np.arange(GRID) / GRID
     # Odd harmonics only: even ones are asymmetry, which a power of |v| doesn't have.
@@ -70,8 +70,7 @@ def loop_coefficients(loops: Loops, alpha: float | None = None) -> LoopCoefficie
     quadrature = np.maximum(loops.force[:, 1].imag, 0.0)
     area = 2 * np.sqrt(np.pi) * gamma(exponents / 2 + 1) / gamma(exponents / 2 + 1.5)
     c: Array = np.pi * quadrature / (area * peak**exponents)
-    k1: Array = solution[:, 0, 0]
-    k3: Array = solution[:, 1, 0]
+    k1, k3 = np.asarray(solution[:, :, 0].T, dtype=np.float64)
     return LoopCoefficients(k1, k3, c, exponents)
 
 
