@@ -11,10 +11,13 @@ from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.law import Equations
 from pipeclamp.parameter_file import Interval, LawFile, law_of
+from pipeclamp.pipe import reduce
+from pipeclamp.pipe_description import PipeDescription
 from pipeclamp.realise.scalar import clamp_equations, python_source
 from pipeclamp_fmu.clamp import ClampModel, clamp_content
 from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_fmu.passivity import require_dissipation
+from pipeclamp_fmu.pipe import pipe_content
 
 KNOWN_SIGNALS = {symbols.A, symbols.f, symbols.T}
 """The slow signals that a clamp FMU has."""
@@ -42,6 +45,22 @@ def build_clamp(file: LawFile, output: Path) -> str:
     model = clamp_model(file)
     require_dissipation(model.name, model.source, model.range_A, model.range_f, model.range_T)
     return write_fmu(clamp_content(model, version()), output)
+
+
+def build_pipe(description: PipeDescription, output: Path) -> str:
+    """Build a pipe FMU (FMI 2.0 co-simulation, Python) from a description.
+
+    Args:
+        description: the pipe.
+        output: the FMU to write, whole or not at all.
+
+    Returns:
+        the FMU's model identifier, unique for its content.
+
+    Raises:
+        UserError: the description can't serve, or the FMU can't be written.
+    """
+    return write_fmu(pipe_content(reduce(description), version()), output)
 
 
 def clamp_model(file: LawFile) -> ClampModel:
