@@ -7,7 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.harmonics import Array, IntArray, cycle_harmonics, evaluate, unit_phasor
+from pipeclamp_identification.harmonics import (
+    Array,
+    IntArray,
+    carried_harmonics,
+    cycle_harmonics,
+    evaluate,
+    unit_phasor,
+)
 from pipeclamp_identification.records import Record, UnusableRecord
 
 # neighbouring cycles of a ramp differ by more than this share of the amplitude, in amplitude or in mean
@@ -83,7 +90,7 @@ def find_cycles(record: Record) -> Cycles:
     if duration <= 0.0 or len(time) < FEWEST_SAMPLES:
         raise UnusableRecord(f"no full cycle: {len(time)} samples over {duration:g} s")
     frequency = _coarse_frequency(time, y, interval)
-    _require_samples(time, frequency, interval)
+    _require_samples(time, y, frequency, interval)
     # what is coarse needs few samples; the frequency's last digits and the loops take all of them
     stride = max(1, int(1.0 / (SAMPLES_ENOUGH * frequency * interval)))
     first, last = _steady_samples(time[::stride], y[::stride], frequency, interval * stride)
@@ -100,8 +107,10 @@ def find_cycles(record: Record) -> Cycles:
     return Cycles(frequency, bounds, before=frequency * time[bounds[0]])
 
 
-def _require_samples(time: Array, frequency: float, interval: float) -> None:
+def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:
     if frequency * interval * FEWEST_SAMPLES > 1.0:
+        # the strongest line of noise lies anywhere
+        _require_vibration(y, *_fitted_sine(time, y, frequency))
         raise UnusableRecord(
             f"too few samples: {1.0 / (frequency * interval):.1f} per cycle at {frequency:.4g} Hz; "
             f"expected at least {FEWEST_SAMPLES}"
@@ -197,8 +206,9 @@ def _samples_that_follow(
 ) -> int:
     """Count the samples next to a steady cycle that repeat it, before the first that doesn't."""
     phase = 2 * np.pi * frequency * time[cycle]
-    count = min(3, (len(phase) - 1) // 4)
-    harmonics = cycle_harmonics(phase, np.array([0, len(phase)]), [y[cycle]], count)[0, 0]
+    whole = np.array([0, len(phase)])
+    count = min(DISTORTION, carried_harmonics(phase, whole))
+    harmonics = cycle_harmonics(phase, whole, [y[cycle]], count)[0, 0]
     noise = np.std(y[cycle] - evaluate(harmonics, phase))
     off = np.abs(y[beyond] - evaluate(harmonics, 2 * np.pi * frequency * time[beyond]))
     strays = np.flatnonzero((off[::-1] if backwards else off) > RAMP * abs(harmonics[1]) + 6 * noise)
@@ -232,16 +242,21 @@ def _fitted_sine(time: Array, y: Array, frequency: float) -> tuple[float, float]
 
 
 def _least_squares(basis: Array, y: Array) -> Array:
-    """Solve by the normal equations: the harmonics of whole cycles are nearly orthogonal."""
-    return np.asarray(np.linalg.solve(basis @ basis.T, basis @ y), dtype=np.float64)
+    """Solve by the normal equations: the harmonics of whole cycles are nearly orthogonal.
+
+    A trace of a ridge lets a record that is no vibration at all pass here, to be told so by what it leaves over.
+    """
+    gram = basis @ basis.T
+    gram[np.diag_indices_from(gram)] += 1e-13 * np.trace(gram)
+    return np.asarray(np.linalg.solve(gram, basis @ y), dtype=np.float64)
 
 
 def _frequency_correction(time: Array, y: Array, bounds: IntArray, frequency: float) -> float:
     """Return by how much the frequency errs, from the slope of the fundamental's phase over the cycles."""
     steady = slice(bounds[0], bounds[-1])
     phase = 2 * np.pi * frequency * (time[steady] - time[bounds[0]])
-    fewest = int(np.min(np.diff(bounds)))
-    harmonics = cycle_harmonics(phase, bounds - bounds[0], [y[steady]], min(DISTORTION, (fewest - 1) // 4))[0]
+    count = min(DISTORTION, carried_harmonics(phase, bounds))
+    harmonics = cycle_harmonics(phase, bounds - bounds[0], [y[steady]], count)[0]
     lag = np.unwrap(np.angle(harmonics[:, 1]))
     cycles = np.arange(len(lag)) - (len(lag) - 1) / 2
     return frequency * float(cycles @ lag / (cycles @ cycles)) / (2 * np.pi)

@@ -66,8 +66,8 @@ def decompose(loops: Loops) -> tuple[Decomposition, ...]:
     """Decompose each loop into its elastic and its damping part.
 
     The series are fitted to the force's harmonics, each in units of its standard error. How many powers either part has
-    is chosen by the accuracy of the fit: the number that Akaike's criterion, corrected for few data, finds best.
-    A misfit below the measured noise counts as the noise, so that powers that only follow noise never join.
+    is chosen by the accuracy of the fit: the number that Schwarz's criterion (BIC) finds best. A misfit below the
+    measured noise counts as the noise, so that powers that only follow noise don't join.
 
     Args:
         loops: R rows.
@@ -140,15 +140,14 @@ def _reversal(displacement: ComplexArray, phase: float) -> float:
 
 
 def _best_count(others: Array, family: Array, target: Array) -> int:
-    """Return how many columns of `family` to keep, all `others` being there, by Akaike's corrected criterion."""
+    """Return how many columns of `family` to keep, all `others` being there, by Schwarz's criterion."""
     data, most = family.shape
     orthogonal = np.linalg.qr(np.column_stack([others, family]))[0]
     explained = (orthogonal.T @ target) ** 2
     # what the first k columns of the family leave over, k = 1..most
     left = target @ target - np.sum(explained[: others.shape[1]]) - np.cumsum(explained[others.shape[1] :])
     columns = others.shape[1] + np.arange(1, most + 1)
-    spare = np.maximum(data - columns - 1, 1)
-    criterion = data * np.log(np.maximum(left / data, 1.0)) + 2 * columns * (1 + (columns + 1) / spare)
+    criterion = data * np.log(np.maximum(left / data, 1.0)) + columns * np.log(data)
     return int(np.argmin(criterion)) + 1
 
 

@@ -36,6 +36,21 @@ def unit_phasor(phase: Array) -> ComplexArray:
     return phasor
 
 
+def carried_harmonics(phase: Array, bounds: IntArray) -> int:
+    """Return how many harmonics the samples of every cycle can carry.
+
+    Args:
+        phase: (N,) rad.
+        bounds: (cycles + 1,) as for `cycle_harmonics`.
+
+    Returns:
+        The highest harmonic with four samples in each of its periods, and two beside the widest gap; at least 1.
+    """
+    fewest = int(np.min(np.diff(bounds)))
+    widest = float(np.max(np.diff(phase))) / (2 * np.pi)
+    return max(1, min(fewest // 4, int(1 / (2 * widest))))
+
+
 def cycle_harmonics(phase: Array, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
     """Fit x(phase) = Re sum X_n exp(i n phase), n = 0..count, to each cycle by itself.
 

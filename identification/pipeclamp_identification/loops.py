@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from pipeclamp_identification.campaign import Campaign, Run
-from pipeclamp_identification.harmonics import Array, ComplexArray, IntArray, cycle_harmonics, evaluate
+from pipeclamp_identification.harmonics import Array, ComplexArray, carried_harmonics, cycle_harmonics, evaluate
 from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 
 HARMONICS = 20
@@ -26,7 +26,7 @@ SIGNIFICANT = 3.0
 NOISE_FREEDOMS = 4.0
 # no force is known better than this share of its rms, whatever a noise-free record says
 FINEST_SHARE = 1e-7
-# differences beyond this many robust standard deviations are jumps of the loop itself
+# deviations beyond this many robust standard deviations are jumps of the loop itself
 JUMP = 6.0
 
 
@@ -205,7 +205,7 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
     y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
     phase = cycles.phase(record)
     bounds = cycles.bounds - cycles.bounds[0]
-    count = min(harmonics, _carried_harmonics(phase, bounds))
+    count = min(harmonics, carried_harmonics(phase, bounds))
     fitted = cycle_harmonics(phase, bounds, [y, force], count)
     # each cycle has its own phase: a drive that wanders in phase doesn't smear the mean loop
     lag = np.angle(fitted[0, :, 1])
@@ -242,32 +242,26 @@ def _padded(values: ComplexArray, harmonics: int) -> ComplexArray:
     return full
 
 
-def _carried_harmonics(phase: Array, bounds: IntArray) -> int:
-    """Return the highest harmonic with four samples in each of its periods, and two beside the widest gap."""
-    fewest = int(np.min(np.diff(bounds)))
-    widest = float(np.max(np.diff(phase))) / (2 * np.pi)
-    return max(1, min(fewest // 4, int(1 / (2 * widest))))
-
-
 def _noise_rms(phase: Array, residual: Array) -> float:
     """Return the rms of what is not periodic, from neighbours in phase.
 
-    Neighbours in phase come from different cycles, so their difference holds the noise of both and little of the
-    loop: half its mean square is the noise variance (Rice, 1984), and needs no count of fitted parameters. A jump
-    of the loop, such as friction makes at a reversal, shows in one pair among hundreds, far beyond the others.
-    Where the cycle is a whole number of samples, those of all cycles lie at the same phases, and the few pairs
-    between two such phases are left out.
+    Neighbours in phase come from different cycles. What a sample differs by from the line through the one before and
+    the one after holds the noise of all three and next to nothing of the loop: its mean square gives the noise
+    variance (Gasser, Sroka and Jennen-Steinmetz, Biometrika 1986) and needs no count of fitted parameters. A jump of
+    the loop, such as friction makes at a reversal, shows in a few samples among hundreds, far beyond the others.
 
     Args:
         phase: (N,) rad, ascending.
         residual: (N,) force without its harmonics.
     """
-    spacing = np.diff(phase)
-    difference = np.diff(residual)[spacing <= 1.5 * np.mean(spacing)]
-    typical = float(np.median(np.abs(difference))) / 0.6745
+    spacing = np.maximum(np.diff(phase), 1e-12)
+    before = spacing[1:] / (spacing[1:] + spacing[:-1])
+    off = residual[1:-1] - before * residual[:-2] - (1 - before) * residual[2:]
+    off /= np.sqrt(1 + before**2 + (1 - before) ** 2)
+    typical = float(np.median(np.abs(off))) / 0.6745
     # quantised readings of equal phase may agree exactly more often than not
-    usual = difference[np.abs(difference) <= JUMP * typical] if typical > 0.0 else difference
-    return math.sqrt(np.mean(usual**2) / 2)
+    usual = off[np.abs(off) <= JUMP * typical] if typical > 0.0 else off
+    return math.sqrt(np.mean(usual**2))
 
 
 def _displacement_noise(per_cycle_harmonics: ComplexArray) -> float:

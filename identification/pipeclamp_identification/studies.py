@@ -140,9 +140,7 @@ def _levels(campaign: Campaign, loops: Loops) -> dict[str, Array]:
         "temperature_C": of(lambda run: run.temperature_C),
         **loops.conditions,
     }
-    return {
-        name: _together(values, KELVINS if name == "temperature_C" else 0.0) for name, values in quantities.items()
-    }
+    return {name: _together(values, KELVINS if name == "temperature_C" else 0.0) for name, values in quantities.items()}
 
 
 def _together(values: Array, absolute: float) -> Array:

@@ -1,0 +1,106 @@
+"""What tests of several kinds share: records of known harmonics, and campaigns written to disk."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.campaign import Campaign, Run
+from pipeclamp_identification.clipping import check_clipping
+from pipeclamp_identification.cycles import find_cycles
+from pipeclamp_identification.records import Record, check_samples
+
+
+def _record(
+    displacement: Sequence[complex] = (0.0, 0.8),
+    force: Sequence[complex] = (0.0, 2000.0 + 400.0j, 0.0, 60.0 + 90.0j),
+    frequency: float = 3.0,
+    rate: float = 500.0,
+    cycles: float = 5.0,
+    phase: float = 0.0,
+    start: float = 0.0,
+) -> Record:
+    """Give a record whose displacement and force are these harmonics, sampled without noise."""
+    time = start + np.arange(round(cycles * rate / frequency)) / rate
+    theta = 2 * np.pi * frequency * (time - start) + phase
+
+    def wave(harmonics: Sequence[complex]) -> np.ndarray:
+        return sum(((x * np.exp(1j * n * theta)).real for n, x in enumerate(harmonics)), np.zeros_like(theta))
+
+    return Record(time, wave(displacement), wave(force))
+
+
+def _run(record: Record, name: str = "run", **conditions: object) -> Run:
+    check_samples(record)
+    cycles = find_cycles(record)
+    check_clipping(record, cycles)
+    unknown = dict.fromkeys(("specimen", "amplitude_mm", "frequency_Hz", "temperature_C", "density_g_cm3"))
+    known = {"first_cycle": 0.0, "conditions": {}} | unknown | conditions
+    return Run(name=name, record=record, cycles=cycles, **known)
+
+
+def _campaign(*runs: Run) -> Campaign:
+    return Campaign("test", "", "sha256:none", runs, (), tuple(runs[0].conditions))
+
+
+def _csv(record: Record) -> str:
+    rows = zip(record.time_s, record.displacement_mm, record.force_N, strict=True)
+    return "time_s,displacement_mm,force_N\n" + "".join(f"{t:.6f},{y:.6f},{force:.4f}\n" for t, y, force in rows)
+
+
+@pytest.fixture(scope="session")
+def harmonic_record() -> Callable[..., Record]:
+    """Give a function that makes noise-free records of known harmonics."""
+    return _record
+
+
+@pytest.fixture(scope="session")
+def run_of() -> Callable[..., Run]:
+    """Give a function that makes a run of a record, checked as the campaign's reader does."""
+    return _run
+
+
+@pytest.fixture(scope="session")
+def campaign_of() -> Callable[..., Campaign]:
+    """Give a function that makes a campaign of runs."""
+    return _campaign
+
+
+@pytest.fixture(scope="session")
+def csv_text() -> Callable[[Record], str]:
+    """Give a function that writes a record as CSV."""
+    return _csv
+
+
+@pytest.fixture
+def campaign_folder(tmp_path: Path) -> Callable[..., Path]:
+    """Give a function that writes a campaign's folder from its texts; one good run unless told otherwise."""
+
+    def write(
+        description: str = 'name = "small"\n',
+        table: str = "run,file,amplitude_mm,frequency_Hz,temperature_C\nA,runs/A.csv,0.8,3,20\n",
+        records: Mapping[str, str | bytes] | None = None,
+        folder: str = "campaign",
+    ) -> Path:
+        root = tmp_path / folder
+        (root / "runs").mkdir(parents=True)
+        (root / "campaign.toml").write_text(description, encoding="utf-8")
+        (root / "runs.csv").write_text(table, encoding="utf-8")
+        for name, content in ({"runs/A.csv": _csv(_record())} if records is None else records).items():
+            data = content.encode() if isinstance(content, str) else content
+            (root / name).write_bytes(data)
+        return root
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """Give the folder of the measured data, which is not in the repository."""
+    if "PIPECLAMP_DATA" not in os.environ:
+        pytest.skip("the environment variable PIPECLAMP_DATA doesn't say where the measured data lie")
+    return Path(os.environ["PIPECLAMP_DATA"])

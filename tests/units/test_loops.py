@@ -1,0 +1,163 @@
+"""Cycles and loops: exact on records of known harmonics, right about noise, ramps and partial cycles."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.cycles import find_cycles
+from pipeclamp_identification.loops import displacement_on_grid, loops_of, on_grid, per_cycle
+from pipeclamp_identification.records import Record, UnusableRecord
+
+Y = np.array([0.03, 0.8, 0.004 + 0.001j, -0.006j, 0.0, 0.002])
+F = np.array([-12.0, 2000.0 + 400.0j, 8.0 - 3.0j, 60.0 + 90.0j, 0.5j, 20.0 + 30.0j, 0.0, 9.0j])
+
+
+@pytest.fixture
+def loops_from(run_of, campaign_of):
+    return lambda record, **conditions: loops_of(campaign_of(run_of(record, **conditions)))
+
+
+@pytest.mark.parametrize("cycles", [2.0, 2.7, 5.0, 9.31])
+@pytest.mark.parametrize("samples", [83.3, 500.0, 2481.7])
+@pytest.mark.parametrize("phase", [0.0, 2.0, 5.5])
+def test_harmonics_are_exact_without_noise(harmonic_record, loops_from, cycles, samples, phase):
+    loops = loops_from(harmonic_record(Y, F, 1.7, 1.7 * samples, cycles, phase))
+    assert loops.frequency_Hz[0] == pytest.approx(1.7, rel=1e-6)
+    np.testing.assert_allclose(loops.displacement[0, :6], Y, atol=1e-6 * 0.8)
+    np.testing.assert_allclose(loops.force[0, :8], F, atol=1e-6 * 2000)
+    assert loops.noise_rms_N[0] < 1e-3
+
+
+def test_one_cycle_alone_serves(harmonic_record, loops_from):
+    loops = loops_from(harmonic_record(force=F, cycles=1.0))
+    np.testing.assert_allclose(loops.force[0, :8], F, atol=1e-3 * 2000)
+    assert np.all(np.isfinite(loops.force_standard_error))
+
+
+def test_mean_force_and_mean_displacement_are_kept(harmonic_record, loops_from):
+    loops = loops_from(harmonic_record(Y, F))
+    assert loops.displacement[0, 0] == pytest.approx(0.03, abs=1e-6)
+    assert loops.force[0, 0] == pytest.approx(-12.0, abs=1e-3)
+
+
+def test_velocity_and_acceleration_are_those_of_the_harmonics(harmonic_record, loops_from):
+    loops = loops_from(harmonic_record(Y, F, frequency=2.0))
+    y, v, a = displacement_on_grid(loops, 360)
+    theta = np.radians(np.arange(360))
+    order = np.arange(len(Y))
+    turning = np.exp(1j * np.outer(theta, order))
+    np.testing.assert_allclose(y[0], (turning @ Y).real, atol=1e-6)
+    np.testing.assert_allclose(v[0], (turning @ (4j * np.pi * order * Y)).real, atol=1e-4)
+    np.testing.assert_allclose(a[0], (turning @ (-((4 * np.pi * order) ** 2) * Y)).real, atol=1e-2)
+
+
+def test_noise_and_standard_errors_are_those_of_the_sensor(harmonic_record, run_of, campaign_of):
+    sigma, runs = 7.0, []
+    generator = np.random.default_rng(3)
+    for number in range(40):
+        record = harmonic_record(force=F, rate=480.0, phase=0.1 * number, cycles=5.2)
+        noisy = record.force_N + sigma * generator.normal(size=len(record.time_s))
+        runs.append(run_of(dataclasses.replace(record, force_N=noisy), f"run{number}"))
+    loops = loops_of(campaign_of(*runs))
+    assert np.median(loops.noise_rms_N) == pytest.approx(sigma, rel=0.02)
+    assert loops.noise_nrmse == pytest.approx(sigma / np.sqrt(np.mean(loops.force_rms_N**2)), rel=0.02)
+    expected = sigma * math.sqrt(2 / 800)
+    assert np.median(loops.force_standard_error[:, 1:]) == pytest.approx(expected, rel=0.1)
+    # no run of five cycles gets a weight that is off by more than a factor of two
+    assert np.all(np.abs(np.log2(loops.force_standard_error[:, 1:] / expected)) < 1)
+    deviation = (loops.force - np.pad(F, (0, 13))) / loops.force_standard_error
+    assert np.std(deviation[:, 1:].real) == pytest.approx(1.0, abs=0.15)
+    assert np.std(deviation[:, 1:].imag) == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize("rate", [300.0, 307.3])
+def test_friction_is_not_taken_for_noise(harmonic_record, loops_from, rate):
+    record = harmonic_record(rate=rate)
+    velocity = np.cos(2 * np.pi * 3.0 * record.time_s + np.pi / 2)
+    generator = np.random.default_rng(5)
+    force = 500.0 * np.sign(velocity) + 1000 * record.displacement_mm + 2.0 * generator.normal(size=len(velocity))
+    assert loops_from(dataclasses.replace(record, force_N=force)).noise_rms_N[0] == pytest.approx(2.0, rel=0.1)
+
+
+def test_insignificant_harmonics_of_the_drive_are_zero(harmonic_record, loops_from):
+    record = harmonic_record(displacement=(0.0, 0.8, 0.0, 0.01))
+    noise = 1e-3 * np.random.default_rng(1).normal(size=len(record.time_s))
+    kept = loops_from(dataclasses.replace(record, displacement_mm=record.displacement_mm + noise)).displacement[0]
+    assert kept[3] == pytest.approx(0.01, abs=5e-4)
+    assert np.count_nonzero(kept[4:]) <= 2
+
+
+def test_harmonics_that_the_sampling_cannot_carry_have_no_weight(harmonic_record, loops_from):
+    loops = loops_from(harmonic_record(rate=120.0))
+    assert np.all(loops.force[0, 11:] == 0)
+    assert np.all(np.isinf(loops.force_standard_error[0, 11:]))
+    assert np.all(np.isfinite(loops.force_standard_error[0, :11]))
+
+
+@pytest.mark.parametrize("before", [0.4, 1.3, 3.0])
+@pytest.mark.parametrize("after", [0.0, 0.6])
+def test_ramps_are_left_aside_and_counted(harmonic_record, loops_from, before, after):
+    record = harmonic_record(force=F, cycles=6.0 + before + after, rate=900.0, phase=1.0)
+    elapsed = 3.0 * record.time_s
+    envelope = np.clip(np.minimum(elapsed / before, 1 + (6.0 + before - elapsed) / max(after, 1e-9)), 0, 1)
+    ramped = Record(record.time_s, envelope * record.displacement_mm, envelope * record.force_N)
+    loops = loops_from(ramped, first_cycle=100.0)
+    cycles = loops.cycles[0]
+    assert 5 <= len(cycles) <= 6
+    assert cycles[0] == pytest.approx(100.0 + before + 0.5, abs=0.2)
+    assert loops.amplitude_mm[0] == pytest.approx(0.8, rel=2e-3)
+    assert loops.force[0, 1] == pytest.approx(F[1], rel=4e-3)
+
+
+def test_rest_before_the_test_is_left_aside(harmonic_record, loops_from):
+    record = harmonic_record(force=F, cycles=5.0)
+    rest = np.arange(3000) / 500.0
+    time = np.concatenate([rest, 6.0 + record.time_s])
+    y = np.concatenate([np.zeros(3000), record.displacement_mm])
+    force = np.concatenate([np.zeros(3000), record.force_N])
+    loops = loops_from(Record(time, y, force))
+    assert len(loops.cycles[0]) >= 4
+    np.testing.assert_allclose(loops.force[0, :8], F, atol=2.0)
+
+
+def test_uneven_sampling_serves(harmonic_record, loops_from):
+    record = harmonic_record(Y, F, rate=900.0)
+    keep = np.random.default_rng(0).random(len(record.time_s)) > 0.3
+    loops = loops_from(Record(record.time_s[keep], record.displacement_mm[keep], record.force_N[keep]))
+    np.testing.assert_allclose(loops.force[0, :8], F, atol=1e-2)
+
+
+def test_rows_per_cycle_follow_a_force_that_drifts(harmonic_record, loops_from):
+    record = harmonic_record(force=F, cycles=8.0, rate=600.0)
+    drifting = dataclasses.replace(record, force_N=record.force_N * (1 - 0.01 * 3.0 * record.time_s))
+    loops = loops_from(drifting, first_cycle=50.0)
+    single = per_cycle(loops)
+    assert single.run == ("run",) * 8
+    np.testing.assert_allclose(single.cycle, 50.5 + np.arange(8), atol=0.01)
+    np.testing.assert_allclose(single.force[:, 1].real, 2000 * (1 - 0.01 * (np.arange(8) + 0.5)), rtol=2e-3)
+    np.testing.assert_allclose(np.mean(single.force, axis=0), loops.force[0], atol=1e-6)
+    np.testing.assert_allclose(
+        single.force_standard_error, np.repeat(loops.force_standard_error * math.sqrt(8), 8, axis=0)
+    )
+
+
+def test_a_grid_of_points_holds_the_harmonics():
+    values = on_grid(F[None, :], 64)
+    back = np.fft.rfft(values[0])[:8] / 32
+    back[0] /= 2
+    np.testing.assert_allclose(back, F, atol=1e-12 * 2000)
+
+
+def test_a_frequency_of_the_table_is_not_needed_nor_believed(harmonic_record, loops_from):
+    loops = loops_from(harmonic_record(frequency=3.0), frequency_Hz=1.0)
+    assert loops.frequency_Hz[0] == pytest.approx(3.0, rel=1e-9)
+
+
+def test_a_drift_is_no_vibration():
+    time = np.arange(500) / 100.0
+    with pytest.raises(UnusableRecord):
+        find_cycles(Record(time, 0.1 * time, time))
