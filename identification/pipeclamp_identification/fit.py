@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 import sympy as sp
 from scipy.optimize import least_squares
+from threadpoolctl import ThreadpoolController
 
 from pipeclamp.effect import Parameter
 from pipeclamp.errors import UserError
@@ -18,6 +20,7 @@ from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Response, respond
 from pipeclamp_identification.observations import Observations, data_scales
 
+TOLERANCE = 1e-10
 HELD = "held by the law's structure"
 VARIES = 1.02
 """A condition counts as varied when its largest value exceeds its smallest by this factor."""
@@ -102,6 +105,14 @@ class _Evaluator:
         return np.nan_to_num(slopes.reshape(len(self.free), slopes.shape[1] * slopes.shape[2]).T)
 
 
+def _one_thread() -> AbstractContextManager[object]:
+    """Hold linear algebra to one thread: its matrices are tall and thin, and threads only wait for one another.
+
+    It also makes the last digits independent of the machine's number of cores.
+    """
+    return ThreadpoolController().limit(limits=1, user_api="blas")
+
+
 Progress = Callable[[str], None]
 
 
@@ -121,6 +132,7 @@ def fit(
     observations: Observations,
     *,
     start: Mapping[str, float] | None = None,
+    tolerance: float = TOLERANCE,
     progress: Progress | None = None,
 ) -> Fit:
     """Fit all parameters of a law jointly.
@@ -130,6 +142,7 @@ def fit(
         observations: what is fitted.
         start: values to start from, by name; the other parameters start where their effects say. Without a value here,
             an effect with several starts is tried from each of them.
+        tolerance: relative change of cost or parameters below which the fit ends.
         progress: is told what is being done.
 
     Returns:
@@ -150,18 +163,21 @@ def fit(
     best: tuple[float, Array] | None = None
     evaluations = 0
     starts = _starts(equations, start or {}, scales)
-    for attempt, values in enumerate(starts):
-        if progress and len(starts) > 1:
-            progress(f"fit from start {attempt + 1} of {len(starts)}")
-        begin = np.array(
-            [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]
-        )
-        cost, solution, count = _minimise(equations, observations, smooth, begin, frozenset(reasons), scales)
-        evaluations += count
-        if best is None or cost < best[0]:
-            best = cost, solution
-    assert best is not None
-    return _finish(structure, equations, observations, smooth, best[1], reasons, scales, evaluations)
+    with _one_thread():
+        for attempt, values in enumerate(starts):
+            if progress and len(starts) > 1:
+                progress(f"fit from start {attempt + 1} of {len(starts)}")
+            begin = np.array(
+                [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]
+            )
+            cost, solution, count = _minimise(
+                equations, observations, smooth, begin, frozenset(reasons), scales, tolerance
+            )
+            evaluations += count
+            if best is None or cost < best[0]:
+                best = cost, solution
+        assert best is not None
+        return _finish(structure, equations, observations, smooth, best[1], reasons, scales, evaluations)
 
 
 def unfitted(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Fit:
@@ -238,6 +254,7 @@ def _minimise(
     begin: Array,
     held: frozenset[str],
     scales: Mapping[sp.Symbol, float],
+    tolerance: float,
 ) -> tuple[float, Array, int]:
     """Minimise from one start; give the cost, all values and the number of evaluations."""
     free = np.array([index for index, name in enumerate(equations.names) if name not in held], dtype=np.intp)
@@ -260,9 +277,9 @@ def _minimise(
         bounds=(lower, upper),
         x_scale="jac",
         method="trf",
-        ftol=1e-10,
-        xtol=1e-10,
-        gtol=1e-10,
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=tolerance,
         max_nfev=200,
     )
     values = begin.copy()

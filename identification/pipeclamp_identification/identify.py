@@ -35,6 +35,8 @@ from pipeclamp_identification.surfaces import surface_values
 
 Method = Literal["joint", "surfaces"]
 
+ROUGHLY = 1e-5
+"""Tolerance of the fit that only serves to see what the law leaves over."""
 DIGITS = 10
 """Significant digits of the file's numbers: more than any test supports, fewer than the last bits of a solver."""
 
@@ -123,7 +125,8 @@ def fit_structure(
         return unfitted(structure, observations, from_surfaces)
     tell = progress or (lambda _: None)
     tell(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
-    first = fit(structure, observations, start={**from_surfaces, **(start or {})}, progress=progress)
+    begin = {**from_surfaces, **(start or {})}
+    first = fit(structure, observations, start=begin, tolerance=ROUGHLY, progress=progress)
     widened = observations.with_discrepancy(first.response)
     return fit(structure, widened, start=first.law.values, progress=progress)
 

@@ -52,13 +52,12 @@ def harmonics_of(samples: Array, count: int) -> Array:
         shape (..., 2 count + 1): F_0, Re F_1, Im F_1, ..., where F = Re sum F_n exp(i n theta).
     """
     n = samples.shape[-1]
-    phase = 2 * np.pi * np.arange(n) / n
-    transform = np.empty((n, 2 * count + 1))
-    transform[:, 0] = 1.0 / n
-    order = np.arange(1, count + 1)
-    transform[:, 1::2] = 2.0 / n * np.cos(np.outer(phase, order))
-    transform[:, 2::2] = -2.0 / n * np.sin(np.outer(phase, order))
-    return np.asarray(samples @ transform)
+    transform = np.fft.rfft(samples, axis=-1)[..., : count + 1] * (2.0 / n)
+    harmonics = np.empty((*samples.shape[:-1], 2 * count + 1))
+    harmonics[..., 0] = transform[..., 0].real / 2
+    harmonics[..., 1::2] = transform[..., 1:].real
+    harmonics[..., 2::2] = transform[..., 1:].imag
+    return harmonics
 
 
 def _chosen(response: Response, parameters: Rows) -> Array:
