@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.harmonics import (
     Array,
+    ComplexArray,
     IntArray,
     carried_harmonics,
     cycle_harmonics,
@@ -21,6 +22,10 @@ from pipeclamp_identification.records import Record, UnusableRecord
 RAMP = 0.02
 # neighbouring cycles of a steady drive may always differ by this
 STEADY = 0.005
+# a first cycle stands apart when the force changes after it this many times more than after any other, and by this
+# share of its amplitude at least
+FRESH_TIMES = 4.0
+FRESH_SHARE = 2e-3
 # a cycle counts as full when no more than this of it, or one sample, is missing: the fit of harmonics bridges that
 MISSING = 0.02
 # harmonics of the displacement that are told apart from its fundamental while the frequency is sought
@@ -73,7 +78,8 @@ def find_cycles(record: Record) -> Cycles:
     """Split a record into cycles by the phase of its displacement's fundamental.
 
     A ramp-in, a ramp-out and rest before the test are left aside: the steady part is the longest row of cycles
-    of agreeing amplitude and mean, extended to the first and last sample that still follow it.
+    of agreeing amplitude and mean, extended to the first and last sample that still follow it. A first cycle in which
+    the force still remembers what was before is left aside too.
 
     Args:
         record: samples that `check_samples` has passed.
@@ -104,7 +110,9 @@ def find_cycles(record: Record) -> Cycles:
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
-    return Cycles(frequency, bounds, before=frequency * time[bounds[0]])
+    if _starts_fresh(time, record.force_N, bounds, frequency, stride):
+        bounds = bounds[1:]
+    return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
 
 
 def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:
@@ -131,6 +139,20 @@ def _require_vibration(y: Array, frequency: float, rest: float) -> None:
             f"constant displacement but for noise or drift: it stays within {np.ptp(y):.3g} mm, and of the sine of "
             f"{frequency:.4g} Hz that fits it best {100 * rest:.0f} % of the amplitude is left over"
         )
+
+
+def _starts_fresh(time: Array, force: Array, bounds: IntArray, frequency: float, stride: int) -> bool:
+    """Tell whether the first cycle's force is that of a specimen that has not yet been through a whole cycle.
+
+    Friction starts on its virgin curve, though the displacement may be steady from the first sample on. That cycle
+    stands apart from the next as no two later ones do; with a drift, which is the clamp's own, all differ alike.
+    """
+    if len(bounds) < 4:
+        return False
+    harmonics = _few_harmonics(time, force, bounds, frequency, stride)
+    change = np.linalg.norm(np.diff(harmonics, axis=0), axis=1)
+    size = float(np.max(np.abs(harmonics[:, 1])))
+    return bool(change[0] > FRESH_TIMES * np.max(change[1:]) and change[0] > FRESH_SHARE * size)
 
 
 def _coarse_frequency(time: Array, y: Array, interval: float) -> float:
@@ -253,10 +275,14 @@ def _least_squares(basis: Array, y: Array) -> Array:
 
 def _frequency_correction(time: Array, y: Array, bounds: IntArray, frequency: float) -> float:
     """Return by how much the frequency errs, from the slope of the fundamental's phase over the cycles."""
-    steady = slice(bounds[0], bounds[-1])
-    phase = 2 * np.pi * frequency * (time[steady] - time[bounds[0]])
-    count = min(DISTORTION, carried_harmonics(phase, bounds))
-    harmonics = cycle_harmonics(phase, bounds - bounds[0], [y[steady]], count)[0]
-    lag = np.unwrap(np.angle(harmonics[:, 1]))
+    lag = np.unwrap(np.angle(_few_harmonics(time, y, bounds, frequency)[:, 1]))
     cycles = np.arange(len(lag)) - (len(lag) - 1) / 2
-    return frequency * float(cycles @ lag / (cycles @ cycles)) / (2 * np.pi)
+    return float(frequency * (cycles @ lag) / (cycles @ cycles) / (2 * np.pi))
+
+
+def _few_harmonics(time: Array, samples: Array, bounds: IntArray, frequency: float, stride: int = 1) -> ComplexArray:
+    """Return the lowest harmonics, (cycles, count + 1), of each cycle, from every `stride`-th sample."""
+    steady = slice(bounds[0], bounds[-1], stride)
+    phase = 2 * np.pi * frequency * (time[steady] - time[bounds[0]])
+    some: IntArray = -((bounds[0] - bounds) // stride)
+    return cycle_harmonics(phase, some, [samples[steady]], min(DISTORTION, carried_harmonics(phase, some)))[0]

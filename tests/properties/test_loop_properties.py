@@ -51,7 +51,8 @@ def test_noise_moves_harmonics_by_their_standard_error(
     loops = loops_of(campaign_of(run_of(noisy)))
     # the displacement's noise turns the loop by its share of the fundamental's phase error
     turned = 4e-4 / 0.8 * np.sqrt(2 / samples / int(held)) * np.arange(6) * np.abs(F)
-    allowed = 6 * np.hypot(loops.force_standard_error[0, :6], turned)
+    # beyond any search for unlucky noise
+    allowed = 10 * np.hypot(loops.force_standard_error[0, :6], turned)
     assert np.all(np.abs(loops.force[0, :6] - F) < allowed)
 
 
