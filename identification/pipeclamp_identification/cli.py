@@ -138,9 +138,11 @@ def identify(
             found, tests, name=name or tests.name, command=_command(), date=None if reproducible else _now()
         )
     if report:
+        from pipeclamp_identification.compare import Comparison
         from pipeclamp_identification.identify_report import identification_sections
 
-        sections = identification_sections(file, found, tests)
+        comparison = Comparison(found.fit.law, tests, found.loops, found.misfits, {})
+        sections = identification_sections(file, comparison)
         _write(None, report, None, f"Law {file.name}", f"identified from {tests.name}", sections)
     write_whole(output, law_text(file))
     _print_law(file, output)
@@ -308,7 +310,7 @@ def cosim(
     from pipeclamp_identification.cosim_report import cosim_sections
 
     with told("cosim") as tell:
-        result = coupled.run_system(system, tell)
+        result = coupled.run_system(system, lambda share: tell(f"{share:.0%}"))
         sections = cosim_sections(result)
     if report:
         _write(None, report, None, f"Co-simulation {system.stem}", "pipe and clamps", sections)

@@ -11,9 +11,7 @@ from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile
 from pipeclamp.realise.arrays import Array, realise
 from pipeclamp.realise.text import equation_lines
-from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.compare import Comparison, comparison_sections
-from pipeclamp_identification.identify import Identification
 from pipeclamp_identification.pictures import curves_picture, surface_picture
 from pipeclamp_identification.report import Section, Table
 
@@ -29,10 +27,9 @@ def coefficient_table(file: LawFile) -> Table:
     return Table(("parameter", "value", "standard error", "unit", "state", "meaning"), rows, f"Law {file.name}")
 
 
-def identification_sections(file: LawFile, identification: Identification, campaign: Campaign) -> list[Section]:
-    """Give the report of an identification."""
-    law = identification.fit.law
-    comparison = Comparison(law, campaign, identification.loops, identification.misfits, {})
+def identification_sections(file: LawFile, comparison: Comparison) -> list[Section]:
+    """Give the report of an identification from its file and its comparison with the campaign."""
+    law = comparison.law
     correlations = [
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations

@@ -1,0 +1,203 @@
+"""The whole story on bundled data: from the printed law to a clamp that holds a vibrating pipe."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import plotly.graph_objects as go
+
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_whole
+from pipeclamp.parameter_file import LawFile, law_text, read_law
+from pipeclamp.pipe_description import read_pipe
+from pipeclamp.response import law_response, sinusoids
+from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_identification.add import Addition, add_effect, addition_table
+from pipeclamp_identification.campaign import Campaign, read_campaign
+from pipeclamp_identification.compare import Comparison, compare, comparison_sections
+from pipeclamp_identification.cosim import CosimResult, run_system, write_result
+from pipeclamp_identification.cosim_report import cosim_sections
+from pipeclamp_identification.identify import identify, law_file
+from pipeclamp_identification.identify_report import identification_sections
+from pipeclamp_identification.metrics_report import metrics_sections
+from pipeclamp_identification.pictures import overlay_picture, waterfall_picture
+from pipeclamp_identification.published_tables import CELSIUS, FIGURE_14, READINGS, Step, reading_law, way
+from pipeclamp_identification.report import Section, Table, write_report
+
+EFFECTS = ("damping_temperature", "memory:2")
+"""What the truth of clamp_a holds besides a base law (campaigns/README.md)."""
+HOT = 300.0
+
+Tell = Callable[[str], None]
+
+
+def run_demo(folder: Path, tell: Tell) -> list[Path]:
+    """Run the story and write its results into a folder.
+
+    Args:
+        folder: made where it isn't there; files of an earlier demo are replaced.
+        tell: is told each step.
+
+    Returns:
+        what to open, in order.
+
+    Raises:
+        UserError: the folder can't be written.
+    """
+    begin = time.perf_counter()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{folder}: can't make the folder ({error.strerror}); expected a place to write to") from error
+    opened = [
+        _published_tables(folder, tell),
+        *_clamp_a(folder, tell),
+        *_pipe_and_clamp(folder, tell),
+    ]
+    tell(f"done in {time.perf_counter() - begin:.0f} s")
+    return opened
+
+
+def _published_tables(folder: Path, tell: Tell) -> Path:
+    tell("1. The published tables: dW and W of a real clamp at 11 conditions")
+    steps = way()
+    for step in steps:
+        tell(f"   {step.title:<48} {step.errors[0]:6.2%} rms of the log ratios{_caution(step)}")
+    path = folder / "1_published_tables.html"
+    write_report(
+        path,
+        "From the printed law to one that fits",
+        "Tables 2, 3, 5 of Symmetry 2020, 12(8), 1283",
+        _way_sections(steps),
+    )
+    return path
+
+
+def _caution(step: Step) -> str:
+    if not step.rests_on:
+        return ""
+    rows = "; ".join(f"{A:g} mm, {f:g} Hz, {T:g} degC" for A, f, T in step.rests_on)
+    return f"  (rests on one row: {rows})"
+
+
+def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
+    rows = [(step.title, *(100 * error for error in step.errors), _caution(step).strip(" ()")) for step in steps]
+    table = Table(
+        ("law", "dW and W / %", "dW / %", "W / %", "caution"), rows, "rms of the log ratios measured/computed"
+    )
+    words = [
+        "The printed law holds no temperature in its damping, no rise of stiffness above a temperature, and no "
+        "frequency in its stiffness. Each step adds one of them and refits everything.",
+        "A step that rests on one row would vanish without that one measurement: the tables support it, they don't "
+        "prove it.",
+    ]
+    falling = waterfall_picture(
+        [(step.title, step.errors[0]) for step in steps], None, "error", "Error against the published tables"
+    )
+    return [
+        Section("The way", words, [table], [falling]),
+        Section(
+            "The printed law's readings",
+            ["What is printed leaves open the sign of one exponent and the scale of the temperature: four readings."],
+            (),
+            [_figure_14(A, f, T) for A, f, T in FIGURE_14],
+        ),
+    ]
+
+
+def _figure_14(A: float, f: float, T: float) -> go.Figure:
+    motion = sinusoids([A], [f], [T + CELSIUS])
+    loops = [(reading.name, motion.y[0], law_response(reading_law(reading), motion).force[0]) for reading in READINGS]
+    return overlay_picture(loops, f"{A:g} mm, {f:g} Hz, {T:g} °C (conditions of Fig. 14)")
+
+
+def bundled_campaign(name: str) -> Path:
+    """Give the folder of a campaign that comes with the program."""
+    return Path(str(resources.files("pipeclamp_identification").joinpath("data", "campaigns", name)))
+
+
+def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
+    tell("2. A campaign of raw loops: clamp_a, 48 runs of an independent virtual rig")
+    tests, unseen = read_campaign(bundled_campaign("clamp_a")), read_campaign(bundled_campaign("clamp_a_heldout"))
+    command = "pipeclamp demo"
+    found = identify(tests)
+    file = law_file(found, tests, name="clamp_a", command=command, date=None)
+    write_report(
+        folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics_sections(tests, found.loops)
+    )
+    yield folder / "2_metrics.html"
+    on_unseen = [compare(file, unseen)]
+    tell(f"   base law: {_errors(file, on_unseen[-1])}")
+    additions: list[Addition] = []
+    for effect in EFFECTS:
+        additions.append(add_effect(file, effect, tests, command=command, date=None))
+        file = additions[-1].after
+        on_unseen.append(compare(file, unseen))
+        tell(f"   + {effect}: {_errors(file, on_unseen[-1])}")
+    write_whole(folder / "clamp_a.json", law_text(file))
+    path = folder / "3_clamp_a.html"
+    write_report(
+        path,
+        "The law of clamp_a",
+        f"error {on_unseen[-1].nrmse:.2%} on tests it has never seen",
+        _law_sections(file, tests, additions, on_unseen),
+    )
+    yield path
+
+
+def _errors(file: LawFile, on_unseen: Comparison) -> str:
+    assert file.fit is not None
+    return (
+        f"{file.fit.nrmse:.2%} on the tests used, {on_unseen.nrmse:.2%} on tests never seen "
+        f"({on_unseen.noise_nrmse:.2%} is scatter)"
+    )
+
+
+def _law_sections(
+    file: LawFile, tests: Campaign, additions: list[Addition], on_unseen: list[Comparison]
+) -> list[Section]:
+    steps = ["base law", *(f"+ {addition.effect}" for addition in additions)]
+    falling = waterfall_picture(
+        [(step, comparison.nrmse) for step, comparison in zip(steps, on_unseen, strict=True)],
+        on_unseen[-1].noise_nrmse,
+        "error",
+        "Error on tests never seen, effect by effect",
+    )
+    return [
+        Section("The error falls", (), [addition_table(addition) for addition in additions], [falling]),
+        Section("On tests never seen", comparison_sections(on_unseen[-1])[0].paragraphs),
+        *comparison_sections(on_unseen[-1])[1:3],
+        *identification_sections(file, compare(file, tests)),
+    ]
+
+
+def _pipe_and_clamp(folder: Path, tell: Tell) -> Iterator[Path]:
+    tell("3. The clamp as an FMU, holding a pipe that vibrates")
+    examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
+    for name in ("pipe.toml", "system.toml"):
+        write_whole(folder / name, examples.joinpath(name).read_text(encoding="utf-8"))
+    hot = (folder / "system.toml").read_text(encoding="utf-8").replace("temperature_C = 20.0", f"temperature_C = {HOT}")
+    write_whole(folder / "system_hot.toml", hot)
+    build_clamp(read_law(folder / "clamp_a.json"), folder / "clamp_a.fmu")
+    build_pipe(read_pipe(folder / "pipe.toml"), folder / "pipe.fmu")
+    tell(f"   built {folder / 'clamp_a.fmu'} and {folder / 'pipe.fmu'}")
+    for number, name, temperature in ((4, "system", "20 degC"), (5, "system_hot", f"{HOT:g} degC")):
+        result = run_system(folder / f"{name}.toml")
+        write_result(result, folder / f"{name}.csv")
+        path = folder / f"{number}_{name}.html"
+        write_report(path, f"Pipe and clamp at {temperature}", result.name, cosim_sections(result))
+        tell(f"   {temperature}: {_motion(result)}")
+        yield path
+
+
+def _motion(result: CosimResult) -> str:
+    parts = [
+        f"{name} {1e3 * result.amplitude(f'{name}.s'):.3g} mm" for name in (*result.clamp_names, *result.probe_names)
+    ]
+    made = result.energy.final()
+    share = abs(made["coupling"]) / max(abs(made["excitation"]), np.finfo(float).tiny)
+    return f"amplitude at {', '.join(parts)}; the coupling made {share:.2g} of the energy"
