@@ -6,9 +6,9 @@ takes these and gives its force. Over a step from t to t + h:
 parallel (Jacobi, order 1): all step at once with what the others gave at t.
 sequential (Gauss-Seidel, order 1): the pipe steps with the forces given at t, then the clamps with the motion at t + h.
 iterated (order 2): forces linear over the step, and at its end those that the clamps give for the motion that results:
-    r(f) = clamps(pipe(f)) - f = 0, every trial a roll-back and a new step, solved by Broyden's method (C. G. Broyden,
-    Math. Comp. 19 (1965) 577), whose Jacobian is carried from step to step; plain repetition f := clamps(pipe(f)) would
-    diverge as soon as a clamp is stiffer than the pipe is over one step.
+    clamps(pipe(f)) = f, every trial a roll-back and a new step, solved by Broyden's method with a Jacobian that is
+    carried from step to step; plain repetition f := clamps(pipe(f)) would diverge as soon as a clamp is stiffer than
+    the pipe is over one step.
 """
 
 from __future__ import annotations
@@ -17,20 +17,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pipeclamp.errors import UserError
+from pipeclamp_identification.broyden import NotFoundError, Solver, Tolerance
 
-Array = NDArray[np.float64]
 Scheme = Literal["parallel", "sequential", "iterated"]
 
 ORDER: dict[Scheme, int] = {"parallel": 1, "sequential": 1, "iterated": 2}
 """By which power of the macro step each scheme's error falls, for a law that is smooth."""
-
-
-SHALLOWEST = -0.1
-"""Largest eigenvalue that an updated Jacobian may have; softening clamps leave some room above -1."""
 
 
 class Participant(Protocol):
@@ -50,19 +43,6 @@ class Participant(Protocol):
 
     def restore(self) -> None:
         """Go back to the state that was kept."""
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """When an iterated step is done.
-
-    Attributes:
-        relative: of the force residual, as a share of the largest force that the clamp has had.
-        trials: how many times a step may be tried.
-    """
-
-    relative: float = 1e-6
-    trials: int = 60
 
 
 @dataclass(frozen=True)
@@ -145,13 +125,13 @@ def _end(
     )
 
 
-def _step_clamps(system: System, motion: Sequence[float], time: float, h: float) -> tuple[float, ...]:
+def _step_clamps(system: System, motion: Sequence[float], time: float, h: float) -> list[float]:
     """Step each clamp to its displacement and velocity; give the forces."""
     count = len(system.clamps)
     for index, clamp in enumerate(system.clamps):
         clamp.set_inputs((motion[index], motion[count + index]))
         clamp.step(time, h)
-    return tuple(clamp.outputs()[0] for clamp in system.clamps)
+    return [clamp.outputs()[0] for clamp in system.clamps]
 
 
 def _parallel(system: System, start: Point, time: float, h: float) -> Point:
@@ -170,15 +150,14 @@ def _sequential(system: System, start: Point, time: float, h: float) -> Point:
 
 
 class Iteration:
-    """The iterated scheme's memory from step to step: the Jacobian, the forces' scale, the last forces."""
+    """The iterated scheme's memory from step to step: the solver's, and the forces before the last."""
 
     def __init__(self, system: System, tolerance: Tolerance) -> None:
+        """Start without any."""
         self._system = system
         self._tolerance = tolerance
-        count = len(system.clamps)
-        self._jacobian = -np.eye(count)
-        self._peak: Array = np.zeros(count)
-        self._before: Array | None = None
+        self._solver = Solver(len(system.clamps), tolerance)
+        self._before: tuple[float, ...] | None = None
 
     def advance(self, start: Point, time: float, h: float) -> Point:
         """Take one step, tried until the forces agree.
@@ -194,81 +173,27 @@ class Iteration:
         trials = 0
         motion: Sequence[float] = ()
 
-        def answer(force: Array) -> Array:
+        def answer(force: list[float]) -> list[float]:
             """Give the clamps' forces for the motion that results from `force`."""
             nonlocal trials, motion
             if trials:
                 for participant in participants:
                     participant.restore()
             trials += 1
-            system.pipe.set_inputs((excitation, *force.tolist()))
+            system.pipe.set_inputs((excitation, *force))
             system.pipe.step(time, h)
             motion = system.pipe.outputs()
-            return np.array(_step_clamps(system, motion, time, h))
+            return _step_clamps(system, motion, time, h)
 
-        last = np.array(start.force)
-        guess = last if self._before is None else 2 * last - self._before
-        self._before = last
-        force = self._solve(answer, guess, start.index + 1, time + h)
-        return _end(system, start.index + 1, time + h, motion, force.tolist(), trials)
-
-    def _solve(self, answer: Callable[[Array], Array], guess: Array, index: int, time: float) -> Array:
-        """Find the forces that the clamps answer with themselves; the last trial is the solution's."""
-        force, given = guess, answer(guess)
-        residual = given - force
-        left = self._tolerance.trials - 1
-        rejected, share = 0, 1.0
-        while True:
-            scale = np.maximum(self._peak, np.abs(given))
-            scale = np.maximum(scale, 1e-9 * scale.max(initial=0.0))
-            error = self._error(residual, scale)
-            if error <= self._tolerance.relative:
-                self._peak = np.maximum(self._peak, np.abs(given))
-                return given
-            if left <= 0 or not np.isfinite(error):
-                raise UserError(
-                    f"step {index} (t = {time:.6g} s): the forces of pipe and clamps don't agree after "
-                    f"{self._tolerance.trials} trials: they differ by {error:.1e} of the largest force, expected at "
-                    f"most {self._tolerance.relative:.1e}; use a smaller step_s or more max_iterations"
-                )
-            if rejected == 2:  # the secant has lost its way: measure the Jacobian
-                self._measure(answer, force, residual, scale)
-                left -= force.size
-            change = -share * np.linalg.solve(self._jacobian, residual)
-            trial = force + change
-            trial_given = answer(trial)
-            left -= 1
-            trial_residual = trial_given - trial
-            trial_error = self._error(trial_residual, scale)
-            surprise = trial_residual - residual - self._jacobian @ change
-            self._learn(surprise, change)
-            if trial_error < error:
-                force, given, residual = trial, trial_given, trial_residual
-                rejected, share = 0, min(1.0, 2 * share)
-            else:
-                rejected += 1
-                # With one clamp the secant through a point on the other side of the kink is already a shorter step.
-                share = share / 2 if rejected >= 2 else share
-
-    @staticmethod
-    def _error(residual: NDArray[np.floating], scale: NDArray[np.floating]) -> float:
-        """Give the largest residual as a share of the forces' scale."""
-        return float(np.max(np.abs(residual) / np.where(scale > 0, scale, 1.0), initial=0.0))
-
-    def _learn(self, surprise: NDArray[np.floating], change: NDArray[np.floating]) -> None:
-        """Correct the Jacobian by Broyden's rank-one update, unless that would make it useless."""
-        square = float(change @ change)
-        if square == 0.0 or not np.all(np.isfinite(surprise)):
-            return
-        candidate = self._jacobian + np.outer(surprise, change) / square
-        # The pipe gives way to a force and a clamp resists motion: the true eigenvalues are at most -1.
-        if np.max(np.linalg.eigvals(candidate).real) < SHALLOWEST:
-            self._jacobian = candidate
-
-    def _measure(self, answer: Callable[[Array], Array], force: Array, residual: Array, scale: Array) -> None:
-        """Find the Jacobian by finite differences."""
-        for column in range(force.size):
-            moved = force.copy()
-            moved[column] += 10 * self._tolerance.relative * scale[column]
-            difference = (answer(moved) - moved) - residual
-            self._jacobian[:, column] = difference / (moved[column] - force[column])
+        before = start.force if self._before is None else self._before
+        self._before = start.force
+        guess = [2 * last - earlier for last, earlier in zip(start.force, before, strict=True)]
+        try:
+            force = self._solver.solve(answer, guess)
+        except NotFoundError as error:
+            raise UserError(
+                f"step {start.index + 1} (t = {time + h:.6g} s): the forces of pipe and clamps don't agree after "
+                f"{trials} trials: they differ by {error.error:.1e} of the largest force, expected at most "
+                f"{self._tolerance.relative:.1e}; use a smaller step_s or more max_iterations"
+            ) from error
+        return _end(system, start.index + 1, time + h, motion, force, trials)

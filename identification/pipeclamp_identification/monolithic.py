@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from pipeclamp.law import Law
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp.realise.scalar import python_source
+from pipeclamp_fmu.passivity import loaded
 
 Array = NDArray[np.float64]
 
@@ -26,12 +27,12 @@ class ClampEquations:
 
     Attributes:
         start: the history states at the start.
-        coefficients: what the law's step takes.
+        coefficients: what the law's step takes first.
         step: the law's step, as `pipeclamp.realise.scalar` describes it.
     """
 
     start: tuple[float, ...]
-    coefficients: tuple[float, ...]
+    coefficients: Any
     step: Callable[..., tuple[float, float, tuple[float, ...]]]
 
     def force(self, state: Sequence[float], y: float, v: float) -> float:
@@ -45,12 +46,10 @@ class ClampEquations:
 
 
 def clamp_equations(law: Law, amplitude: float, frequency: float, temperature: float) -> ClampEquations:
-    """Give a law's equations at an amplitude (mm), frequency (Hz) and temperature (K)."""
-    module: dict[str, Any] = {}
-    # The text is our own, made from the law's expressions; no part of it is a user's.
-    exec(compile("import math\n" + python_source(law), "<law>", "exec"), module)
-    start = tuple(float(value) for _, value in module["STATES"])
-    return ClampEquations(start, module["coefficients"](amplitude, frequency, temperature), module["step"])
+    """Give a law's equations at an amplitude (mm), frequency (Hz) and temperature (K): those that its FMU runs."""
+    scalar = loaded(python_source(law))
+    start = tuple(float(value) for _, value in scalar.states)
+    return ClampEquations(start, scalar.coefficients(amplitude, frequency, temperature), scalar.step)
 
 
 @dataclass(frozen=True, eq=False)

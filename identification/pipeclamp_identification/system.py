@@ -10,6 +10,9 @@ from pydantic import Field, model_validator
 from pipeclamp.toml_file import Name, Number, Positive, Table, read_table
 from pipeclamp_identification.coupling import Scheme
 
+MOST_STEPS = 5_000_000
+"""More than these don't fit into memory with all that is kept of each."""
+
 
 class PipeSource(Table):
     """The pipe: its description, or a finished FMU."""
@@ -91,8 +94,8 @@ class RunTable(Table):
     def _sensible(self) -> Self:
         if self.step_s > self.stop_s:
             raise ValueError(f"step_s = {self.step_s:g} is longer than stop_s = {self.stop_s:g}")
-        if self.stop_s / self.step_s > 5e7:
-            raise ValueError(f"stop_s/step_s = {self.stop_s / self.step_s:.0f} steps; expected at most 50 million")
+        if self.stop_s / self.step_s > MOST_STEPS:
+            raise ValueError(f"stop_s/step_s = {self.stop_s / self.step_s:.0f} steps; expected at most {MOST_STEPS}")
         return self
 
     @property

@@ -13,7 +13,8 @@ from pipeclamp import pipe_step
 from pipeclamp.errors import UserError
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_identification.coupling import ORDER, Scheme, System, Tolerance, march
+from pipeclamp_identification.broyden import Tolerance
+from pipeclamp_identification.coupling import ORDER, Scheme, System, march
 from pipeclamp_identification.monolithic import ClampEquations, solve_monolithic
 
 PIPE = """

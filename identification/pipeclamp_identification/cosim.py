@@ -1,0 +1,380 @@
+"""Co-simulation of a pipe FMU with clamp FMUs: from SYSTEM.toml to a result with its energy balance."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from pipeclamp.bundled import open_law
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_whole
+from pipeclamp.parameter_file import LawFile, read_law
+from pipeclamp.pipe_description import read_pipe
+from pipeclamp.toml_file import unknown
+from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_identification.broyden import Tolerance
+from pipeclamp_identification.coupling import Point, Scheme, System, march
+from pipeclamp_identification.energy import EnergyBalance, received_work
+from pipeclamp_identification.excitation import Signal, excitation_signal
+from pipeclamp_identification.importer import FmuParticipant, LoadedFmu, opened
+from pipeclamp_identification.system import ClampSource, SystemDescription, read_system
+
+Array = NDArray[np.float64]
+Progress = Callable[[float], None]
+
+CELSIUS = 273.15
+
+PIPE_ENERGIES = ("energyPipe", "energyDissipated", "workExcitation", "workClamps")
+CLAMP_WATCHED = ("A_used", "f_used", "T_used", "energyDissipated")
+CLAMP_UNITS = ("m", "Hz", "K", "J")
+
+IMPOSSIBLE = 10.0
+"""A pipe that holds this many times what the excitation has moved to and fro has it from a coupling that diverges."""
+
+MISMATCH = 0.2
+"""Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
+
+
+@dataclass(frozen=True, eq=False)
+class CosimResult:
+    """What a co-simulation gave.
+
+    Attributes:
+        name: of the system.
+        scheme: how it was coupled.
+        step: macro step, s.
+        excitation_kind: "base" or "force".
+        clamp_names: the clamps that have a law, in the system's order.
+        probe_names: the pipe's probes.
+        columns: values by variable name, each (n,); SI units.
+        units: unit of each column.
+        energy: the balance, each (n,).
+        out_of_range: clamps whose law was used beyond its data.
+        warnings: what the FMUs warned of.
+    """
+
+    name: str
+    scheme: Scheme
+    step: float
+    excitation_kind: str
+    clamp_names: tuple[str, ...]
+    probe_names: tuple[str, ...]
+    columns: Mapping[str, Array]
+    units: Mapping[str, str]
+    energy: EnergyBalance
+    out_of_range: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def time(self) -> Array:
+        """Communication points, s, (n,)."""
+        return self.columns["time"]
+
+    def amplitude(self, column: str, share: float = 0.2) -> float:
+        """Give half the peak-to-peak value of a column over the last share of the run."""
+        values = self.columns[column][-max(2, int(share * self.time.size)) :]
+        return float(values.max() - values.min()) / 2
+
+    def summary(self) -> str:
+        """Give amplitudes and the energy balance, for a person to read."""
+        trials = self.columns["trials"][1:]
+        lines = [
+            f"system {self.name!r}: {self.time.size - 1} {self.scheme} steps of {self.step:g} s, "
+            f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})"
+        ]
+        lines += [
+            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm, "
+            f"force {self.amplitude(f'{name}.f'):.4g} N over the last fifth"
+            for name in self.clamp_names
+        ]
+        lines += [
+            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm over the last fifth"
+            for name in self.probe_names
+        ]
+        lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
+        lines += [
+            f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with {1e3 * found:.4g} "
+            "mm: set amplitude_mm to that, or track = true"
+            for name in self.clamp_names
+            if abs((found := self.amplitude(f"{name}.s")) - (assumed := self.columns[f"{name}.A_used"][-1]))
+            > MISMATCH * assumed
+        ]
+        lines += [f"{name}: its law was used beyond the range of its data" for name in self.out_of_range]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class PipeVariables:
+    """What a pipe FMU couples, read off its variables."""
+
+    excitation: str
+    clamps: tuple[str, ...]
+    probes: tuple[str, ...]
+
+    @property
+    def kind(self) -> str:
+        """What shakes the pipe: "base" or "force"."""
+        return "base" if self.excitation == "base.a" else "force"
+
+
+def run_system(path: Path, progress: Progress | None = None) -> CosimResult:
+    """Co-simulate the system that a file describes.
+
+    Args:
+        path: SYSTEM.toml; paths in it are relative to its folder.
+        progress: told the share done, 0 to 1, about every hundredth.
+
+    Raises:
+        UserError: the system can't be read or built, an FMU refuses, or the run diverges; the message names the place.
+    """
+    return run_described(read_system(path), path.parent, str(path), progress)
+
+
+def run_described(
+    description: SystemDescription, folder: Path, where: str, progress: Progress | None = None
+) -> CosimResult:
+    """Co-simulate a described system; `folder` is what its paths are relative to, `where` is named in errors.
+
+    Raises:
+        UserError: as `run_system`.
+    """
+    with _fmus(description, folder) as paths, opened(paths) as (pipe, *clamps):
+        variables = _pipe_variables(pipe)
+        for index, clamp in enumerate(description.clamps, 1):
+            if clamp.at not in variables.clamps:
+                raise UserError(f"{where}: clamps[{index}].at: {unknown(clamp.at, list(variables.clamps), 'clamp')}")
+        run = description.run
+        signal = excitation_signal(description.excitation, variables.kind, run.stop_s, folder, where)
+        for fmu in (pipe, *clamps):
+            if run.scheme == "iterated" and not fmu.can_roll_back:
+                raise UserError(
+                    f"{fmu.path}: this FMU can't save and restore its state, which scheme = 'iterated' needs; "
+                    "use 'sequential' or 'parallel'"
+                )
+        start = {variables.excitation: signal(0.0), "inputsAtStepEnd": run.scheme == "iterated"}
+        pipe.initialise(start)
+        for fmu, source in zip(clamps, description.clamps, strict=True):
+            fmu.initialise(_clamp_parameters(source, description))
+        return _run(description, variables, signal, pipe, clamps, progress)
+
+
+def write_result(result: CosimResult, path: Path) -> None:
+    """Write a result as CSV, whole or not at all: one row per communication point, "name [unit]" as header.
+
+    Raises:
+        UserError: the folder can't be written.
+    """
+    frame = pl.DataFrame({f"{name} [{result.units[name]}]": values for name, values in result.columns.items()})
+    write_whole(path, frame.write_csv())
+
+
+@contextmanager
+def _fmus(description: SystemDescription, folder: Path) -> Iterator[list[tuple[Path, str]]]:
+    """Give the FMUs of pipe and clamps with their instances' names; those that aren't finished are built."""
+    built = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
+    try:
+        yield list(_built(description, folder, built))
+    finally:
+        shutil.rmtree(built, ignore_errors=True)
+
+
+def _built(description: SystemDescription, folder: Path, built: Path) -> Iterator[tuple[Path, str]]:
+    if description.pipe.fmu is not None:
+        yield folder / description.pipe.fmu, "pipe"
+    else:
+        output = built / "pipe.fmu"
+        build_pipe(read_pipe(folder / str(description.pipe.file)), output)
+        yield output, "pipe"
+    for index, clamp in enumerate(description.clamps):
+        if clamp.fmu is not None:
+            yield folder / clamp.fmu, clamp.at
+        else:
+            output = built / f"clamp_{index}.fmu"
+            build_clamp(_law(folder, str(clamp.law)), output)
+            yield output, clamp.at
+
+
+def _law(folder: Path, name: str) -> LawFile:
+    """Give a law by its path relative to a folder, or by the name of a bundled one."""
+    path = folder / name
+    return read_law(path) if path.suffix or path.exists() else open_law(name)
+
+
+def _pipe_variables(pipe: LoadedFmu) -> PipeVariables:
+    """Read off a pipe FMU what it couples.
+
+    Raises:
+        UserError: it is no pipe FMU.
+    """
+    inputs = [name for name, variable in pipe.variables.items() if variable.causality == "input"]
+    outputs = [name for name, variable in pipe.variables.items() if variable.causality == "output"]
+    excitation = [name for name in inputs if name in ("base.a", "excitation.f")]
+    missing = [name for name in PIPE_ENERGIES if name not in outputs]
+    if len(excitation) != 1 or missing:
+        raise UserError(
+            f"{pipe.path}: this isn't a pipe FMU: expected one of the inputs base.a and excitation.f, and the outputs "
+            f"{', '.join(PIPE_ENERGIES)}; got inputs {', '.join(inputs) or 'none'}"
+        )
+    return PipeVariables(
+        excitation[0],
+        tuple(name.removesuffix(".f") for name in inputs if name.endswith(".f") and name != excitation[0]),
+        tuple(name.removesuffix(".a") for name in outputs if name.endswith(".a")),
+    )
+
+
+def _clamp_parameters(source: ClampSource, description: SystemDescription) -> dict[str, float | bool]:
+    frequency = source.frequency_Hz or description.excitation.frequency_Hz
+    parameters: dict[str, float | bool] = {"T": source.temperature_C + CELSIUS, "track": source.track}
+    if source.amplitude_mm is not None:
+        parameters["A"] = 1e-3 * source.amplitude_mm
+    if frequency is not None:
+        parameters["f"] = frequency
+    return parameters
+
+
+def _run(
+    description: SystemDescription,
+    variables: PipeVariables,
+    signal: Signal,
+    pipe: LoadedFmu,
+    clamps: Sequence[LoadedFmu],
+    progress: Progress | None,
+) -> CosimResult:
+    """March the initialised FMUs and keep what they say."""
+    names = tuple(clamp.at for clamp in description.clamps)
+    run = description.run
+    pipe_participant = FmuParticipant(
+        pipe,
+        [variables.excitation, *(f"{name}.f" for name in names)],
+        [*(f"{name}.s" for name in names), *(f"{name}.v" for name in names)],
+        [*(f"{name}.{kind}" for name in variables.probes for kind in "sva"), *PIPE_ENERGIES],
+    )
+    clamp_participants = tuple(
+        FmuParticipant(clamp, ["flange.s", "flange.v"], ["flange.f"], CLAMP_WATCHED, ["inRange"]) for clamp in clamps
+    )
+    system = System(pipe_participant, clamp_participants, signal)
+    participants = (pipe_participant, *clamp_participants)
+    tolerance = Tolerance(run.tolerance, run.max_iterations)
+    points: list[Point] = []
+    watched: list[list[float]] = []
+    in_range = [True] * len(clamps)
+    guard = _Guard()
+    every = max(1, run.steps // 100)
+    try:
+        for point in march(system, run.scheme, run.stop_s / run.steps, run.steps, tolerance):
+            row = [value for participant in participants for value in participant.watched()]
+            guard.check(point, row, 3 * len(variables.probes))
+            points.append(point)
+            watched.append(row)
+            for index, participant in enumerate(clamp_participants):
+                in_range[index] = in_range[index] and all(participant.flags())
+            if progress is not None and point.index % every == 0:
+                progress(point.index / run.steps)
+    except UserError as error:
+        raise UserError(f"{error}; the run was stopped in step {len(points)} of {run.steps}") from error
+    finally:
+        for participant in participants:
+            participant.release()
+    return _result(description, variables, points, np.array(watched), in_range, (pipe, *clamps))
+
+
+class _Guard:
+    """Stops a run that diverges: by a value that isn't finite, or by energy that nobody has put in."""
+
+    def __init__(self) -> None:
+        self._work = 0.0
+        self._moved = 0.0
+
+    def check(self, point: Point, watched: Sequence[float], energies_at: int) -> None:
+        """Take a communication point.
+
+        Raises:
+            UserError: the run diverges there.
+        """
+        stored, _, work, _ = watched[energies_at : energies_at + 4]
+        self._moved += abs(work - self._work)
+        self._work = work
+        values = (*point.displacement, *point.velocity, *point.force, stored)
+        if not all(map(isfinite, values)):
+            reason = "a value isn't finite any more"
+        elif stored > IMPOSSIBLE * self._moved:
+            reason = f"the pipe holds {stored:.3g} J where the excitation has moved no more than {self._moved:.3g} J"
+        else:
+            return
+        raise UserError(
+            f"step {point.index} (t = {point.time:.6g} s): the coupling diverges: {reason}; "
+            "use scheme = 'iterated' or a smaller step_s"
+        )
+
+
+def _result(
+    description: SystemDescription,
+    variables: PipeVariables,
+    points: Sequence[Point],
+    watched: Array,
+    in_range: Sequence[bool],
+    fmus: Sequence[LoadedFmu],
+) -> CosimResult:
+    names = tuple(clamp.at for clamp in description.clamps)
+    columns: dict[str, Array] = {}
+    units: dict[str, str] = {}
+
+    def keep(name: str, unit: str, values: Array | list[float] | list[int]) -> None:
+        columns[name], units[name] = np.asarray(values, dtype=np.float64), unit
+
+    displacement = np.array([point.displacement for point in points])
+    velocity = np.array([point.velocity for point in points])
+    force = np.array([point.force for point in points])
+    keep("time", "s", [point.time for point in points])
+    keep(variables.excitation, "m/s2" if variables.kind == "base" else "N", [point.excitation for point in points])
+    energies_at = 3 * len(variables.probes)
+    clamps_at = energies_at + len(PIPE_ENERGIES)
+    for index, name in enumerate(names):
+        keep(f"{name}.s", "m", displacement[:, index])
+        keep(f"{name}.v", "m/s", velocity[:, index])
+        keep(f"{name}.f", "N", force[:, index])
+        own = watched[:, clamps_at + len(CLAMP_WATCHED) * index :]
+        for column, (kind, unit) in enumerate(zip(CLAMP_WATCHED, CLAMP_UNITS, strict=True)):
+            keep(f"{name}.{kind}", unit, own[:, column])
+    for index, name in enumerate(variables.probes):
+        for column, (kind, unit) in enumerate((("s", "m"), ("v", "m/s"), ("a", "m/s2"))):
+            keep(f"{name}.{kind}", unit, watched[:, 3 * index + column])
+    # A parallel master tells the clamps where they were one step before.
+    told = np.vstack([displacement[:1], displacement[:-1]]) if description.run.scheme == "parallel" else displacement
+    stored, dissipated, work, delivered = watched[:, energies_at:clamps_at].T
+    balance = EnergyBalance(
+        excitation=work,
+        pipe_stored=stored,
+        pipe_dissipated=dissipated,
+        clamps_received=received_work(force, told).sum(axis=1),
+        clamps_dissipated=np.array([columns[f"{name}.energyDissipated"] for name in names])
+        .reshape(len(names), len(points))
+        .sum(axis=0),
+        delivered=delivered,
+    )
+    for name in balance.final():
+        keep(f"energy.{name}", "J", getattr(balance, name))
+    keep("trials", "1", [point.trials for point in points])
+    return CosimResult(
+        name=description.name,
+        scheme=description.run.scheme,
+        step=description.run.stop_s / description.run.steps,
+        excitation_kind=variables.kind,
+        clamp_names=names,
+        probe_names=variables.probes,
+        columns=columns,
+        units=units,
+        energy=balance,
+        out_of_range=tuple(name for name, inside in zip(names, in_range, strict=True) if not inside),
+        warnings=tuple(f"{fmu.instance}: {text}" for fmu in fmus for text in fmu.messages.warnings),
+    )

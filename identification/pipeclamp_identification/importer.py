@@ -1,0 +1,240 @@
+"""FMUs as participants of a coupling, driven by fmpy."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from ctypes import byref
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from fmpy import calloc, free
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2Boolean,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2FMUstate,
+    fmi2Real,
+    fmi2True,
+    fmi2ValueReference,
+    fmi2Warning,
+)
+
+from pipeclamp.errors import UserError
+from pipeclamp.toml_file import unknown
+
+
+@dataclass
+class Messages:
+    """What an FMU has logged: warnings, and worse."""
+
+    warnings: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+
+    def __call__(self, component: object, instance: bytes, status: int, category: bytes, message: bytes) -> None:
+        """Take a message, as FMI's logger."""
+        if status >= fmi2Warning:
+            text = message.decode("utf-8", "replace").strip()
+            (self.warnings if status == fmi2Warning else self.errors).append(text)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of an FMU: its reference, its type, its causality."""
+
+    reference: int
+    kind: str
+    causality: str
+
+
+class LoadedFmu:
+    """An FMU of FMI 2.0 co-simulation that is loaded and instantiated."""
+
+    def __init__(self, path: Path, instance: str, folder: Path) -> None:
+        """Unpack an FMU into an empty folder and instantiate it.
+
+        Raises:
+            UserError: the file is no FMU that can be co-simulated here.
+        """
+        self.path, self.instance = path, instance
+        self.messages = Messages()
+        try:
+            description = fmpy.read_model_description(str(path))
+            fmpy.extract(str(path), unzipdir=str(folder))
+        except Exception as error:  # fmpy raises bare Exceptions for all that can be wrong with a file
+            raise UserError(
+                f"{path}: not a readable FMU ({error}); expected one of FMI 2.0 for co-simulation"
+            ) from error
+        if description.fmiVersion != "2.0" or description.coSimulation is None:
+            raise UserError(
+                f"{path}: FMI {description.fmiVersion}, "
+                f"{'co-simulation' if description.coSimulation else 'no co-simulation'}; expected FMI 2.0 co-simulation"
+            )
+        self.variables: Mapping[str, Variable] = {
+            variable.name: Variable(variable.valueReference, variable.type, variable.causality)
+            for variable in description.modelVariables
+        }
+        self.can_roll_back = bool(description.coSimulation.canGetAndSetFMUstate)
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(self.messages)
+        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        try:
+            self.slave: Any = FMU2Slave(
+                guid=description.guid,
+                unzipDirectory=str(folder),
+                modelIdentifier=description.coSimulation.modelIdentifier,
+                instanceName=instance,
+            )
+            self.slave.instantiate(callbacks=self._callbacks, loggingOn=True)
+        except Exception as error:
+            raise UserError(f"{path}: this FMU can't be instantiated here ({error}){self.said()}") from error
+
+    def said(self) -> str:
+        """Give the FMU's last error messages, to be put behind one of ours."""
+        recent = "; ".join(self.messages.errors[-3:])
+        return f"; the FMU said: {recent}" if recent else ""
+
+    def references(self, names: Sequence[str]) -> list[int]:
+        """Give the value references of variables.
+
+        Raises:
+            UserError: the FMU has no such variable.
+        """
+        for name in names:
+            if name not in self.variables:
+                raise UserError(f"{self.path}: {unknown(name, list(self.variables), 'variable')}")
+        return [self.variables[name].reference for name in names]
+
+    def set_parameters(self, values: Mapping[str, float | bool]) -> None:
+        """Set parameters, and inputs before the start."""
+        for name, value in values.items():
+            (reference,) = self.references([name])
+            if self.variables[name].kind == "Boolean":
+                self.slave.setBoolean([reference], [bool(value)])
+            else:
+                self.slave.setReal([reference], [float(value)])
+
+    def initialise(self, values: Mapping[str, float | bool]) -> None:
+        """Set parameters and start inputs, and initialise at time 0.
+
+        Raises:
+            UserError: the FMU refuses.
+        """
+        try:
+            self.slave.setupExperiment(startTime=0.0)
+            self.set_parameters(values)
+            self.slave.enterInitializationMode()
+            self.slave.exitInitializationMode()
+        except FMICallException as error:
+            raise UserError(f"{self.path}: the FMU can't start ({error}){self.said()}") from error
+        if self.messages.errors:
+            raise UserError(f"{self.path}: the FMU can't start{self.said()}")
+
+    def close(self) -> None:
+        """Free the instance."""
+        self.slave.freeInstance()
+
+
+@contextmanager
+def opened(fmus: Sequence[tuple[Path, str]]) -> Iterator[list[LoadedFmu]]:
+    """Load FMUs, each given with its instance's name, and free them at the end.
+
+    Raises:
+        UserError: one of them can't be loaded.
+    """
+    folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
+    search_path = list(sys.path)
+    loaded: list[LoadedFmu] = []
+    try:
+        for index, (path, instance) in enumerate(fmus):
+            loaded.append(LoadedFmu(path, instance, folder / str(index)))
+        yield loaded
+    finally:
+        for fmu in loaded:
+            fmu.close()
+        sys.path[:] = search_path  # a Python FMU leaves its folder there
+        shutil.rmtree(folder, ignore_errors=True)  # Windows keeps a library locked that is still mapped
+
+
+class FmuParticipant:
+    """A loaded FMU as a participant of a coupling: its coupled inputs and outputs, in a fixed order."""
+
+    def __init__(
+        self,
+        fmu: LoadedFmu,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        watched: Sequence[str],
+        flags: Sequence[str] = (),
+    ) -> None:
+        """Choose the variables that couple, and the Real and Boolean ones that are only watched."""
+        self._fmu = fmu
+        self._slave = fmu.slave
+        self._component = fmu.slave.component
+        self._inputs = (fmi2ValueReference * len(inputs))(*fmu.references(inputs))
+        self._input_values = (fmi2Real * len(inputs))()
+        self._outputs = (fmi2ValueReference * len(outputs))(*fmu.references(outputs))
+        self._output_values = (fmi2Real * len(outputs))()
+        self._watched = (fmi2ValueReference * len(watched))(*fmu.references(watched))
+        self._watched_values = (fmi2Real * len(watched))()
+        self._flags = (fmi2ValueReference * len(flags))(*fmu.references(flags))
+        self._flag_values = (fmi2Boolean * len(flags))()
+        self._state = fmi2FMUstate()
+
+    def set_inputs(self, values: Sequence[float]) -> None:
+        """Set all coupled inputs."""
+        self._input_values[:] = values
+        self._slave.fmi2SetReal(self._component, self._inputs, len(self._inputs), self._input_values)
+
+    def step(self, time: float, h: float) -> None:
+        """Step from `time` to `time + h`.
+
+        Raises:
+            UserError: the FMU refuses the step.
+        """
+        try:
+            self._slave.fmi2DoStep(self._component, time, h, fmi2True)
+        except FMICallException as error:
+            raise UserError(
+                f"t = {time:.6g} s: the FMU of {self._fmu.instance!r} refused the step ({error}){self._fmu.said()}"
+            ) from error
+
+    def outputs(self) -> list[float]:
+        """Give all coupled outputs."""
+        self._slave.fmi2GetReal(self._component, self._outputs, len(self._outputs), self._output_values)
+        return self._output_values[:]  # type: ignore[no-any-return]
+
+    def watched(self) -> list[float]:
+        """Give the watched outputs."""
+        self._slave.fmi2GetReal(self._component, self._watched, len(self._watched), self._watched_values)
+        return self._watched_values[:]  # type: ignore[no-any-return]
+
+    def flags(self) -> list[bool]:
+        """Give the watched Boolean outputs."""
+        self._slave.fmi2GetBoolean(self._component, self._flags, len(self._flags), self._flag_values)
+        return [bool(value) for value in self._flag_values]
+
+    def save(self) -> None:
+        """Keep the present state, in the place of the one before."""
+        self.release()  # pythonfmu doesn't reuse the memory of a state that it is handed
+        self._slave.fmi2GetFMUstate(self._component, byref(self._state))
+
+    def restore(self) -> None:
+        """Go back to the state that was kept."""
+        self._slave.fmi2SetFMUstate(self._component, self._state)
+
+    def release(self) -> None:
+        """Free the state that was kept."""
+        if self._state:
+            self._slave.fmi2FreeFMUstate(self._component, byref(self._state))
+            self._state = fmi2FMUstate()

@@ -1,0 +1,351 @@
+"""Co-simulation with real FMUs: against the monolithic solution, its energy balance, its results, its refusals."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Mapping
+from itertools import pairwise
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+
+from pipeclamp.errors import UserError
+from pipeclamp.law import Structure, compose
+from pipeclamp.parameter_file import law_of, read_law
+from pipeclamp.pipe import reduce
+from pipeclamp.pipe_description import read_pipe
+from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_identification.cosim import CosimResult, run_system, write_result
+from pipeclamp_identification.excitation import excitation_signal
+from pipeclamp_identification.monolithic import MonolithicResult, clamp_equations, solve_monolithic
+from pipeclamp_identification.system import read_system
+
+PIPE = """
+name = "cantilever"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 3.0
+material = "316L"
+[ends]
+left = "clamped"
+right = "free"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[[probes]]
+name = "tip"
+position_m = 3.0
+[damping]
+ratio = 0.01
+[modes]
+up_to_Hz = 200
+"""
+
+PIPE_STIFFNESS = 20.23
+"""N/mm, static, at clamp1."""
+
+SECOND = '[[clamps]]\nname = "clamp2"\nposition_m = 2.6\n'
+
+SMOOTH = {"k10": 4.0, "k30": 1.0, "c0": 0.05, "alpha0": 1.0}
+SOFT = {"k10": 4.0, "k30": 1.0, "c0": 3.0, "alpha0": 0.45, "k1_T": -0.3, "c_T1": -0.5}
+STIFF = {"k10": 10 * PIPE_STIFFNESS, "k30": 40.0, "c0": 10.0, "alpha0": 0.45, "k1_T": -0.3, "c_T1": -0.5}
+
+
+def write_law(path: Path, values: Mapping[str, float], base: str = "power", effects: tuple[str, ...] = ()) -> None:
+    """Write a law with these values; exponents that aren't given are 0."""
+    structure = Structure(base, effects)
+    held = structure.held()
+    content = {
+        "schema": "pipeclamp-law-1",
+        "name": path.stem,
+        "base": base,
+        "effects": list(effects),
+        "smoothing": {"v_r": 0.05, "y_r": 0.001},
+        "coefficients": {
+            parameter.name: {
+                "value": values.get(parameter.name, held.get(parameter.name, 0.0)),
+                "unit": parameter.unit,
+                "state": "given",
+            }
+            for parameter in compose(structure).parameters
+        },
+        "range": {
+            "A": {"minimum": 0.01, "maximum": 5.0, "unit": "mm"},
+            "f": {"minimum": 1.0, "maximum": 60.0, "unit": "Hz"},
+            "T": {"minimum": 290.0, "maximum": 580.0, "unit": "K"},
+        },
+        "data": {"name": "made up", "fingerprint": "sha256:0", "runs_used": 0},
+        "software": "test",
+        "command": "test",
+    }
+    path.write_text(json.dumps(content), encoding="utf-8")
+
+
+def write_system(
+    folder: Path,
+    scheme: str = "iterated",
+    laws: Mapping[str, str] | None = None,
+    frequency: float = 9.0,
+    acceleration: float = 2.0,
+    amplitude_mm: float = 1.0,
+    temperature_C: float = 20.0,
+    stop: float = 0.4,
+    step: float = 1e-3,
+    more: str = "",
+) -> Path:
+    clamps = "".join(
+        f'[[clamps]]\nat = "{at}"\n{source}\ntemperature_C = {temperature_C!r}\namplitude_mm = {amplitude_mm!r}\n'
+        for at, source in (laws or {"clamp1": 'fmu = "smooth.fmu"'}).items()
+    )
+    path = folder / "SYSTEM.toml"
+    path.write_text(
+        f'name = "test"\n[pipe]\nfmu = "pipe.fmu"\n{clamps}[excitation]\nkind = "sine"\n'
+        f"acceleration_m_s2 = {acceleration!r}\nfrequency_Hz = {frequency!r}\n"
+        f'[run]\nstop_s = {stop!r}\nstep_s = {step!r}\nscheme = "{scheme}"\n{more}',
+        encoding="utf-8",
+    )
+    return path
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Give a folder with pipes, laws and their FMUs."""
+    folder = tmp_path_factory.mktemp("bench")
+    swapped = PIPE.replace("[[clamps]]", SECOND + "[[clamps]]")
+    for name, text in (("pipe", PIPE), ("pipe2", PIPE + SECOND), ("pipe2_swapped", swapped)):
+        (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+        build_pipe(read_pipe(folder / f"{name}.toml"), folder / f"{name}.fmu")
+    laws = {
+        "smooth": (SMOOTH, "power", ()),
+        "soft": (SOFT, "power", ("damping_temperature",)),
+        "stiff": (STIFF, "power", ("damping_temperature",)),
+        "slip": ({"k10": 5.0, "c0": 0.01, "k_s": 200.0, "z_s": 8.0}, "memory", ()),
+    }
+    for name, (values, base, effects) in laws.items():
+        write_law(folder / f"{name}.json", values, base, effects)
+        build_clamp(read_law(folder / f"{name}.json"), folder / f"{name}.fmu")
+    return folder
+
+
+def reference(
+    system_file: Path, laws: tuple[str, ...], pipe: str = "pipe", tolerance: float = 1e-8
+) -> MonolithicResult:
+    """Solve the system that a file describes as one set of equations."""
+    folder = system_file.parent
+    system = read_system(system_file)
+    reduced = reduce(read_pipe(folder / f"{pipe}.toml"))
+    signal = excitation_signal(system.excitation, reduced.excitation, system.run.stop_s, folder, "test")
+    frequency = system.excitation.frequency_Hz
+    assert frequency is not None
+    clamps = [
+        clamp_equations(
+            law_of(read_law(folder / f"{name}.json")),
+            clamp.amplitude_mm or 0.0,
+            frequency,
+            clamp.temperature_C + 273.15,
+        )
+        for name, clamp in zip(laws, system.clamps, strict=True)
+    ]
+    time = np.linspace(0.0, system.run.stop_s, system.run.steps + 1)
+    return solve_monolithic(reduced, clamps, signal, time, tolerance)
+
+
+def resonance(bench: Path, stiffness: float) -> float:
+    """Give the first natural frequency of the pipe with a spring (N/mm) at clamp1, Hz."""
+    reduced = reduce(read_pipe(bench / "pipe.toml"))
+    shape = np.array(reduced.clamp_shapes[0])
+    squared = np.linalg.eigvalsh(np.diag(np.array(reduced.omega) ** 2) + 1e3 * stiffness * np.outer(shape, shape))
+    return float(np.sqrt(squared[0]) / (2 * pi))
+
+
+def largest_error(result: CosimResult, exact: MonolithicResult) -> float:
+    names = result.clamp_names
+    ours = np.column_stack([result.columns[f"{name}.s"] for name in names])
+    return float(np.abs(ours - exact.displacement).max() / np.abs(exact.displacement).max())
+
+
+@pytest.mark.parametrize("temperature", [20.0, 300.0])
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_iterated_amplitude_at_resonance_is_the_monolithic_one(bench: Path, law: str, temperature: float) -> None:
+    stiffness = {"soft": SOFT, "stiff": STIFF}[law]["k10"] * ((temperature + 273.15) / 293.15) ** -0.3
+    frequency = round(resonance(bench, stiffness), 3)
+    file = write_system(
+        bench,
+        laws={"clamp1": f'fmu = "{law}.fmu"'},
+        frequency=frequency,
+        acceleration={"soft": 3.0, "stiff": 4.0}[law],
+        amplitude_mm={"soft": 2.0, "stiff": 0.3}[law],
+        temperature_C=temperature,
+        stop=25 / frequency,
+        step=1 / (80 * frequency),
+    )
+    result = run_system(file)
+    exact = reference(file, (law,))
+    last = slice(-5 * 80, None)
+    for column, values in (("clamp1.s", exact.displacement[:, 0]), ("tip.s", exact.probes[:, 0])):
+        amplitude = np.ptp(values[last]) / 2
+        assert np.ptp(result.columns[column][last]) / 2 == pytest.approx(amplitude, rel=0.01), column
+    assert result.out_of_range == ()
+
+
+FINE = 2.5e-4
+"""Macro step, s, of the finer of two runs."""
+
+
+@pytest.fixture(scope="module")
+def smooth_reference(bench: Path) -> MonolithicResult:
+    """Give the solution for a smooth law at the points of the finer run."""
+    return reference(write_system(bench, step=FINE, stop=0.3), ("smooth",), tolerance=1e-10)
+
+
+@pytest.mark.parametrize(("scheme", "order"), [("parallel", 1), ("sequential", 1), ("iterated", 2)])
+def test_each_scheme_s_error_falls_at_its_order(
+    bench: Path, smooth_reference: MonolithicResult, scheme: str, order: int
+) -> None:
+    exact = smooth_reference.displacement[:, 0]
+    errors = []
+    for every in (2, 1):
+        file = write_system(bench, scheme, step=every * FINE, stop=0.3, more="tolerance = 1e-9\n")
+        ours = run_system(file).columns["clamp1.s"]
+        errors.append(np.abs(ours - exact[::every]).max() / np.abs(exact).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.15)
+    assert errors[1] < {1: 0.03, 2: 1e-4}[order]
+
+
+def test_two_clamps_of_different_laws_one_with_memory(bench: Path) -> None:
+    text = {"clamp2": 'fmu = "slip.fmu"', "clamp1": 'law = "soft.json"'}
+    file = write_system(bench, laws=text, step=2.5e-4, acceleration=8.0)
+    file.write_text(file.read_text(encoding="utf-8").replace("pipe.fmu", "pipe2.fmu"), encoding="utf-8")
+    result = run_system(file)
+    assert result.clamp_names == ("clamp2", "clamp1")
+    exact = reference(file, ("slip", "soft"), pipe="pipe2_swapped")
+    assert largest_error(result, exact) < 2e-3
+    assert result.amplitude("clamp2.f") > 8.0  # it slips
+
+
+def test_the_energy_balance_closes_and_names_what_the_coupling_made(bench: Path) -> None:
+    made = {}
+    for scheme in ("parallel", "sequential", "iterated"):
+        result = run_system(write_system(bench, scheme, laws={"clamp1": 'fmu = "soft.fmu"'}, stop=1.0))
+        energy = result.energy
+        total = float(np.abs(energy.excitation).max())
+        assert np.abs(energy.unexplained).max() < 1e-9 * total
+        assert energy.clamps_dissipated[-1] > 0.3 * total
+        assert np.all(energy.pipe_stored >= 0)
+        made[scheme] = energy.coupling[-1] / total
+    # A force that comes late feeds the pipe: the later, the more; an iterated step's comes in time.
+    assert made["parallel"] > 2 * made["sequential"] > 0
+    assert abs(made["iterated"]) < 0.1 * made["sequential"]
+
+
+def test_a_diverging_run_is_stopped_in_its_step(bench: Path, tmp_path: Path) -> None:
+    laws = {"clamp1": 'fmu = "stiff.fmu"'}
+    with pytest.raises(UserError) as stopped:
+        run_system(write_system(bench, "parallel", laws, step=5e-3, stop=2.0))
+    message = str(stopped.value)
+    assert "step " in message
+    assert "diverges" in message
+    assert "'iterated'" in message
+    run_system(write_system(bench, "iterated", laws, step=5e-3, stop=0.2))
+
+
+def test_a_step_that_does_not_agree_is_named(bench: Path) -> None:
+    file = write_system(bench, laws={"clamp1": 'fmu = "stiff.fmu"'}, more="max_iterations = 2\ntolerance = 1e-12\n")
+    with pytest.raises(UserError, match=r"step \d+ \(t = .*2 trials.*max_iterations"):
+        run_system(file)
+
+
+def test_the_result_is_written_with_names_and_units(bench: Path, tmp_path: Path) -> None:
+    told: list[float] = []
+    result = run_system(write_system(bench), told.append)
+    write_result(result, tmp_path / "RESULT.csv")
+    frame = pl.read_csv(tmp_path / "RESULT.csv")
+    expected = ["time [s]", "base.a [m/s2]", "clamp1.s [m]", "clamp1.v [m/s]", "clamp1.f [N]", "tip.a [m/s2]"]
+    assert [name for name in frame.columns if name in expected] == expected
+    assert "energy.coupling [J]" in frame.columns
+    assert frame.height == 401
+    assert frame["clamp1.s [m]"].to_numpy() == pytest.approx(result.columns["clamp1.s"], rel=1e-15)
+    assert told[-1] == pytest.approx(1.0)
+    assert all(before <= after for before, after in pairwise(told))
+    summary = result.summary()
+    assert "clamp1: amplitude" in summary
+    assert "coupling" in summary
+    assert "clamp1: its law is taken for an amplitude of 1 mm, and it moves with" in summary
+
+
+def test_an_undamped_pipe_loses_nothing(bench: Path) -> None:
+    """Both works and the stored energy are exact, so that nothing is left for damping."""
+    (bench / "undamped.toml").write_text(PIPE.replace("ratio = 0.01", "ratio = 0.0"), encoding="utf-8")
+    file = write_system(bench, "sequential", step=5e-3)  # a coarse step: the pipe is exact all the same
+    file.write_text(
+        file.read_text(encoding="utf-8").replace('fmu = "pipe.fmu"', 'file = "undamped.toml"'), encoding="utf-8"
+    )
+    energy = run_system(file).energy
+    assert np.abs(energy.pipe_dissipated).max() < 1e-11 * np.abs(energy.excitation).max()
+
+
+def test_a_run_leaves_nothing_behind(bench: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    path = list(sys.path)
+    run_system(write_system(bench, laws={"clamp1": 'law = "smooth.json"'}, stop=0.01))
+    assert list(tmp_path.iterdir()) == []
+    assert sys.path == path
+
+
+def test_velocity_and_acceleration_are_those_of_the_displacement(bench: Path) -> None:
+    result = run_system(write_system(bench, step=2.5e-4))
+    time = result.time
+    relative = np.gradient(np.gradient(result.columns["tip.s"], time), time)
+    absolute = relative + result.columns["base.a"]
+    inner = slice(4, -4)
+    scale = np.abs(result.columns["tip.a"]).max()
+    assert np.abs(absolute - result.columns["tip.a"])[inner].max() < 0.02 * scale
+
+
+def test_a_law_with_tracking_finds_its_amplitude_and_frequency(bench: Path) -> None:
+    file = write_system(bench, laws={"clamp1": 'fmu = "soft.fmu"\ntrack = true'}, stop=1.5, amplitude_mm=0.1)
+    result = run_system(file)
+    assert result.columns["clamp1.A_used"][-1] == pytest.approx(result.amplitude("clamp1.s", 0.15), rel=0.1)
+    assert result.columns["clamp1.f_used"][-1] == pytest.approx(9.0, rel=0.05)
+
+
+def test_a_law_used_beyond_its_data_is_said(bench: Path) -> None:
+    result = run_system(write_system(bench, temperature_C=600.0, stop=0.1))
+    assert result.out_of_range == ("clamp1",)
+    assert any("clamp1" in warning and "range" in warning for warning in result.warnings)
+
+
+def test_a_pipe_and_a_law_are_built_where_they_are_not_finished(bench: Path) -> None:
+    file = write_system(bench, laws={"clamp1": 'law = "smooth.json"'})
+    finished = run_system(write_system(bench))
+    file = write_system(bench, laws={"clamp1": 'law = "smooth.json"'})
+    file.write_text(
+        file.read_text(encoding="utf-8").replace('fmu = "pipe.fmu"', 'file = "pipe.toml"'), encoding="utf-8"
+    )
+    built = run_system(file)
+    assert np.array_equal(built.columns["clamp1.s"], finished.columns["clamp1.s"])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (('at = "clamp1"', 'at = "clmp1"'), ["clamps[1].at", "'clmp1'", "did you mean 'clamp1'"]),
+        (('"pipe.fmu"', '"smooth.fmu"'), ["smooth.fmu", "isn't a pipe FMU", "flange.s"]),
+        (('"smooth.fmu"', '"pipe.fmu"'), ["pipe.fmu", "'T'", "clamp1.f"]),
+        (('"smooth.fmu"', '"pipe.toml"'), ["pipe.toml", "not a readable FMU"]),
+        (('"smooth.fmu"', '"none.fmu"'), ["none.fmu", "not a readable FMU"]),
+        (("acceleration_m_s2", "force_N"), ["excited by base", "acceleration_m_s2"]),
+    ],
+)
+def test_what_cannot_be_coupled_is_refused(bench: Path, change: tuple[str, str], words: list[str]) -> None:
+    file = write_system(bench)
+    file.write_text(file.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
+    with pytest.raises(UserError) as refused:
+        run_system(file)
+    assert all(word in str(refused.value) for word in words), refused.value
