@@ -40,7 +40,7 @@ FARTHEST = RANGE_A[1] * (1 + SLACK)
 AT_REST = tuple(start for _, start in STATES)
 """The law's memory before anything has moved."""
 
-NO_VALUE = (ArithmeticError, ValueError)
+NO_VALUE = (ArithmeticError, TypeError, ValueError)
 """What a law raises where it has no value, far outside its range."""
 
 Motion = tuple[Any, float, float, float, float, tuple[float, ...]]
@@ -145,7 +145,7 @@ class ClampSlave(Fmi2Slave):
         try:
             force, energy, memory = step(k, memory, y_before, y, v, step_size)
         except NO_VALUE as error:
-            return self._refuse(current_time, step_size, f"the law has no value there ({error})")
+            return self._refuse(current_time, step_size, f"the law has no value there ({error.args[-1]})")
         total = force + energy
         if total - total != 0.0:
             return self._refuse(current_time, step_size, f"the force would be {force} N")
@@ -161,7 +161,9 @@ class ClampSlave(Fmi2Slave):
         return True
 
     def _settings(self) -> tuple[float, float, float] | str:
-        """Give A (mm), f (Hz), T (K) that are set, or what is wrong with inputs and parameters."""
+        """Give A (mm), f (Hz), T (K) that are set, or what is wrong with state, inputs or parameters."""
+        if self._lost:
+            return self._lost
         reals = self._reals
         names = INPUTS + PARAMETERS
         for name, value in zip(names, reals, strict=False):
@@ -189,7 +191,7 @@ class ClampSlave(Fmi2Slave):
         try:
             return conditions, self._under(conditions)
         except NO_VALUE as error:
-            return f"the law has no value at A = {conditions[0]:g} mm, f = {conditions[1]:g} Hz ({error})"
+            return f"the law has no value at A = {conditions[0]:g} mm, f = {conditions[1]:g} Hz ({error.args[-1]})"
 
     def _under(self, conditions: Conditions) -> Motion:
         """Give the motion as it stands under other conditions.
@@ -226,7 +228,7 @@ class ClampSlave(Fmi2Slave):
         try:
             self._motion = self._under(conditions)
         except NO_VALUE as error:
-            self.log(f"start values: the law has no value there ({error})", Fmi2Status.error)
+            self.log(f"start values: the law has no value there ({error.args[-1]})", Fmi2Status.error)
             return
         self._take(conditions)
         reals[FORCE] = self._motion[3]

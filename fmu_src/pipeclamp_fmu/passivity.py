@@ -115,7 +115,8 @@ def balance(law: ScalarLaw, cycle: Cycle, A: float, f: float, T: float, samples:
 
 def _points(interval: Interval, count: int) -> list[float]:
     low, high = interval
-    return [low + (high - low) * index / (count - 1) for index in range(count)] if high > low else [low]
+    shares = [index / (count - 1) for index in range(count)] if high > low else [0.0]
+    return [low * (1 - share) + high * share for share in shares]
 
 
 def conditions(range_A: Interval, range_f: Interval, range_T: Interval) -> Iterator[tuple[float, float, float]]:

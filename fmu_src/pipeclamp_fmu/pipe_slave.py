@@ -77,7 +77,7 @@ class PipeSlave(Fmi2Slave):
         """Move through the step; refuse what can't be, the state untouched."""
         loads = tuple(self._reals[: len(INPUTS)])
         total = sum(loads) + step_size
-        if not (step_size > 0.0 and total - total == 0.0):
+        if self._lost or not (step_size > 0.0 and total - total == 0.0):
             return self._refuse(current_time, step_size, self._what_is_wrong(step_size))
         if step_size != self._length:
             self._k = [coefficients(omega, damping, step_size) for omega, damping in zip(OMEGA, DAMPING, strict=True)]
@@ -103,6 +103,8 @@ class PipeSlave(Fmi2Slave):
         return True
 
     def _what_is_wrong(self, step_size: float) -> str:
+        if self._lost:
+            return self._lost
         if not (step_size > 0.0 and math.isfinite(step_size)):
             return "expected a finite step above 0 s"
         names = [name for name, value in zip(INPUTS, self._reals, strict=False) if not math.isfinite(value)]

@@ -2,11 +2,15 @@
 
 The slaves' common part. Its text goes into each FMU's one module, and its class keeps pythonfmu's name, because
 pythonfmu's library takes the first `class ...(Fmi2Slave):` of the module's file for the model.
+
+No exception leaves a slave where it can be helped: after one, pythonfmu 0.7 ends the instance, and frees it a second
+time when the host does, which kills the host later.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import pythonfmu
@@ -60,6 +64,7 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
         self._settable_flags = len(boolean_parameters)
         self._settled = False  # no parameter has changed since the last step
         self._initialising = True
+        self._lost = ""  # why no step can be done until a state of this model is set
 
     # --- Values
 
@@ -68,7 +73,11 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
         if self._initialising:
             self._evaluate_start()
         reals = self._reals
-        return [reals[vr] for vr in vrs]
+        try:
+            return [reals[vr] for vr in vrs]
+        except IndexError:
+            self.log(f"value references {vrs}: expected Real variables, below {len(reals)}", Fmi2Status.error)
+            return [math.nan] * len(vrs)
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set inputs and parameters; what is set shows in the outputs after the next step."""
@@ -88,26 +97,25 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
         """Give Boolean variables."""
         if self._initialising:
             self._evaluate_start()
-        return [self._flags[self._flag(vr)] for vr in vrs]
+        first = len(self._reals)
+        if not all(0 <= vr - first < len(self._flags) for vr in vrs):
+            self.log(f"value references {vrs}: expected Boolean variables, from {first} on", Fmi2Status.error)
+            return [False] * len(vrs)
+        return [self._flags[vr - first] for vr in vrs]
 
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
         """Set Boolean parameters."""
+        first = len(self._reals)
         for vr, value in zip(vrs, values, strict=True):
-            if self._flag(vr) < self._settable_flags:
-                self._flags[self._flag(vr)] = bool(value)
+            if 0 <= vr - first < self._settable_flags:
+                self._flags[vr - first] = bool(value)
                 self._settled = False
             else:
                 self._refuse_setting(vr)
 
-    def _flag(self, vr: int) -> int:
-        """Give a Boolean's place among the Booleans."""
-        flag = vr - len(self._reals)
-        if not 0 <= flag < len(self._flags):
-            raise TypeError(f"value reference {vr} is not a Boolean of this model")
-        return flag
-
     def _refuse_setting(self, vr: int) -> None:
-        self.log(f"{self.vars[vr].name} is an output and can't be set; the value is ignored", Fmi2Status.error)
+        name = self.vars[vr].name if vr in self.vars else f"value reference {vr}"
+        self.log(f"{name} is no input or parameter of this type; the value is ignored", Fmi2Status.error)
 
     # --- Initialisation
 
@@ -137,13 +145,17 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
             *[getattr(self, name) for name in self.KEPT],
         )
 
-    def _set_fmu_state(self, state: tuple[Any, ...]) -> None:
-        owner, reals, flags, settled, initialising, *kept = state
-        if owner != type(self).__name__:
-            raise ValueError(f"the state is one of {owner}; expected one of {type(self).__name__}")
-        self._reals, self._flags, self._settled, self._initialising = list(reals), list(flags), settled, initialising
+    def _set_fmu_state(self, state: Any) -> None:
+        if not (isinstance(state, tuple) and state[:1] == (type(self).__name__,)):
+            self._lost = f"the state that was set is not one of {type(self).__name__}"
+            self._settled = False
+            self.log(f"{self._lost}; steps are discarded until one is", Fmi2Status.error)
+            return
+        _, reals, flags, self._settled, self._initialising, *kept = state
+        self._reals, self._flags = list(reals), list(flags)
         for name, value in zip(self.KEPT, kept, strict=True):
             setattr(self, name, value)
+        self._lost = ""
 
     @staticmethod
     def _fmu_state_to_bytes(state: tuple[Any, ...]) -> bytes:
@@ -151,4 +163,7 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> Any:
-        return tuples(json.loads(state.decode("utf-8")))
+        try:
+            return tuples(json.loads(state.decode("utf-8")))
+        except ValueError:
+            return None  # refused when it is set

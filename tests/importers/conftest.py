@@ -1,0 +1,171 @@
+"""What tests of FMUs share: models, built FMUs, and a driver that goes by variable names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import replace
+from math import cos, pi, sin
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from pipeclamp.bundled import open_law
+from pipeclamp.pipe_description import parse_pipe
+from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_fmu.clamp import ClampModel, clamp_content, source_text
+from pipeclamp_fmu.one_module import body_of
+from pipeclamp_fmu.packing import write_fmu
+from pipeclamp_identification.importer import LoadedFmu, opened
+
+PIPE = """
+name = "bench"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 6.0
+material = "316L"
+fluid = "water"
+[ends]
+left = "pinned"
+right = "pinned"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[[clamps]]
+name = "clamp2"
+position_m = 5.0
+[[probes]]
+name = "middle"
+position_m = 3.0
+{excitation}
+[damping]
+ratio = 0.01
+[modes]
+up_to_Hz = 100
+"""
+
+FORCED = '[excitation]\nkind = "force"\nposition_m = 1.0'
+
+
+class Driver:
+    """One instance of an FMU, by variable names."""
+
+    def __init__(self, fmu: LoadedFmu, start: dict[str, float]) -> None:
+        self.fmu, self.slave, self.messages = fmu, fmu.slave, fmu.messages
+        self.time = 0.0
+        self.start(start)
+
+    def start(self, values: dict[str, float]) -> None:
+        self.slave.setupExperiment(startTime=0.0)
+        self.set(values)
+        self.slave.enterInitializationMode()
+        self.slave.exitInitializationMode()
+        self.time = 0.0
+
+    def set(self, values: dict[str, float]) -> None:
+        self.fmu.set_parameters(values)
+
+    def get(self, name: str) -> float:
+        variable = self.fmu.variables[name]
+        read = self.slave.getBoolean if variable.kind == "Boolean" else self.slave.getReal
+        return read([variable.reference])[0]
+
+    def all(self) -> dict[str, float]:
+        return {name: self.get(name) for name, variable in self.fmu.variables.items() if variable.causality == "output"}
+
+    def step(self, h: float, **inputs: float) -> None:
+        self.set({name.replace("__", "."): value for name, value in inputs.items()})
+        self.slave.doStep(self.time, h)
+        self.time += h
+
+    def discarded(self, h: float, **inputs: float) -> str:
+        """Try a step that must be discarded, and give what the FMU says of it."""
+        before = len(self.messages.errors)
+        with pytest.raises(FMICallException) as refused:
+            self.step(h, **inputs)
+        assert refused.value.status == 2, "expected fmi2Discard"
+        assert len(self.messages.errors) == before + 1
+        return self.messages.errors[-1]
+
+    def save(self) -> Any:
+        return self.slave.getFMUstate()
+
+    def restore(self, state: Any) -> None:
+        self.slave.setFMUstate(state)
+
+    def serialised(self) -> bytes:
+        return bytes(self.slave.serializeFMUstate(self.save()))
+
+    def deserialise(self, data: bytes) -> None:
+        self.restore(self.slave.deSerializeFMUstate(data))
+
+
+def shake(clamp: Driver, begin: int, end: int, h: float = 1e-3, A: float = 5e-4, f: float = 3.0) -> list[float]:
+    """Step a clamp along a sinusoid with some of the third harmonic and give the forces."""
+    forces = []
+    for n in range(begin, end):
+        theta = 2 * pi * f * h * (n + 1)
+        clamp.step(
+            h,
+            flange__s=A * (sin(theta) + 0.3 * sin(3 * theta)),
+            flange__v=A * 2 * pi * f * (cos(theta) + 0.9 * cos(3 * theta)),
+        )
+        forces.append(clamp.get("flange.f"))
+    return forces
+
+
+@pytest.fixture(scope="session")
+def stand_in() -> ClampModel:
+    """Give the stand-in law, which has a memory, as a clamp."""
+    source = body_of(source_text("stand_in_law"))
+    return ClampModel(
+        "stand-in",
+        source[source.index("STATES") :],
+        (0.2, 1.0),
+        (1.0, 5.0),
+        (293.15, 573.15),
+        ("F = k1*y < anything & more",),
+        (("k1", "1200", "3", "N/mm", "stiffness"),),
+    )
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory: pytest.TempPathFactory, stand_in: ClampModel) -> dict[str, Path]:
+    """Give built FMUs by name."""
+    folder = tmp_path_factory.mktemp("fmus")
+    paths = {name: folder / f"{name}.fmu" for name in ("memory", "stiffer", "emwm2", "pipe", "forced_pipe")}
+    write_fmu(clamp_content(stand_in, "0"), paths["memory"])
+    stiffer = replace(stand_in, source=stand_in.source.replace("1200.0", "2400.0"))
+    write_fmu(clamp_content(stiffer, "0"), paths["stiffer"])
+    build_clamp(open_law("emwm2"), paths["emwm2"])
+    build_pipe(parse_pipe(PIPE.format(excitation="")), paths["pipe"])
+    build_pipe(parse_pipe(PIPE.format(excitation=FORCED)), paths["forced_pipe"])
+    return paths
+
+
+@pytest.fixture
+def drive(fmus: dict[str, Path]) -> Iterator[Callable[..., Driver]]:
+    """Give a function that makes an initialised instance of one of the FMUs, or of the FMU at a path."""
+    with ExitStack() as stack:
+
+        def make(which: str | Path, start: dict[str, float] | None = None) -> Driver:
+            path = which if isinstance(which, Path) else fmus[which]
+            (fmu,) = stack.enter_context(opened([(path, path.stem)]))
+            return Driver(fmu, start or {})
+
+        yield make
+
+
+@pytest.fixture(scope="session")
+def shaken() -> Callable[..., list[float]]:
+    """Give the function that steps a clamp along a motion and gives its forces."""
+    return shake
+
+
+@pytest.fixture(scope="session")
+def pipe_text() -> Callable[[bool], str]:
+    """Give a function that gives the test pipe's TOML, shaken by its base or by a force."""
+    return lambda forced=False: PIPE.format(excitation=FORCED if forced else "")

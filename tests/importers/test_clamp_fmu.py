@@ -1,0 +1,302 @@
+"""The clamp FMU in fmpy: its force, its states, its guards, its range, its tracking."""
+
+import math
+from dataclasses import replace
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from pipeclamp_fmu.clamp import clamp_content
+from pipeclamp_fmu.packing import write_fmu
+from pipeclamp_fmu.passivity import loaded
+
+H = 1e-3
+
+
+@pytest.mark.parametrize("name", ["memory", "emwm2"])
+def test_fmpy_finds_nothing_to_object_to(fmus, name):
+    assert validate_fmu(str(fmus[name])) == []
+
+
+def test_the_description_says_what_importers_need(fmus):
+    description = fmpy.read_model_description(str(fmus["memory"]))
+    for variable in description.modelVariables:
+        assert variable.description
+        if variable.type == "Real":
+            assert None not in (variable.unit, variable.min, variable.max, variable.nominal), variable.name
+            assert variable.start is None or float(variable.min) < float(variable.start) < float(variable.max)
+        assert variable.displayUnit == {"m": "mm", "m/s": "mm/s", "K": "degC"}.get(variable.unit), variable.name
+    units = {unit.name: unit for unit in description.unitDefinitions}
+    (celsius,) = units["K"].displayUnits
+    assert (celsius.name, float(celsius.factor), float(celsius.offset)) == ("degC", 1.0, -273.15)
+    assert all(unknown.dependencies == [] for unknown in description.outputs)
+    assert all(len(unknown.dependencies) == 8 for unknown in description.initialUnknowns)
+    ability = description.coSimulation
+    assert not ability.needsExecutionTool
+    assert ability.canGetAndSetFMUstate
+    assert ability.canSerializeFMUstate
+
+
+def law_forces(model, A, f, T, motion):
+    """Give the forces of the law's own source along a motion from rest, (s, v) in m and m/s."""
+    law = loaded(model.source)
+    k, state, y_before, forces = law.coefficients(A, f, T), tuple(start for _, start in law.states), 0.0, []
+    for s, v in motion:
+        force, _, state = law.step(k, state, y_before, 1000.0 * s, 1000.0 * v, H)
+        y_before = 1000.0 * s
+        forces.append(force)
+    return forces
+
+
+def test_the_force_is_that_of_the_law(drive, stand_in):
+    clamp = drive("memory", {"A": 4e-4, "f": 2.0, "T": 350.0})
+    theta = 2 * math.pi * 2.0 * H * np.arange(1, 1500)
+    motion = list(zip((4e-4 * np.sin(theta)).tolist(), (4e-4 * 4 * math.pi * np.cos(theta)).tolist(), strict=True))
+    forces = []
+    for s, v in motion:
+        clamp.step(H, flange__s=s, flange__v=v)
+        forces.append(clamp.get("flange.f"))
+    expected = law_forces(stand_in, 1000.0 * 4e-4, 2.0, 350.0, motion)
+    assert np.allclose(forces, expected, rtol=1e-14, atol=0)
+    assert (clamp.get("A_used"), clamp.get("f_used"), clamp.get("T_used")) == pytest.approx((4e-4, 2.0, 350.0))
+
+
+def test_fmpy_simulates_it_and_the_energy_is_the_loop_area(fmus):
+    f, A = 2.0, 5e-4
+    time = np.arange(0, 3.0 + H / 2, H)
+    signals = np.rec.fromarrays(
+        [time, A * np.sin(2 * np.pi * f * time), A * 2 * np.pi * f * np.cos(2 * np.pi * f * time)],
+        names=["time", "flange.s", "flange.v"],
+    )
+    result = fmpy.simulate_fmu(
+        str(fmus["memory"]),
+        stop_time=3.0,
+        step_size=H,
+        output_interval=H,
+        input=signals,
+        start_values={"A": A, "f": f},
+        output=["flange.f", "energyDissipated", "inRange"],
+    )
+    cycle = slice(-501, None)
+    force = result["flange.f"][cycle]
+    s = np.interp(result["time"][cycle] - H, time, signals["flange.s"])  # fmpy sets the values at the step's start
+    area = float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(s)))
+    assert area > 0
+    assert np.ptp(result["energyDissipated"][cycle]) == pytest.approx(area, rel=1e-3)
+    assert result["inRange"].all()
+
+
+def test_at_the_start_the_force_is_that_of_the_inputs(drive, stand_in):
+    clamp = drive("memory", {"flange.s": 3e-4, "flange.v": 0.01, "A": 3e-4})
+    law = loaded(stand_in.source)
+    y = 1000.0 * 3e-4
+    k = law.coefficients(y, clamp.get("f_used"), clamp.get("T_used"))
+    assert clamp.get("flange.f") == pytest.approx(law.step(k, (0.0,), y, y, 10.0, 0.0)[0], rel=1e-14)
+
+
+@pytest.mark.parametrize("track", [False, True])
+def test_a_state_comes_back_exactly_in_the_middle_of_an_iterated_step(drive, shaken, track):
+    untouched, iterated = drive("memory", {"track": track}), drive("memory", {"track": track})
+    assert shaken(untouched, 0, 300) == shaken(iterated, 0, 300)
+    state = iterated.save()
+    for wild in (9e-4, -8e-4, 1e-4):  # trials that slip the memory
+        iterated.step(H, flange__s=wild, flange__v=wild)
+        iterated.restore(state)
+    iterated.time = untouched.time
+    assert shaken(untouched, 300, 500) == shaken(iterated, 300, 500)
+    assert untouched.all() == iterated.all()
+
+
+@pytest.mark.parametrize("track", [False, True])
+def test_a_state_goes_into_another_instance_as_bytes(drive, shaken, track):
+    first, second = drive("memory", {"track": track, "T": 400.0}), drive("memory")
+    shaken(first, 0, 300)
+    shaken(second, 0, 77)
+    second.deserialise(first.serialised())
+    assert first.all() == second.all()
+    assert shaken(first, 300, 500) == shaken(second, 300, 500)
+    assert first.all() == second.all()
+
+
+BAD = [
+    ({"flange.s": math.nan}, H, ["flange.s is nan"]),
+    ({"flange.v": math.inf}, H, ["flange.v is inf"]),
+    ({"T_in": math.nan}, H, ["T_in is nan"]),
+    ({"A": 0.0}, H, ["A is 0 m", "above 0"]),
+    ({"A": math.nan}, H, ["A is nan"]),
+    ({"f": -1.0}, H, ["f is -1 Hz", "above 0"]),
+    ({"T": 0.0}, H, ["T is 0 K", "above 0"]),
+    ({"T_in": -5.0, "useTemperatureInput": True}, H, ["T_in is -5 K", "above 0"]),
+    ({}, 0.0, ["expected a finite step above 0 s"]),
+    ({}, -H, ["expected a finite step above 0 s"]),
+    ({}, math.nan, ["expected a finite step above 0 s"]),
+    ({"flange.s": 1e300}, H, ["no value there"]),
+]
+
+
+@pytest.mark.parametrize(("bad", "h", "words"), BAD)
+def test_what_cannot_be_is_discarded_and_leaves_the_state_untouched(drive, shaken, bad, h, words):
+    good = {"flange.s": 0.0, "flange.v": 0.0, "T_in": 350.0, "A": 4e-4, "f": 2.0, "T": 350.0}
+    good |= {"useTemperatureInput": False}
+    clamp, twin = drive("memory", good), drive("memory", good)
+    assert shaken(clamp, 0, 200) == shaken(twin, 0, 200)
+    clamp.set(bad)
+    said = clamp.discarded(h)
+    assert all(word in said for word in (*words, "discarded")), said
+    assert clamp.all() == twin.all()
+    clamp.set({name: good[name] for name in bad})
+    assert shaken(clamp, 200, 400) == shaken(twin, 200, 400)
+    assert clamp.all() == twin.all()
+
+
+def test_an_output_cannot_be_set(drive):
+    clamp = drive("memory")
+    clamp.set({"flange.f": 5.0})
+    assert clamp.get("flange.f") == 0.0
+    assert "flange.f is no input" in clamp.messages.errors[-1]
+
+
+OUTSIDE = [
+    ({"A": 2e-3}, "A = 2 mm"),
+    ({"f": 0.5}, "f = 0.5 Hz"),
+    ({"T": 700.0}, "T = 700 K"),
+    ({"flange.s": 1.5e-3}, "|flange.s| = 1.5 mm"),
+]
+
+
+@pytest.mark.parametrize(("outside", "word"), OUTSIDE)
+def test_outside_its_range_it_warns_once(drive, outside, word):
+    clamp = drive("memory")
+    clamp.step(H)
+    assert clamp.get("inRange")
+    before = {name: clamp.get(name) for name in outside}
+    clamp.set(outside)
+    for _ in range(3):
+        clamp.step(H)
+        assert not clamp.get("inRange")
+    clamp.set(before)
+    clamp.step(H)
+    assert clamp.get("inRange")
+    clamp.set(outside)
+    clamp.step(H)
+    (warning,) = clamp.messages.warnings
+    assert word in warning
+    assert "stand-in" in warning
+
+
+def test_the_ends_of_the_range_are_inside(drive):
+    clamp = drive("memory", {"A": 1e-3, "f": 5.0, "T": 293.15})
+    clamp.step(H, flange__s=-1e-3)
+    assert clamp.get("inRange")
+    assert clamp.messages.warnings == []
+
+
+def test_the_temperature_comes_from_the_input_where_told(drive):
+    clamp = drive("memory", {"T": 400.0, "useTemperatureInput": True, "T_in": 300.0})
+    assert clamp.get("T_used") == 300.0
+    clamp.step(H, T_in=350.0)
+    assert clamp.get("T_used") == 350.0
+    clamp.set({"useTemperatureInput": False})
+    clamp.step(H)
+    assert clamp.get("T_used") == 400.0
+
+
+@pytest.mark.parametrize("offset", [0.0, 2e-4])
+@pytest.mark.parametrize(("A", "f"), [(3e-4, 1.3), (7e-4, 4.0)])
+def test_tracking_finds_amplitude_and_frequency(drive, A, f, offset):
+    clamp = drive("memory", {"track": True, "A": 6e-4, "f": 3.0})
+    seen = []
+    for n in range(1, round(12 / f / H)):
+        theta = 2 * math.pi * f * n * H
+        clamp.step(H, flange__s=offset + A * math.sin(theta), flange__v=A * 2 * math.pi * f * math.cos(theta))
+        seen.append((clamp.get("A_used"), clamp.get("f_used")))
+    last = np.array(seen[-round(1 / f / H) :])
+    assert np.abs(last / [A, f] - 1).max() < 0.01
+    assert clamp.get("inRange")
+
+
+def test_tracking_is_held_inside_the_range(drive):
+    clamp = drive("memory", {"track": True})
+    for n in range(1, 1500):
+        theta = 2 * math.pi * 8.0 * n * H
+        clamp.step(H, flange__s=5e-4 * math.sin(theta), flange__v=5e-4 * 2 * math.pi * 8.0 * math.cos(theta))
+    assert clamp.get("f_used") == 5.0
+    assert not clamp.get("inRange")
+    assert len(clamp.messages.warnings) == 1
+
+
+def test_tracking_of_no_motion_keeps_the_frequency(drive):
+    clamp = drive("memory", {"track": True, "f": 2.0})
+    for _ in range(20000):
+        clamp.step(H)
+    assert clamp.get("A_used") == pytest.approx(2e-4)
+    assert 1.0 <= clamp.get("f_used") <= 5.0
+    assert clamp.get("flange.f") == 0.0
+
+
+def test_a_changed_parameter_dissipates_nothing(drive, shaken):
+    clamp = drive("memory")
+    shaken(clamp, 0, 333)
+    energy = clamp.get("energyDissipated")
+    clamp.set({"A": 9e-4, "flange.v": 0.0})
+    clamp.step(H)
+    assert clamp.get("A_used") == pytest.approx(9e-4)
+    assert clamp.get("energyDissipated") == energy
+
+
+def test_reset_gives_a_fresh_instance(drive, shaken):
+    clamp, fresh = drive("memory", {"T": 500.0, "track": True}), drive("memory")
+    shaken(clamp, 0, 100)
+    clamp.slave.reset()
+    clamp.start({})
+    assert clamp.all() == fresh.all()
+    assert shaken(clamp, 0, 200) == shaken(fresh, 0, 200)
+
+
+def test_two_laws_and_a_rebuilt_one_each_give_their_own_force(drive, shaken, stand_in, tmp_path):
+    """All Python FMUs of a process share one table of modules."""
+    path = tmp_path / "clamp.fmu"
+    write_fmu(clamp_content(stand_in, "0"), path)
+    before = drive(path)
+    softer = replace(stand_in, source=stand_in.source.replace("1200.0", "600.0"))
+    write_fmu(clamp_content(softer, "0"), path)
+    rebuilt, other = drive(path), drive("emwm2")
+    forces = [shaken(clamp, 0, 50)[-1] for clamp in (before, rebuilt, other, drive("stiffer"), drive("memory"))]
+    s = 1000.0 * clamp_displacement(before)
+    stiffness = s * 0.6**-0.2
+    assert forces[0] == forces[4]
+    assert forces[0] - forces[1] == pytest.approx(600.0 * stiffness)
+    assert forces[3] - forces[0] == pytest.approx(1200.0 * stiffness)
+    assert len(set(forces)) == 4
+
+
+def clamp_displacement(clamp):
+    """Give flange.s as it was set, m."""
+    return clamp.slave.getReal(clamp.fmu.references(["flange.s"]))[0]
+
+
+@pytest.mark.parametrize("foreign", ["stiffer", "pipe", "bytes"])
+def test_a_foreign_state_is_refused(drive, shaken, foreign):
+    """By discarded steps: an exception would make pythonfmu free the instance twice."""
+    clamp, twin = drive("memory"), drive("memory")
+    assert shaken(clamp, 0, 50) == shaken(twin, 0, 50)
+    state = clamp.save()
+    clamp.deserialise(b"no state" if foreign == "bytes" else drive(foreign).serialised())
+    assert "is not one of clamp_" in clamp.messages.errors[-1]
+    assert clamp.all() == twin.all()
+    assert "is not one of clamp_" in clamp.discarded(H)
+    clamp.restore(state)
+    assert shaken(clamp, 50, 100) == shaken(twin, 50, 100)
+
+
+def test_wrong_value_references_do_no_harm(drive):
+    clamp = drive("memory")
+    assert math.isnan(clamp.slave.getReal([11])[0])
+    assert clamp.slave.getBoolean([0]) == [False]
+    clamp.slave.setReal([99], [1.0])
+    clamp.slave.setBoolean([13], [False])
+    assert len(clamp.messages.errors) == 4
+    clamp.step(H)
+    assert clamp.get("inRange")

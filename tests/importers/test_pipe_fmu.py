@@ -1,0 +1,160 @@
+"""The pipe FMU in fmpy: its motion against scipy, its energies, its states, its guards."""
+
+import math
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from scipy.signal import StateSpace, lsim
+
+from pipeclamp.pipe import reduce
+from pipeclamp.pipe_description import parse_pipe
+
+H = 2e-3
+STEPS = 400
+
+
+@pytest.mark.parametrize("name", ["pipe", "forced_pipe"])
+def test_fmpy_finds_nothing_to_object_to(fmus, name):
+    assert validate_fmu(str(fmus[name])) == []
+
+
+def modal_system(pipe):
+    """Give the reduced pipe as a state space: inputs excitation and clamps' forces; outputs s and v at the clamps."""
+    omega, damping = np.array(pipe.omega), np.array(pipe.damping)
+    n = omega.size
+    load = np.column_stack([pipe.excitation_participation, *(-np.array(shape) for shape in pipe.clamp_shapes)])
+    a = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(omega**2), -np.diag(damping)]])
+    b = np.vstack([np.zeros_like(load), load])
+    shapes = np.array(pipe.clamp_shapes)
+    none = np.zeros_like(shapes)
+    c = np.block([[shapes, none], [none, shapes]])
+    return StateSpace(a, b, c, np.zeros((c.shape[0], b.shape[1])))
+
+
+@pytest.fixture(scope="module")
+def loads():
+    """Inputs that change at every communication point, (STEPS + 1, 3)."""
+    rng = np.random.default_rng(1)
+    return rng.normal(size=(STEPS + 1, 3)) * [5.0, 20.0, 20.0]
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("forced", [False, True])
+def test_steps_are_exact(drive, pipe_text, loads, forced, at_end):
+    excitation = "excitation__f" if forced else "base__a"
+    pipe = drive("forced_pipe" if forced else "pipe", {
+        "inputsAtStepEnd": at_end, excitation.replace("__", "."): loads[0, 0],
+        "clamp1.f": loads[0, 1], "clamp2.f": loads[0, 2],
+    })  # fmt: skip
+    motion = []
+    for n in range(STEPS):
+        u, f1, f2 = loads[n + 1 if at_end else n].tolist()
+        pipe.step(H, clamp1__f=f1, clamp2__f=f2, **{excitation: u})
+        motion.append([pipe.get(f"clamp{i}.{kind}") for kind in "sv" for i in (1, 2)])
+    system = modal_system(reduce(parse_pipe(pipe_text(forced))))
+    _, expected, _ = lsim(system, loads, H * np.arange(STEPS + 1), interp=at_end)
+    error = np.abs(np.array(motion) - expected[1:]).max(axis=0) / np.abs(expected).max(axis=0)
+    assert error.max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["pipe", "forced_pipe"])
+def test_energies_balance_and_damping_takes_its_share(drive, pipe_text, loads, name):
+    forced = name == "forced_pipe"
+    excitation = "excitation__f" if forced else "base__a"
+    h = H / 20
+    pipe = drive(name, {"inputsAtStepEnd": True})
+    clamps_work = middle_before = 0.0
+    s_before = f_before = 0.0
+    speeds = []
+    for n in range(3000):
+        u, f = 5.0 * math.sin(2 * math.pi * 10 * n * h), 40.0 * math.sin(2 * math.pi * 23 * n * h)
+        pipe.step(h, clamp1__f=f, **{excitation: u})
+        s = pipe.get("clamp1.s")
+        clamps_work += (f + f_before) / 2 * (s - s_before)
+        s_before, f_before = s, f
+        speed = pipe.get("middle.v")
+        if n == 1500:
+            numeric = (speed - middle_before) / h + (0.0 if forced else u)
+            assert pipe.get("middle.a") == pytest.approx(numeric, abs=0.02 * abs(numeric) + 0.1)
+        middle_before = speed
+        speeds.append(pipe.get("energyDissipated"))
+    assert pipe.get("workClamps") == pytest.approx(clamps_work, rel=1e-3)
+    work, stored = pipe.get("workExcitation"), pipe.get("energyPipe")
+    assert work == pytest.approx(pipe.get("workClamps") + stored + speeds[-1], rel=1e-12)
+    assert np.diff(speeds).min() > -1e-12 * work, "damping only takes"
+    assert stored > 0
+
+
+def test_damping_takes_what_the_modes_lose(drive, pipe_text):
+    """Independent of the balance: the integral of damping q'^2 as scipy has it."""
+    reduced = reduce(parse_pipe(pipe_text()))
+    pipe = drive("pipe", {"inputsAtStepEnd": True})
+    h = 2e-4
+    time = h * np.arange(5001)
+    u = 5.0 * np.sin(2 * np.pi * 10 * time)
+    _, _, states = lsim(modal_system(reduced), np.column_stack([u, 0 * u, 0 * u]), time)
+    power = states[:, len(reduced.omega) :] ** 2 @ np.array(reduced.damping)
+    for load in u[1:].tolist():
+        pipe.step(h, base__a=load)
+    assert pipe.get("energyDissipated") == pytest.approx(np.sum((power[1:] + power[:-1]) / 2) * h, rel=1e-4)
+
+
+def shaken(pipe, begin, end):
+    """Step the pipe along loads of its own and give what a clamp sees."""
+    motion = []
+    for n in range(begin, end):
+        pipe.step(H, base__a=math.sin(0.11 * n), clamp1__f=9 * math.sin(0.3 * n), clamp2__f=5 * math.cos(0.2 * n))
+        motion.append((pipe.get("clamp1.s"), pipe.get("clamp2.v")))
+    return motion
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_state_comes_back_exactly_in_the_middle_of_an_iterated_step(drive, at_end):
+    untouched, iterated = drive("pipe", {"inputsAtStepEnd": at_end}), drive("pipe", {"inputsAtStepEnd": at_end})
+    assert shaken(untouched, 0, 50) == shaken(iterated, 0, 50)
+    state = iterated.save()
+    for wild in (1e3, -1e5):
+        iterated.step(H / 3, clamp1__f=wild)
+        iterated.restore(state)
+    iterated.time = untouched.time
+    assert shaken(untouched, 50, 100) == shaken(iterated, 50, 100)
+    assert untouched.all() == iterated.all()
+
+
+def test_a_state_goes_into_another_instance_as_bytes(drive):
+    first, second = drive("pipe", {"inputsAtStepEnd": True}), drive("pipe")
+    shaken(first, 0, 50)
+    second.deserialise(first.serialised())
+    assert first.all() == second.all()
+    assert shaken(first, 50, 100) == shaken(second, 50, 100)
+    assert first.all() == second.all()
+
+
+@pytest.mark.parametrize(
+    ("bad", "h", "word"),
+    [
+        ({"base.a": math.nan}, H, "base.a is nan"),
+        ({"clamp2.f": -math.inf}, H, "clamp2.f is -inf"),
+        ({"clamp1.f": 1e308}, H, "finite"),
+        ({}, 0.0, "above 0 s"),
+        ({}, -H, "above 0 s"),
+        ({}, math.inf, "above 0 s"),
+    ],
+)
+def test_what_cannot_be_is_discarded_and_leaves_the_state_untouched(drive, bad, h, word):
+    pipe, twin = drive("pipe"), drive("pipe")
+    assert shaken(pipe, 0, 50) == shaken(twin, 0, 50)
+    pipe.set(bad)
+    assert word in pipe.discarded(h)
+    assert pipe.all() == twin.all()
+    assert shaken(pipe, 50, 100) == shaken(twin, 50, 100)
+
+
+def test_reset_gives_a_fresh_instance(drive):
+    pipe, fresh = drive("pipe", {"inputsAtStepEnd": True}), drive("pipe")
+    shaken(pipe, 0, 50)
+    pipe.slave.reset()
+    pipe.start({})
+    assert pipe.all() == fresh.all()
+    assert shaken(pipe, 0, 50) == shaken(fresh, 0, 50)
