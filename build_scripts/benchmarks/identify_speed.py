@@ -49,6 +49,7 @@ if __name__ == "__main__":
         rows = sum(len(pl.read_csv(file)) for file in files)
 
         def whole() -> None:
+            """Read, identify, and make the parameter file's text."""
             tests = read_campaign(folder)
             law_text(law_file(identify(tests), tests, name="speed", command="benchmark", date=None))
 

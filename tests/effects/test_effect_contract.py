@@ -13,7 +13,7 @@ from pipeclamp.catalogue import entries, find_effect
 from pipeclamp.effect import Effect, Family
 from pipeclamp.law import BASES, Law, Structure, compose
 from pipeclamp.realise.arrays import realise
-from pipeclamp.realise.scalar import clamp_equations, python_source
+from pipeclamp.realise.scalar import python_source
 from pipeclamp.response import Motion, respond, sinusoids
 
 NAMES = [entry.id for entry in entries().values()]
