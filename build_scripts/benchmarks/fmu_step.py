@@ -21,12 +21,36 @@ from fmpy.fmi2 import FMU2Slave
 from pythonfmu import FmuBuilder
 
 from pipeclamp.bundled import bundled_laws, open_law
+from pipeclamp.pipe import reduce
+from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu import clamp_slave
-from pipeclamp_fmu.build import build_clamp
+from pipeclamp_fmu.build import build_clamp, build_pipe
 
 STEPS = 4000
 ROUNDS = 15
 H = 1e-3
+SHORT = 2e-5
+"""A macro step short enough for a clamp with steep damping to be coupled one after the other."""
+
+PIPE = """
+name = "bench"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 6.0
+material = "316L"
+fluid = "water"
+[ends]
+left = "pinned"
+right = "pinned"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[damping]
+ratio = 0.01
+[modes]
+up_to_Hz = 500
+"""
 
 EMPTY = '''
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
@@ -98,18 +122,44 @@ def drive_clamp(path: Path) -> Callable[[], float]:
     return measure
 
 
+def drive_pair(pipe_path: Path, clamp_path: Path) -> Callable[[], float]:
+    """Give what measures one round of macro steps of a pipe with one clamp, coupled one after the other, s per step."""
+    pipe, of_pipe = instance(pipe_path)
+    clamp, of_clamp = instance(clamp_path)
+    loads = [of_pipe["base.a"], of_pipe["clamp1.f"]]
+    motion = [of_pipe["clamp1.s"], of_pipe["clamp1.v"]]
+    inputs, outputs = [of_clamp["flange.s"], of_clamp["flange.v"]], [of_clamp["flange.f"]]
+
+    def measure() -> float:
+        force = clamp.getReal(outputs)[0]
+        begin = time.perf_counter()
+        for n in range(STEPS):
+            pipe.setReal(loads, [0.5 * sin(2 * pi * 10 * n * SHORT), force])
+            pipe.doStep(n * SHORT, SHORT)
+            clamp.setReal(inputs, pipe.getReal(motion))
+            clamp.doStep(n * SHORT, SHORT)
+            force = clamp.getReal(outputs)[0]
+        return (time.perf_counter() - begin) / STEPS
+
+    return measure
+
+
 def main(names: list[str]) -> None:
     """Measure and print."""
+    base = "empty pythonfmu slave"
     with tempfile.TemporaryDirectory() as folder:
-        paths = {"empty pythonfmu slave": empty_slave(Path(folder))}
+        measures = {base: drive_clamp(empty_slave(Path(folder)))}
         for name in names or bundled_laws():
             path = Path(folder) / f"{Path(name).stem}.fmu"
             build_clamp(open_law(name), path)
-            paths[f"clamp {Path(name).stem}"] = path
-        measures = {name: drive_clamp(path) for name, path in paths.items()}
+            measures[f"clamp {path.stem}"] = drive_clamp(path)
+        pipe = Path(folder) / "pipe.fmu"
+        description = parse_pipe(PIPE)
+        build_pipe(description, pipe)
+        modes = len(reduce(description).omega)
+        measures[f"pipe of {modes} modes + clamp {path.stem}"] = drive_pair(pipe, path)
         # One after the other in each round, so that what the machine does besides hits all alike.
         rounds = [{name: measure() for name, measure in measures.items()} for _ in range(ROUNDS)]
-    base = "empty pythonfmu slave"
     for name in measures:
         ratio = statistics.median(entry[name] / entry[base] for entry in rounds)
         print(f"{name:40s} {1e6 * min(entry[name] for entry in rounds):8.2f} us   ratio {ratio:.2f}")
