@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -18,6 +17,9 @@ from pipeclamp_identification.cycles import Cycles, find_cycles
 from pipeclamp_identification.description import CampaignDescription, read_description
 from pipeclamp_identification.records import Record, UnusableRecord, check_samples, read_record
 from pipeclamp_identification.runs_table import RunRow, read_runs_table
+
+# threads that read records: more than most machines' cores for it, because each also waits for the disk
+READERS = 4
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
     folder = Path(folder)
     description = read_description(folder)
     table = read_runs_table(folder, description)
-    with ThreadPoolExecutor(max_workers=min(4, os.cpu_count() or 1)) as readers:
+    with ThreadPoolExecutor(max_workers=READERS) as readers:
         # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
         records = list(readers.map(partial(_read_run, folder, description), table.rows))
     digests = {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)}

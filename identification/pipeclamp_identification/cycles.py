@@ -110,7 +110,7 @@ def find_cycles(record: Record) -> Cycles:
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
-    if _starts_fresh(time, record.force_N, bounds, frequency, stride):
+    if _starts_fresh(time, record.force_N, bounds, frequency):
         bounds = bounds[1:]
     return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
 
@@ -141,7 +141,7 @@ def _require_vibration(y: Array, frequency: float, rest: float) -> None:
         )
 
 
-def _starts_fresh(time: Array, force: Array, bounds: IntArray, frequency: float, stride: int) -> bool:
+def _starts_fresh(time: Array, force: Array, bounds: IntArray, frequency: float) -> bool:
     """Tell whether the first cycle's force is that of a specimen that has not yet been through a whole cycle.
 
     Friction starts on its virgin curve, though the displacement may be steady from the first sample on. That cycle
@@ -149,7 +149,7 @@ def _starts_fresh(time: Array, force: Array, bounds: IntArray, frequency: float,
     """
     if len(bounds) < 4:
         return False
-    harmonics = _few_harmonics(time, force, bounds, frequency, stride)
+    harmonics = _few_harmonics(time, force, bounds, frequency)
     change = np.linalg.norm(np.diff(harmonics, axis=0), axis=1)
     size = float(np.max(np.abs(harmonics[:, 1])))
     return bool(change[0] > FRESH_TIMES * np.max(change[1:]) and change[0] > FRESH_SHARE * size)
@@ -280,9 +280,10 @@ def _frequency_correction(time: Array, y: Array, bounds: IntArray, frequency: fl
     return float(frequency * (cycles @ lag) / (cycles @ cycles) / (2 * np.pi))
 
 
-def _few_harmonics(time: Array, samples: Array, bounds: IntArray, frequency: float, stride: int = 1) -> ComplexArray:
-    """Return the lowest harmonics, (cycles, count + 1), of each cycle, from every `stride`-th sample."""
-    steady = slice(bounds[0], bounds[-1], stride)
+def _few_harmonics(time: Array, samples: Array, bounds: IntArray, frequency: float) -> ComplexArray:
+    """Return the lowest harmonics, (cycles, count + 1), of each cycle."""
+    steady = slice(bounds[0], bounds[-1])
     phase = 2 * np.pi * frequency * (time[steady] - time[bounds[0]])
-    some: IntArray = -((bounds[0] - bounds) // stride)
-    return cycle_harmonics(phase, some, [samples[steady]], min(DISTORTION, carried_harmonics(phase, some)))[0]
+    whole: IntArray = bounds - bounds[0]
+    count = min(DISTORTION, carried_harmonics(phase, whole))
+    return np.asarray(cycle_harmonics(phase, whole, [samples[steady]], count)[0])

@@ -7,6 +7,7 @@ equally spaced samples. Here the normal equations are solved, so that a cycle of
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,12 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 IntArray = npt.NDArray[np.intp]
+
+# points in a cycle, and in a period of the highest harmonic, with which a fit is as good as with more
+POINTS_PER_CYCLE = 160
+POINTS_PER_PERIOD = 8
+# samples are equally spaced when no spacing differs by more than this share, as times printed with few digits do
+EVEN = 0.01
 
 
 def unit_phasor(phase: Array) -> ComplexArray:
@@ -54,8 +61,9 @@ def carried_harmonics(phase: Array, bounds: IntArray) -> int:
 def cycle_harmonics(phase: Array, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
     """Fit x(phase) = Re sum X_n exp(i n phase), n = 0..count, to each cycle by itself.
 
-    The powers of exp(i phase) come from repeated multiplication; the normal equations of all harmonics need only
-    the sums of exp(i k phase), k = 0..2 count, because a product of two harmonics is a sum of two others.
+    Where equally spaced samples are plenty, means of neighbours are fitted: the mean of exp(i n phase) over m samples
+    that lie h apart is the value in their middle times sin(m n h/2)/(m sin(n h/2)), by which the result is divided.
+    So all samples count, and few are worked with.
 
     Args:
         phase: (N,) rad.
@@ -66,12 +74,36 @@ def cycle_harmonics(phase: Array, bounds: IntArray, channels: Sequence[Array], c
     Returns:
         (channels, cycles, count + 1) complex; X_0 is real, the mean.
     """
+    width = int(np.min(np.diff(bounds))) // max(POINTS_PER_CYCLE, POINTS_PER_PERIOD * count)
+    step = (phase[-1] - phase[0]) / max(len(phase) - 1, 1)
+    if width < 2 or np.max(np.abs(np.diff(phase) - step)) > EVEN * step:
+        return _fitted(phase, bounds, channels, count)
+    fitted = _fitted(
+        _means(phase, width), (bounds + width // 2) // width, [_means(samples, width) for samples in channels], count
+    )
+    half_angle = np.arange(1, count + 1) * step / 2
+    fitted[:, :, 1:] *= width * np.sin(half_angle) / np.sin(width * half_angle)
+    return fitted
+
+
+def _means(samples: Array, width: int) -> Array:
+    """Return the means of `width` neighbours each; what is over at the end is left out."""
+    whole = len(samples) // width
+    return np.asarray(samples[: whole * width].reshape(whole, width) @ np.full(width, 1 / width), dtype=np.float64)
+
+
+def _fitted(phase: Array, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
+    """Fit each cycle's harmonics.
+
+    The powers of exp(i phase) come from repeated multiplication; the normal equations of all harmonics need only
+    the sums of exp(i k phase), k = 0..2 count, because a product of two harmonics is a sum of two others.
+    """
     starts = bounds[:-1]
     cycles = len(starts)
     unit = unit_phasor(phase)
     power = unit.copy()
     sums = np.empty((cycles, 2 * count + 1), dtype=np.complex128)
-    sums[:, 0] = np.diff(bounds)
+    sums[:, 0] = np.diff(np.append(starts, len(phase)))
     moments = np.empty((len(channels), cycles, count + 1), dtype=np.complex128)
     for c, samples in enumerate(channels):
         moments[c, :, 0] = np.add.reduceat(samples, starts)
@@ -87,23 +119,30 @@ def cycle_harmonics(phase: Array, bounds: IntArray, channels: Sequence[Array], c
 
 def _solve(sums: ComplexArray, moments: ComplexArray, count: int) -> ComplexArray:
     """Solve the normal equations in the real basis 1, cos n phase, -sin n phase."""
-    order = np.arange(count + 1)
-    total = sums[:, order[:, None] + order]
-    difference = sums[:, np.abs(order[:, None] - order)]
-    signed = np.where(order[:, None] >= order, difference.imag, -difference.imag)
-    size = 2 * count + 1
+    total_order, difference_order, sign = _orders(count)
+    total = sums[:, total_order]
+    difference = sums[:, difference_order]
+    cut, size = count + 1, 2 * count + 1
     gram = np.empty((len(sums), size, size))
-    gram[:, : count + 1, : count + 1] = (difference.real + total.real) / 2
-    gram[:, count + 1 :, count + 1 :] = ((difference.real - total.real) / 2)[:, 1:, 1:]
+    gram[:, :cut, :cut] = difference.real + total.real
+    gram[:, cut:, cut:] = (difference.real - total.real)[:, 1:, 1:]
     # cos(m) times -sin(n) is -(sin(m + n) - sin(m - n)) / 2
-    cross = ((signed - total.imag) / 2)[:, :, 1:]
-    gram[:, : count + 1, count + 1 :] = cross
-    gram[:, count + 1 :, : count + 1] = np.swapaxes(cross, 1, 2)
+    cross = (sign * difference.imag - total.imag)[:, :, 1:]
+    gram[:, :cut, cut:] = cross
+    gram[:, cut:, :cut] = cross.transpose(0, 2, 1)
     right = np.concatenate([moments.real, -moments.imag[:, :, 1:]], axis=2)
-    solution = np.linalg.solve(gram, np.moveaxis(right, 0, 2))
-    harmonics = np.moveaxis(solution[:, : count + 1], 2, 0).astype(np.complex128)
-    harmonics[:, :, 1:] += 1j * np.moveaxis(solution[:, count + 1 :], 2, 0)
+    solution = np.linalg.solve(gram, 2 * right.transpose(1, 2, 0)).transpose(2, 0, 1)
+    harmonics = solution[:, :, :cut].astype(np.complex128)
+    harmonics[:, :, 1:] += 1j * solution[:, :, cut:]
     return harmonics
+
+
+@cache
+def _orders(count: int) -> tuple[IntArray, IntArray, Array]:
+    """Return m + n, |m - n| and the sign of m - n for all pairs of harmonics."""
+    order = np.arange(count + 1)
+    difference = order[:, None] - order
+    return order[:, None] + order, np.abs(difference), np.sign(difference).astype(np.float64)
 
 
 def evaluate(harmonics: ComplexArray, phase: Array) -> Array:

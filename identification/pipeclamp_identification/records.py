@@ -48,10 +48,9 @@ def read_record(path: Path, content: bytes, columns: Mapping[RecordColumn, Colum
         UserError: the file is broken, has no such column, or a cell that is no number.
     """
     sources = {ours: columns.get(ours, ColumnSource.model_validate({"from": ours})) for ours in (*NEEDED, *OPTIONAL)}
-    frame_of = _parquet_frame if path.name.lower().endswith(".parquet") else _csv_frame
-    frame = frame_of(path, content, sources, required=(*NEEDED, *columns))
-    present = [ours for ours in sources if ours in frame.columns]
-    return Record(**{ours: np.asarray(frame[ours].to_numpy() * sources[ours].factor) for ours in present})
+    read = _parquet_channels if path.name.lower().endswith(".parquet") else _csv_channels
+    channels = read(path, content, sources, required=(*NEEDED, *columns))
+    return Record(**{ours: np.asarray(samples * sources[ours].factor) for ours, samples in channels.items()})
 
 
 class UnusableRecord(Exception):  # noqa: N818 - it says what the record is, and is no defect of the program
@@ -101,16 +100,17 @@ def _chosen_columns(
     return chosen
 
 
-def _csv_frame(
+def _csv_channels(
     path: Path, content: bytes, sources: Mapping[RecordColumn, ColumnSource], required: tuple[RecordColumn, ...]
-) -> pl.DataFrame:
+) -> dict[RecordColumn, Array]:
     if path.name.lower().endswith(".gz"):
         try:
             content = gzip.decompress(content)
         except (OSError, EOFError, zlib.error) as error:
             raise UserError(f"{path}: is no whole gzip file ({error}); write or copy it again") from error
-    # rows without a cell at the end are how many programs finish a file; in the middle they are missing samples
-    content = content.rstrip()
+    # blank rows at the end are how some programs finish a file; in the middle they are missing samples
+    if content[-2:].isspace():
+        content = content.rstrip()
     first = content.split(b"\n", 1)[0]
     try:
         header = next(csv.reader([first.decode("utf-8-sig")]), [])
@@ -122,7 +122,8 @@ def _csv_frame(
         frame = pl.read_csv(content, columns=theirs, schema_overrides=dict.fromkeys(theirs, pl.Float64))
     except pl.exceptions.PolarsError as error:
         raise UserError(_first_bad_cell(path, content, header, theirs) or f"{path}: can't be read: {error}") from error
-    return frame.select(pl.col(name).fill_null(float("nan")).alias(ours) for ours, name in chosen.items())
+    # a float column's missing values become nan
+    return {ours: frame[name].to_numpy() for ours, name in chosen.items()}
 
 
 def _first_bad_cell(path: Path, content: bytes, header: list[str], theirs: list[str]) -> str | None:
@@ -143,9 +144,9 @@ def _first_bad_cell(path: Path, content: bytes, header: list[str], theirs: list[
     return None
 
 
-def _parquet_frame(
+def _parquet_channels(
     path: Path, content: bytes, sources: Mapping[RecordColumn, ColumnSource], required: tuple[RecordColumn, ...]
-) -> pl.DataFrame:
+) -> dict[RecordColumn, Array]:
     try:
         schema = pl.read_parquet_schema(io.BytesIO(content))
         chosen = _chosen_columns(path, list(schema), sources, required)
@@ -155,6 +156,4 @@ def _parquet_frame(
         frame = pl.read_parquet(io.BytesIO(content), columns=list(chosen.values()))
     except pl.exceptions.PolarsError as error:
         raise UserError(f"{path}: is no whole Parquet file ({error}); write or copy it again") from error
-    return frame.select(
-        pl.col(name).cast(pl.Float64).fill_null(float("nan")).alias(ours) for ours, name in chosen.items()
-    )
+    return {ours: frame[name].cast(pl.Float64).to_numpy() for ours, name in chosen.items()}
