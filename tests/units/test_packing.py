@@ -1,6 +1,7 @@
 """Making one module of a slave, and packing it: the same bytes, nothing left behind, the standard library alone."""
 
 import ast
+import subprocess
 import sys
 import zipfile
 
@@ -91,6 +92,20 @@ def test_an_fmu_holds_one_module_of_its_own_on_the_standard_library(tmp_path, ki
     assert {name.split(".")[0] for name in imported} - {"pythonfmu"} <= sys.stdlib_module_names
     assert f"class {identifier}(Fmi2Slave):" in source
     assert "stand-in" not in source
+
+
+@pytest.mark.parametrize("kind", ["clamp", "pipe"])
+def test_an_fmu_runs_without_any_installed_package(tmp_path, kind):
+    identifier = builders()[kind](tmp_path / "a.fmu")
+    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
+        archive.extractall(tmp_path)
+    program = (
+        f"import sys; sys.path.insert(0, {str(tmp_path / 'resources')!r}); import {identifier} as module\n"
+        f"slave = module.{identifier}(instance_name='a'); slave.exit_initialization_mode()\n"
+        "slave.set_real([0, 1], [1e-4, 1e-3]); print(slave.do_step(0.0, 1e-3), 'numpy' in sys.modules)"
+    )
+    run = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=False)
+    assert run.stdout.split() == ["True", "False"], run.stderr
 
 
 def test_the_documentation_says_equations_parameters_and_range(tmp_path):
