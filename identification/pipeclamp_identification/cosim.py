@@ -7,7 +7,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +22,7 @@ from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_identification.broyden import Tolerance
 from pipeclamp_identification.coupling import Point, Scheme, System, march
+from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
 from pipeclamp_identification.importer import FmuParticipant, LoadedFmu, opened
@@ -36,9 +36,6 @@ CELSIUS = 273.15
 PIPE_ENERGIES = ("energyPipe", "energyDissipated", "workExcitation", "workClamps")
 CLAMP_WATCHED = ("A_used", "f_used", "T_used", "energyDissipated")
 CLAMP_UNITS = ("m", "Hz", "K", "J")
-
-IMPOSSIBLE = 10.0
-"""A pipe that holds this many times what the excitation has moved to and fro has it from a coupling that diverges."""
 
 MISMATCH = 0.2
 """Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
@@ -268,12 +265,13 @@ def _run(
     points: list[Point] = []
     watched: list[list[float]] = []
     in_range = [True] * len(clamps)
-    guard = _Guard()
+    guard = EnergyGuard()
+    energy, work = (3 * len(variables.probes) + PIPE_ENERGIES.index(name) for name in ("energyPipe", "workExcitation"))
     every = max(1, run.steps // 100)
     try:
         for point in march(system, run.scheme, run.stop_s / run.steps, run.steps, tolerance):
             row = [value for participant in participants for value in participant.watched()]
-            guard.check(point, row, 3 * len(variables.probes))
+            guard.check(point, row[energy], row[work])
             points.append(point)
             watched.append(row)
             for index, participant in enumerate(clamp_participants):
@@ -281,40 +279,15 @@ def _run(
             if progress is not None and point.index % every == 0:
                 progress(point.index / run.steps)
     except UserError as error:
-        raise UserError(f"{error}; the run was stopped in step {len(points)} of {run.steps}") from error
+        diverging = f"the coupling diverges from step {guard.since} on: " if guard.since else ""
+        remedy = "; use scheme = 'iterated' or a smaller step_s" if guard.since else ""
+        raise UserError(
+            f"{diverging}{error}; the run was stopped in step {len(points)} of {run.steps}{remedy}"
+        ) from error
     finally:
         for participant in participants:
             participant.release()
     return _result(description, variables, points, np.array(watched), in_range, (pipe, *clamps))
-
-
-class _Guard:
-    """Stops a run that diverges: by a value that isn't finite, or by energy that nobody has put in."""
-
-    def __init__(self) -> None:
-        self._work = 0.0
-        self._moved = 0.0
-
-    def check(self, point: Point, watched: Sequence[float], energies_at: int) -> None:
-        """Take a communication point.
-
-        Raises:
-            UserError: the run diverges there.
-        """
-        stored, _, work, _ = watched[energies_at : energies_at + 4]
-        self._moved += abs(work - self._work)
-        self._work = work
-        values = (*point.displacement, *point.velocity, *point.force, stored)
-        if not all(map(isfinite, values)):
-            reason = "a value isn't finite any more"
-        elif stored > IMPOSSIBLE * self._moved:
-            reason = f"the pipe holds {stored:.3g} J where the excitation has moved no more than {self._moved:.3g} J"
-        else:
-            return
-        raise UserError(
-            f"step {point.index} (t = {point.time:.6g} s): the coupling diverges: {reason}; "
-            "use scheme = 'iterated' or a smaller step_s"
-        )
 
 
 def _result(

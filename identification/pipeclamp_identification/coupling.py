@@ -150,14 +150,14 @@ def _sequential(system: System, start: Point, time: float, h: float) -> Point:
 
 
 class Iteration:
-    """The iterated scheme's memory from step to step: the solver's, and the forces before the last."""
+    """The iterated scheme's memory from step to step: the solver's, and the forces before the present ones."""
 
     def __init__(self, system: System, tolerance: Tolerance) -> None:
         """Start without any."""
         self._system = system
         self._tolerance = tolerance
         self._solver = Solver(len(system.clamps), tolerance)
-        self._before: tuple[float, ...] | None = None
+        self._before: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
     def advance(self, start: Point, time: float, h: float) -> Point:
         """Take one step, tried until the forces agree.
@@ -185,9 +185,10 @@ class Iteration:
             motion = system.pipe.outputs()
             return _step_clamps(system, motion, time, h)
 
-        before = start.force if self._before is None else self._before
-        self._before = start.force
-        guess = [2 * last - earlier for last, earlier in zip(start.force, before, strict=True)]
+        second, third = self._before or (start.force, start.force)
+        self._before = (start.force, second)
+        # The parabola through the last three; Broyden's method needs a trial less than from a straight line.
+        guess = [3 * (a - b) + c for a, b, c in zip(start.force, second, third, strict=True)]
         try:
             force = self._solver.solve(answer, guess)
         except NotFoundError as error:
