@@ -208,9 +208,10 @@ def effects() -> None:
     from pipeclamp.catalogue import entries, find_effect
     from pipeclamp_identification.report import Table
 
-    catalogue = [find_effect(name) for name, entry in entries().items() if getattr(entry, "default", "") is not None]
+    needs_argument = {name for name, entry in entries().items() if getattr(entry, "default", "") is None}
+    catalogue = [find_effect(f"{name}:column" if name in needs_argument else name) for name in entries()]
     rows = [
-        (effect.id, effect.part, effect.looks_like, ", ".join(effect.imitated_by), effect.told_apart_by)
+        (effect.name, effect.part, effect.looks_like, ", ".join(effect.imitated_by), effect.told_apart_by)
         for effect in catalogue
     ]
     _print_table(Table(("id", "part", "looks like, when missing", "imitated by", "told apart by"), rows))

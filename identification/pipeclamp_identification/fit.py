@@ -121,8 +121,10 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
     reasons: dict[str, str] = {}
     for parameter in equations.parameters:
         for signal in parameter.follows:
-            values = observations.motion.slow[str(signal)]
-            if np.max(values) <= VARIES * np.min(values):
+            values = observations.motion.slow.get(str(signal))
+            if values is None or not np.all(np.isfinite(values)):
+                reasons[parameter.name] = f"{signal} isn't known in every run"
+            elif np.ptp(values) <= (VARIES - 1) * np.max(np.abs(values)):
                 reasons[parameter.name] = f"{signal} doesn't vary in the data"
     return reasons
 

@@ -198,7 +198,7 @@ def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
         "T": T,
         "N": loops.cycle,
         "rho": loops.density_g_cm3,
-        **loops.conditions,
+        **{str(symbols.condition_symbol(name)): values for name, values in loops.conditions.items()},
     }
     y, v, a = displacement_on_grid(loops, samples)
     columns = {name: values[:, None] for name, values in slow.items()}
@@ -226,8 +226,10 @@ def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
 
 def data_scales(observations: Observations) -> Mapping[sp.Symbol, float]:
     """Give the sizes of the data in which starts and bounds of parameters are stated."""
-    A, f, T = (observations.motion.slow[name][:, 0] for name in ("A", "f", "T"))
+    slow = observations.motion.slow
+    A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
     return {
+        symbols.N_highest: max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
         symbols.A_typical: float(np.median(A)),
         symbols.A_highest: float(np.max(A)),
         symbols.F_typical: float(np.median(observations.force_amplitude)),

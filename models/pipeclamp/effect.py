@@ -14,7 +14,7 @@ from pipeclamp import symbols
 NOTHING = sp.Integer(0)
 
 Part = Literal["base", "clamp", "rig"]
-Role = Literal["stiffness", "damping"]
+Role = Literal["stiffness", "damping", "slip"]
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,9 @@ class Effect:
         force: the force it adds, N; zero for a pure modifier.
         states: its memory.
         energy: the energy that it stores, N mm, so that what is dissipated can be accounted for.
-        scales: factors on coefficients, by coefficient name or by role.
+        scales: factors on coefficients, by coefficient name or by role; roles that no term has are passed over.
         replaces: what stands in place of a fast signal, for effects in series with a path.
+        lag: time in s by which the measured force is late; for rig effects.
         argument: the argument that made it of a family, "" otherwise.
     """
 
@@ -113,6 +114,7 @@ class Effect:
     energy: sp.Expr = NOTHING
     scales: Mapping[str, sp.Expr] = field(default_factory=dict)
     replaces: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+    lag: sp.Expr = NOTHING
     argument: str = ""
 
     @property

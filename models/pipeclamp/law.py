@@ -88,6 +88,7 @@ class Equations:
         force: N, in fast signals, coefficients, parameters and states (after their update).
         states: the memory.
         energy: stored energy, N mm.
+        lag: time in s by which the measured force is late, in parameters.
     """
 
     effects: tuple[Effect, ...]
@@ -96,6 +97,7 @@ class Equations:
     force: sp.Expr
     states: tuple[State, ...]
     energy: sp.Expr
+    lag: sp.Expr
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -106,7 +108,8 @@ class Equations:
     def slow_signals(self) -> frozenset[sp.Symbol]:
         """The slow signals (A, f, T, further conditions) that the law depends on."""
         free = set().union(*(coefficient.expression.free_symbols for coefficient in self.coefficients))
-        return frozenset(free - {parameter.symbol for parameter in self.parameters} - set(symbols.REFERENCES))
+        known = {parameter.symbol for parameter in self.parameters} | {symbols.v_r, symbols.y_r}
+        return frozenset(free - known - set(symbols.REFERENCES))
 
 
 @lru_cache(maxsize=256)
@@ -119,29 +122,37 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
     effects = tuple(effect for effect in structure.all_effects() if effect.part in parts)
     _refuse_clashes(effects)
     coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
+    # A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
+    fast_factors: dict[sp.Symbol, sp.Expr] = {}
     for effect in effects:
-        for target, factor in effect.scales.items():
-            chosen = [index for index, entry in enumerate(coefficients) if target in (str(entry.symbol), entry.role)]
-            if not chosen:
-                raise UserError(
-                    f"effect {effect.name!r} scales {target!r}, which the base law {structure.base!r} doesn't have"
-                )
-            for index in chosen:
-                entry = coefficients[index]
+        scaled = [
+            (index, factor)
+            for target, factor in effect.scales.items()
+            for index, entry in enumerate(coefficients)
+            if target in (str(entry.symbol), entry.role)
+        ]
+        if effect.scales and not scaled:
+            raise UserError(
+                f"effect {effect.name!r} scales {' and '.join(effect.scales)}, which base law {structure.base!r} lacks"
+            )
+        for index, factor in scaled:
+            entry = coefficients[index]
+            if factor.free_symbols & FAST_SYMBOLS:
+                fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
+            else:
                 coefficients[index] = replace(entry, expression=entry.expression * factor)
     force = sp.Add(*(effect.force for effect in effects))
     energy = sp.Add(*(effect.energy for effect in effects))
-    # A coefficient that a modifier has made fast (it depends on v, say) goes into the force itself.
-    inlined = {entry.symbol: entry.expression for entry in coefficients if entry.expression.free_symbols & FAST_SYMBOLS}
     in_series: dict[sp.Symbol, sp.Expr] = {symbols.x: symbols.y}
     in_series |= {signal: path for effect in effects for signal, path in effect.replaces.items()}
     return Equations(
         effects=effects,
         parameters=tuple(parameter for effect in effects for parameter in effect.parameters),
-        coefficients=tuple(entry for entry in coefficients if entry.symbol not in inlined),
-        force=force.subs(inlined).subs(in_series),
+        coefficients=tuple(coefficients),
+        force=force.subs(fast_factors).subs(in_series),
         states=tuple(state for effect in effects for state in effect.states),
-        energy=energy.subs(inlined).subs(in_series),
+        energy=energy.subs(fast_factors).subs(in_series),
+        lag=sp.Add(*(effect.lag for effect in effects)),
     )
 
 

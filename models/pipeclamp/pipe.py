@@ -172,7 +172,7 @@ def reduce(description: PipeDescription) -> ReducedPipe:
     """
     assembly = finite_elements(description)
     beam = beam_of(description)
-    omega, shapes = modes(assembly)
+    omega, shapes = modes(beam, assembly)
     loads = _load_vectors(description, assembly)
     up_to = 2 * pi * description.modes.up_to_Hz
     kept = int(np.count_nonzero(omega <= up_to))

@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 BAND_POINTS = 40
 """Frequencies at which the responses are compared."""
 
+MOST_MODES = 60
+"""Modes above the kept ones that the full model's state space has; those above them are still, in the band."""
+
 
 @dataclass(frozen=True, eq=False)
 class ModalModel:
@@ -48,25 +51,32 @@ class ReductionErrors:
     response: float
 
 
-def state_space(model: ModalModel) -> control.StateSpace:
-    """Give the state space of modes, states (q1, q1', q2, q2', ...), inputs the loads, outputs the displacements."""
-    count = model.omega.size
+def state_space(model: ModalModel, moving: int | None = None) -> control.StateSpace:
+    """Give the state space of modes, states (q1, q1', q2, q2', ...), inputs the loads, outputs the displacements.
+
+    Args:
+        model: the modes.
+        moving: how many of them have states; the others add their static compliance. All of them unless told.
+    """
+    count = model.omega.size if moving is None else min(moving, model.omega.size)
     A = np.zeros((2 * count, 2 * count))
     position = np.arange(count) * 2
     A[position, position + 1] = 1.0
-    A[position + 1, position] = -(model.omega**2)
-    A[position + 1, position + 1] = -model.damping
+    A[position + 1, position] = -(model.omega[:count] ** 2)
+    A[position + 1, position + 1] = -model.damping[:count]
     B = np.zeros((2 * count, model.loads.shape[1]))
-    B[1::2] = model.loads
+    B[1::2] = model.loads[:count]
     C = np.zeros((model.shapes.shape[0], 2 * count))
-    C[:, 0::2] = model.shapes
-    return control.ss(A, B, C, 0.0)
+    C[:, 0::2] = model.shapes[:, :count]
+    D = (model.shapes[:, count:] / model.omega[count:] ** 2) @ model.loads[count:]
+    return control.ss(A, B, C, D)
 
 
 def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
-    """Give the state space with the first `kept` modes."""
+    """Give the state space with the first `kept` modes and nothing in place of the others."""
     left_out = list(range(2 * kept, full.nstates))
-    return control.model_reduction(full, left_out, method="truncate", warn_unstable=False) if left_out else full
+    moving = control.ss(full.A, full.B, full.C, 0.0)
+    return control.model_reduction(moving, left_out, method="truncate", warn_unstable=False) if left_out else moving
 
 
 def reduction_errors(full: ModalModel, reduced: ModalModel, kept: int, omega_up_to: float) -> ReductionErrors:
@@ -80,7 +90,7 @@ def reduction_errors(full: ModalModel, reduced: ModalModel, kept: int, omega_up_
     """
     if not full.loads.size or not full.shapes.size:
         return ReductionErrors(0.0, 0.0, 0.0)
-    whole, replacement = state_space(full), state_space(reduced)
+    whole, replacement = state_space(full, kept + MOST_MODES), state_space(reduced)
     truncated = truncate(whole, kept)
     # Rigid body modes have no static compliance: there, "static" is far below the stated frequency.
     low = 1e-3 * omega_up_to if full.omega[0] == 0 else 0.0

@@ -117,7 +117,7 @@ def respond(
         arguments = [motion.y, motion.v, motion.a, y_previous, motion.h, *states, *coefficients, *values, *smoothing]
         force = np.broadcast_to(compiled.force(*arguments)[0], (rows, samples))
         if not derivatives:
-            return Response(force, None, adrift)
+            return _late(compiled, values, motion, Response(force, None, adrift))
         jacobian = np.zeros((len(values), rows, samples))
         state_count, coefficient_count = len(states), len(coefficients)
         for column, slope in zip(compiled.force_slope_index, compiled.force_slopes(*arguments), strict=True):
@@ -129,7 +129,26 @@ def respond(
                         jacobian[parameter] += slope * inner
             else:
                 jacobian[column - state_count - coefficient_count] += slope
-    return Response(force, jacobian, adrift)
+    return _late(compiled, values, motion, Response(force, jacobian, adrift))
+
+
+def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, response: Response) -> Response:
+    """Delay force and derivatives by the rig's lag, harmonic by harmonic; a record is taken for one long cycle."""
+    lag = float(compiled.lag(*values)[0])
+    slopes = compiled.lag_slopes(*values)
+    if lag == 0.0 and not slopes:
+        return response
+    samples = motion.y.shape[1]
+    omega = 2 * np.pi * np.arange(samples // 2 + 1) / (samples * motion.h)
+    turn = np.exp(-1j * omega * lag)
+    force = np.fft.rfft(response.force) * turn
+    late = np.fft.irfft(force, samples)
+    if response.jacobian is None:
+        return Response(late, None, response.adrift)
+    jacobian = np.fft.irfft(np.fft.rfft(response.jacobian) * turn, samples)
+    for parameter, slope in zip(compiled.lag_slope_index, slopes, strict=True):
+        jacobian[parameter] -= slope * np.fft.irfft(1j * omega * force, samples)
+    return Response(late, jacobian, response.adrift)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ coefficient that depends on slow signals only is computed once per cycle in ever
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import sympy as sp
@@ -56,8 +57,10 @@ v_0 = sp.Symbol("v_0", positive=True)
 v_r = sp.Symbol("v_r", positive=True)
 y_r = sp.Symbol("y_r", positive=True)
 
-REFERENCES = {A_0: 1, f_0: 1, T_0: 293.15, v_0: 1}
-"""Reference values of the base law's ratios: 1 mm, 1 Hz, 293.15 K, 1 mm/s (EFFECTS.md)."""
+rho_0 = sp.Symbol("rho_0", positive=True)
+
+REFERENCES = {A_0: 1, f_0: 1, T_0: 293.15, v_0: 1, rho_0: 2.286}
+"""Reference values of ratios: 1 mm, 1 Hz, 293.15 K, 1 mm/s (EFFECTS.md), 2.286 g/cm3 (the paper's EMWM2)."""
 
 A_typical = sp.Symbol("A_typical", positive=True)
 F_typical = sp.Symbol("F_typical", positive=True)
@@ -67,9 +70,15 @@ f_highest = sp.Symbol("f_highest", positive=True)
 T_lowest = sp.Symbol("T_lowest", positive=True)
 T_highest = sp.Symbol("T_highest", positive=True)
 A_highest = sp.Symbol("A_highest", positive=True)
+N_highest = sp.Symbol("N_highest", positive=True)
 
-SCALES = (A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest)
+SCALES = (A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest, N_highest)
 """Sizes of a campaign's data, in which starts and bounds of parameters are stated."""
+
+
+def condition_symbol(column: str) -> sp.Symbol:
+    """Give the slow signal of a further column of runs.csv; no column's name can clash with another symbol."""
+    return sp.Symbol("u_" + re.sub(r"\W", "_", column), real=True)
 
 
 def signed_power(velocity: sp.Expr, exponent: sp.Expr) -> sp.Expr:

@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from pipeclamp.effect import Effect, Family, Parameter, State
+from pipeclamp.effect import Coefficient, Effect, Family, Parameter, State
 from pipeclamp.symbols import A_highest, A_typical, F_typical, y, y_previous
 
 MOST_ELEMENTS = 6
@@ -19,11 +19,14 @@ def elements(argument: str) -> Effect:
     count = int(argument)
     parameters: list[Parameter] = []
     states: list[State] = []
+    coefficients: list[Coefficient] = []
     energy = sp.Integer(0)
     for index in range(1, count + 1):
         suffix = "" if count == 1 else str(index)
         k_s, z_s, z = sp.symbols(f"k_s{suffix} z_s{suffix} z{suffix}", real=True)
+        slip = sp.Symbol(f"slip{suffix}", real=True)
         trial = z + k_s * (y - y_previous)
+        coefficients.append(Coefficient(slip, "N", "slip", z_s))
         # Elastic limits spread over the amplitudes, so that each element has its own place to start from.
         limits = [spread * (index - 0.5) / count for spread in (0.3, 0.8, 1.6)]
         stiffness = 0.2 * F_typical / A_typical / count
@@ -50,7 +53,7 @@ def elements(argument: str) -> Effect:
                 z,
                 "N",
                 "force of the element",
-                update=sp.Piecewise((z_s, trial > z_s), (-z_s, trial < -z_s), (trial, True)),
+                update=sp.Piecewise((slip, trial > slip), (-slip, trial < -slip), (trial, True)),
             )
         )
         energy += z**2 / (2 * k_s)
@@ -63,6 +66,7 @@ def elements(argument: str) -> Effect:
         imitated_by=("coulomb", "power_damping", "gap"),
         told_apart_by="a small cycle ridden on a large one: only memory closes a small loop with its own stiff slope",
         parameters=tuple(parameters),
+        coefficients=tuple(coefficients),
         force=sp.Add(*(state.symbol for state in states)),
         states=tuple(states),
         energy=energy,

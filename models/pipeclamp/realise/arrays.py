@@ -48,7 +48,8 @@ class ArrayRealisation:
     """Compiled functions of one set of equations.
 
     Arguments of `coefficients` are the slow signals, the parameters and v_r, y_r; `force` takes the fast signals,
-    the states, the coefficients, the parameters and v_r, y_r; `update` the same as `force`. The derivative functions
+    the states, the coefficients, the parameters and v_r, y_r; `update` the same as `force`; `lag` the parameters. The
+    derivative functions
     return one entry for each pair in the matching index tuple; pairs that are absent are zero.
     """
 
@@ -63,6 +64,9 @@ class ArrayRealisation:
     update_with_slopes: Compiled
     update_slope_index: tuple[tuple[int, int], ...]
     energy: Compiled
+    lag: Compiled
+    lag_slopes: Compiled
+    lag_slope_index: tuple[int, ...]
 
 
 FAST_ARGUMENTS = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
@@ -106,6 +110,7 @@ def realise(equations: Equations) -> ArrayRealisation:
     by = [*states, *coefficients, *parameters]
     force_index, force_slopes = _nonzero_slopes([equations.force], by)
     update_index, update_slopes = _nonzero_slopes(updates, by)
+    lag_index, lag_slopes = _nonzero_slopes([equations.lag], parameters)
     return ArrayRealisation(
         slow=tuple(str(symbol) for symbol in slow),
         coefficients=_compile(slow_arguments, coefficient_expressions),
@@ -118,4 +123,7 @@ def realise(equations: Equations) -> ArrayRealisation:
         update_with_slopes=_compile(fast_arguments, [*updates, *update_slopes]),
         update_slope_index=update_index,
         energy=_compile(fast_arguments, [equations.energy]),
+        lag=_compile(parameters, [equations.lag]),
+        lag_slopes=_compile(parameters, lag_slopes),
+        lag_slope_index=tuple(column for _, column in lag_index),
     )

@@ -46,9 +46,10 @@ def clamp_equations(law: Law) -> Equations:
 def python_source(law: Law) -> str:
     """Give the law as the text of a module of the standard library alone.
 
-    It defines `STATES` (name and start of each), `coefficients(A, f, T)` with A in mm, f in Hz, T in K, which gives
-    what depends on slow signals only, and `step(k, state, y_previous, y, v, h)`, which gives the force in N, the stored
-    energy in N mm and the new state after a straight move from `y_previous` to `y` (mm) in `h` seconds.
+    It defines `STATES` (name and start of each), `CONDITIONS` (names of further slow signals), `coefficients(A, f, T,
+    *conditions)` with A in mm, f in Hz, T in K, which gives what depends on slow signals only, and
+    `step(k, state, y_previous, y, v, h)`, which gives the force in N, the stored energy in N mm and the new state after
+    a straight move from `y_previous` to `y` (mm) in `h` seconds.
     """
     equations = clamp_equations(law)
     numbers = dict(symbols.REFERENCES)
@@ -56,15 +57,17 @@ def python_source(law: Law) -> str:
     for parameter in equations.parameters:
         numbers[parameter.symbol] = law.values[parameter.name]
     exact = {symbol: _number(value) for symbol, value in numbers.items()}
+    conditions = tuple(sorted({str(symbol) for symbol in equations.slow_signals} - {"A", "f", "T"}))
     coefficient_names = [str(entry.symbol) for entry in equations.coefficients]
     state_names = [str(state.symbol) for state in equations.states]
     after = {state.symbol: sp.Symbol(f"{state.symbol}_new", real=True) for state in equations.states}
     new_names = [str(symbol) for symbol in after.values()]
     lines = [
         f"STATES = {tuple((str(state.symbol), state.start) for state in equations.states)!r}",
+        f"CONDITIONS = {conditions!r}",
         "",
         "",
-        "def coefficients(A, f, T):",
+        f"def coefficients({', '.join(('A', 'f', 'T', *conditions))}):",
         *(
             f"    {line}"
             for line in _statements(

@@ -1,0 +1,42 @@
+"""A further test condition u: stiffness, damping and slip force times exp(p u + q u^2), each with its own p and q."""
+
+import re
+
+import sympy as sp
+
+from pipeclamp.effect import Effect, Family, Parameter
+from pipeclamp.symbols import condition_symbol
+
+
+def follow(argument: str) -> Effect:
+    """Give the effect of a column of runs.csv.
+
+    Raises:
+        ValueError: the argument can't be a column's name.
+    """
+    if not re.fullmatch(r"\w[\w .%/()-]*", argument):
+        raise ValueError("the name of a numeric column of runs.csv, for example condition:current_A")
+    u = condition_symbol(argument)
+    parameters: list[Parameter] = []
+    scales: dict[str, sp.Expr] = {}
+    for role, letter in (("stiffness", "k"), ("damping", "c"), ("slip", "z")):
+        slope, bend = sp.symbols(f"{letter}_{u}1 {letter}_{u}2", real=True)
+        parameters += [
+            Parameter(slope, f"1/[{argument}]", f"slope of the log of the {role}", 0.0, neutral=0.0, follows=(u,)),
+            Parameter(bend, f"1/[{argument}]^2", f"bend of the log of the {role}", 0.0, neutral=0.0, follows=(u,)),
+        ]
+        scales[role] = sp.exp(slope * u + bend * u**2)
+    return Effect(
+        id="condition",
+        part="clamp",
+        source="EFFECTS.md",
+        looks_like=f"error that follows {argument}",
+        imitated_by=(),
+        told_apart_by=f"{argument} varied in another order than the other conditions",
+        parameters=tuple(parameters),
+        scales=scales,
+        argument=argument,
+    )
+
+
+EFFECT = Family("condition", "the name of a numeric column of runs.csv", None, follow)
