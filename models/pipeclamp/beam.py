@@ -19,6 +19,11 @@ Array = NDArray[np.float64]
 
 ELEMENT_PHASE = 0.4
 """beta l of the longest element at the highest frequency: eigenfrequencies err by 2e-5 of their value."""
+CLOSEST = 2e-4
+"""Of the beam's length: nodes closer than this would cost the stiffness matrix its digits, which hold E I/l^3."""
+
+SAME = 1e-6
+"""Of the beam's length: positions closer than this are the same."""
 
 SHIFT = 1e-2
 RIGID = 1e-5
@@ -87,9 +92,20 @@ class Assembly:
         return float(self.translation @ self.mass @ self.translation)
 
     def displacement_at(self, position: float) -> Array:
-        """Give the row that picks the displacement at a node's position out of the free degrees of freedom, (d,)."""
+        """Give the row that picks the displacement at a position (m) out of the free degrees of freedom, (d,)."""
         row = np.zeros(self.free.size)
-        row[2 * int(np.argmin(np.abs(self.nodes - position)))] = 1.0
+        nearest = int(np.argmin(np.abs(self.nodes - position)))
+        if abs(self.nodes[nearest] - position) < SAME * self.nodes[-1]:
+            position = float(self.nodes[nearest])
+        element = min(max(int(np.searchsorted(self.nodes, position, side="right")) - 1, 0), self.nodes.size - 2)
+        start, end = self.nodes[element : element + 2]
+        a, x = end - start, (position - start) / (end - start)
+        row[2 * element : 2 * element + 4] = (
+            1 - 3 * x**2 + 2 * x**3,
+            a * (x - 2 * x**2 + x**3),
+            3 * x**2 - 2 * x**3,
+            a * (x**3 - x**2),
+        )
         return row[self.free]
 
 
@@ -115,16 +131,37 @@ def element_matrices(beam: Beam, length: float) -> tuple[Array, Array]:
     return mass, stiffness
 
 
-def mesh(length: float, positions: tuple[float, ...], longest: float) -> Array:
-    """Give nodes from 0 to `length` that hold all positions, no further apart than `longest`, m."""
-    fixed = np.unique(np.array([0.0, length, *positions]))
-    # Positions closer than this are one: shorter elements would cost the stiffness matrix its digits.
-    fixed = fixed[np.concatenate([[True], np.diff(fixed) > 1e-6 * length])]
-    fixed[-1] = length
+def mesh(length: float, held: tuple[float, ...], watched: tuple[float, ...], longest: float) -> Array:
+    """Give nodes from 0 to `length`, no further apart than `longest`, m.
+
+    Args:
+        length: of the beam, m.
+        held: positions of attachments: each is a node.
+        watched: positions of loads and of observation: nodes where no other node is closer than `CLOSEST`.
+        longest: longest element, m.
+
+    Raises:
+        ValueError: two attachments lie closer than `CLOSEST` allows, but not at the same place; the message names them.
+    """
+    closest = CLOSEST * length
+    fixed: list[float] = []
+    for position in sorted({0.0, length, *held}):
+        if fixed and position - fixed[-1] < closest:
+            if position - fixed[-1] > SAME * length:
+                raise ValueError(
+                    f"something is held at {fixed[-1]:.9g} m and at {position:.9g} m; expected the same position, "
+                    f"or at least {1e3 * closest:.3g} mm between them"
+                )
+            continue
+        fixed.append(position)
+    for position in watched:
+        if min(abs(position - node) for node in fixed) >= closest:
+            fixed.append(position)
     parts = [
-        np.linspace(start, end, max(1, ceil((end - start) / longest)), endpoint=False) for start, end in pairwise(fixed)
+        np.linspace(start, end, max(1, ceil((end - start) / longest)), endpoint=False)
+        for start, end in pairwise(sorted(fixed))
     ]
-    return np.concatenate([*parts, fixed[-1:]])
+    return np.concatenate([*parts, [length]])
 
 
 def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> Assembly:
@@ -171,12 +208,18 @@ def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
     """
     mass, stiffness = assembly.mass, assembly.stiffness
     # The inverse problem, M x = mu (K + s M) x with mu = 1/(omega^2 + s), keeps the digits of the lowest frequencies;
-    # the shift s keeps K + s M definite when the beam can move as a rigid body. The whole beam sets it, not the matrices,
-    # whose largest entries belong to the shortest elements.
+    # the shift s keeps K + s M definite when the beam can move as a rigid body. The whole beam sets it, not the
+    # matrices, whose largest entries belong to the shortest elements.
     scale = beam.bending_stiffness / (assembly.moving_mass * beam.length**3)
     shift = SHIFT * scale
     mu, shapes = eigh(mass, stiffness + shift * mass)
     squared = 1.0 / mu[::-1] - shift
     shapes = shapes[:, ::-1] / np.sqrt(mu[::-1])
     squared[squared < RIGID * scale] = 0.0
-    return np.sqrt(squared), shapes
+    return np.sqrt(squared), upright(shapes)
+
+
+def upright(shapes: Array) -> Array:
+    """Give shapes, one per column, turned so that the largest entry of each is positive, which LAPACK leaves open."""
+    largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=0)[None, :], axis=0)
+    return np.asarray(shapes * np.sign(largest), dtype=np.float64)

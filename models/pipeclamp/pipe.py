@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from pipeclamp.beam import ELEMENT_PHASE, Assembly, Attachment, Beam, assemble, mesh, modes
+from pipeclamp.beam import ELEMENT_PHASE, Assembly, Attachment, Beam, assemble, mesh, modes, upright
 from pipeclamp.errors import UserError
 from pipeclamp.materials import find_fluid, find_material
 from pipeclamp.pipe_description import Condition, PipeDescription, Springs
@@ -146,14 +146,14 @@ def finite_elements(description: PipeDescription) -> Assembly:
     """Give the finite element model of a pipe, fine enough for the modes up to the stated frequency.
 
     Raises:
-        UserError: the stated frequency needs an unreasonable number of elements.
+        UserError: the stated frequency needs an unreasonable number of elements, or supports nearly coincide.
     """
     beam = beam_of(description)
     attachments = attachments_of(description)
     points = [entry.position_m for entry in (*description.clamps, *description.probes)]
     if description.excitation.position_m is not None:
         points.append(description.excitation.position_m)
-    positions = tuple(attachment.position for attachment in attachments) + tuple(points)
+    held = tuple(attachment.position for attachment in attachments)
     longest = min(ELEMENT_PHASE / beam.wave_number(2 * pi * description.modes.up_to_Hz), beam.length / 16)
     if beam.length / longest > MOST_NODES:
         raise UserError(
@@ -161,7 +161,11 @@ def finite_elements(description: PipeDescription) -> Assembly:
             f"{beam.length / longest:.0f} elements, expected at most {MOST_NODES}; lower it, or check length_m "
             f"and the section"
         )
-    return assemble(beam, mesh(beam.length, positions, longest), attachments)
+    try:
+        nodes = mesh(beam.length, held, tuple(points), longest)
+    except ValueError as error:
+        raise UserError(f"pipe {description.name!r}: supports and masses: {error}") from error
+    return assemble(beam, nodes, attachments)
 
 
 def reduce(description: PipeDescription) -> ReducedPipe:
@@ -262,7 +266,7 @@ def _residual_modes(assembly: Assembly, residual: Array) -> tuple[Array, Array]:
     independent = weight > 1e-9
     basis = present @ (mix[:, independent] / np.sqrt(weight[independent]))
     squared, turn = eigh(basis.T @ assembly.stiffness @ basis)
-    return np.sqrt(squared), basis @ turn
+    return np.sqrt(squared), upright(basis @ turn)
 
 
 def _damping(description: PipeDescription, omega: Array) -> Array:

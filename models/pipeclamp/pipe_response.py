@@ -38,12 +38,12 @@ class ModalModel:
 
 @dataclass(frozen=True)
 class ReductionErrors:
-    """What the reduction costs, each as a share of the full model's largest value of the same channel.
+    """What the reduction costs: the largest error over all loads and points.
 
     Attributes:
-        static_truncated: compliance that the left-out modes carry, were nothing put in their place.
-        static: error of the compliance of the reduced model.
-        response: largest error of the frequency response up to the stated frequency.
+        static_truncated: share of the static compliance that the left-out modes carry, were nothing put in their place.
+        static: error of the static compliance of the reduced model, as a share of it.
+        response: error of the frequency response up to the stated frequency, as a share of the largest there.
     """
 
     static_truncated: float
@@ -96,13 +96,21 @@ def reduction_errors(full: ModalModel, reduced: ModalModel, kept: int, omega_up_
     low = 1e-3 * omega_up_to if full.omega[0] == 0 else 0.0
     band = np.concatenate([[low], np.linspace(omega_up_to / BAND_POINTS, omega_up_to, BAND_POINTS)])
     exact = _frequency_response(whole, band)
-    scale = np.abs(exact).max(axis=2)
-    scale[scale == 0] = 1.0  # a probe on a support: no response, no error
-    error = np.abs(_frequency_response(replacement, band) - exact) / scale[:, :, None]
-    static_scale = np.abs(exact[:, :, 0])
-    static_scale = np.maximum(static_scale, 1e-9 * static_scale.max())
-    lost = np.abs(_frequency_response(truncated, band[:1])[:, :, 0] - exact[:, :, 0]) / static_scale
-    return ReductionErrors(float(lost.max()), float(error[:, :, 0].max()), float(error.max()))
+    error = np.abs(_frequency_response(replacement, band) - exact)
+    lost = np.abs(_frequency_response(truncated, band[:1]) - exact[:, :, :1])
+    return ReductionErrors(
+        static_truncated=_largest_share(lost, exact[:, :, :1]),
+        static=_largest_share(error[:, :, :1], exact[:, :, :1]),
+        response=_largest_share(error, exact),
+    )
+
+
+def _largest_share(error: Array, response: NDArray[np.complex128]) -> float:
+    """Give the largest error as a share of its channel's largest response, (outputs, inputs, frequencies)."""
+    scale = np.abs(response).max(axis=2)
+    # A probe that (nearly) stands still under a load is measured against the points that move.
+    scale = np.maximum(scale, 1e-3 * scale.max(axis=0))
+    return float((error.max(axis=2) / np.where(scale > 0, scale, 1.0)).max())
 
 
 def _frequency_response(system: control.StateSpace, band: Array) -> NDArray[np.complex128]:

@@ -11,6 +11,7 @@ import pytest
 from pipeclamp.errors import UserError
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import PipeDescription, parse_pipe, read_pipe
+from pipeclamp.pipe_response import ModalModel, reduction_errors
 
 PIPE = """
 name = "bench"
@@ -94,11 +95,31 @@ def test_a_free_pipe_keeps_its_rigid_body_modes() -> None:
     assert reduced.errors.response < 0.01
 
 
-def test_positions_that_nearly_coincide_are_one_node() -> None:
-    near = PIPE + '[[probes]]\nname = "near"\nposition_m = 2.0000000001\n'
-    reduced = reduce(parse_pipe(near))
-    assert reduced.probe_shapes[1] == reduced.clamp_shapes[0]
-    assert reduced.omega[0] == pytest.approx(reduce(parse_pipe(PIPE)).omega[0], rel=1e-6)
+@pytest.mark.parametrize("distance", [1e-10, 1e-5, 1e-4, 1e-3, 1e-2])
+def test_positions_that_nearly_coincide_cost_no_digits(distance: float) -> None:
+    plain = reduce(parse_pipe(PIPE))
+    reduced = reduce(parse_pipe(PIPE + f'[[probes]]\nname = "near"\nposition_m = {2 + distance!r}\n'))
+    assert reduced.omega[: plain.kept] == pytest.approx(plain.omega[: plain.kept], rel=1e-6)
+    shift = np.abs(np.array(reduced.probe_shapes[1]) - reduced.clamp_shapes[0])[: plain.kept]
+    assert np.all(shift <= 2 * distance)  # slopes are about 1 1/m here
+    assert distance < 1e-9 or shift.max() > 0.1 * distance
+
+
+def test_supports_that_nearly_coincide_are_refused() -> None:
+    with pytest.raises(UserError, match=r"held at 4 m and at 4.0005 m; expected the same position, or at least 1.2 mm"):
+        reduce(parse_pipe(PIPE + "[[masses]]\nposition_m = 4.0005\nmass_kg = 1.0\n"))
+
+
+def test_the_check_of_the_reduction_sees_a_reduction_that_is_wrong() -> None:
+    reduced = reduce(parse_pipe(PIPE))
+    omega, damping = np.array(reduced.omega), np.array(reduced.damping)
+    shapes = np.array(reduced.clamp_shapes)
+    good = ModalModel(omega, damping, shapes.T, shapes)
+    assert reduction_errors(good, good, reduced.kept, 2 * pi * 300).response == 0.0
+    bad = ModalModel(omega * 1.001, damping, shapes.T, shapes)
+    errors = reduction_errors(good, bad, reduced.kept, 2 * pi * 300)
+    assert errors.static == pytest.approx(0.002, rel=0.01)
+    assert errors.response > 0.01
 
 
 @pytest.mark.parametrize(
