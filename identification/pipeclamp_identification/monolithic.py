@@ -18,8 +18,10 @@ from pipeclamp_fmu.passivity import loaded
 Array = NDArray[np.float64]
 
 RATE_STEP = 1e-5
-"""Seconds over which a history state's update is turned into a rate: short beside any motion here, but no shorter, as it
-is the time constant with which a slipping element reaches its limit, and a stiffer one costs the integrator its digits."""
+"""Seconds over which a history state's update is turned into a rate: short beside any motion here, but no shorter.
+
+It is the time constant with which a slipping element reaches its limit; a stiffer one costs the integrator its digits.
+"""
 
 
 @dataclass(frozen=True)
