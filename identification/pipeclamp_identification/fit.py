@@ -24,6 +24,8 @@ TOLERANCE = 1e-10
 HELD = "held by the law's structure"
 VARIES = 1.02
 """A condition counts as varied when its largest value exceeds its smallest by this factor."""
+LEVELS_APART = 0.04
+"""Values of a condition further apart than this share of its range are different levels."""
 SINGULAR = 1e-7
 """Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
 STRONG_CORRELATION = 0.95
@@ -124,9 +126,19 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
             values = observations.motion.slow.get(str(signal))
             if values is None or not np.all(np.isfinite(values)):
                 reasons[parameter.name] = f"{signal} isn't known in every run"
-            elif np.ptp(values) <= (VARIES - 1) * np.max(np.abs(values)):
-                reasons[parameter.name] = f"{signal} doesn't vary in the data"
+            elif (count := _levels(values)) < parameter.levels:
+                reasons[parameter.name] = (
+                    f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
+                )
     return reasons
+
+
+def _levels(values: Array) -> int:
+    """Count the levels of a condition: clusters of values; one where it hardly varies."""
+    ordered = np.sort(values, axis=None)
+    if ordered[-1] - ordered[0] <= (VARIES - 1) * np.max(np.abs(ordered)):
+        return 1
+    return 1 + int(np.count_nonzero(np.diff(ordered) > LEVELS_APART * (ordered[-1] - ordered[0])))
 
 
 def fit(
@@ -180,6 +192,41 @@ def fit(
                 best = cost, solution
         assert best is not None
         return _finish(structure, equations, observations, smooth, best[1], reasons, scales, evaluations)
+
+
+def starting_points(
+    structure: Structure, observations: Observations, given: Mapping[str, float]
+) -> list[dict[str, float]]:
+    """Give the points that a fit starts from: each effect's own starts in combination, given values as they are."""
+    return _starts(compose(structure), given, data_scales(observations))
+
+
+def cost_after_one_step(structure: Structure, observations: Observations, values: Mapping[str, float]) -> float:
+    """Give the cost that one step of linear least squares promises from a point: a cheap screen before a fit.
+
+    Args:
+        structure: the law's structure.
+        observations: what it would be fitted to.
+        values: the point, a value for each parameter.
+
+    Returns:
+        half the sum of squared residuals that the point's derivatives can't explain.
+    """
+    equations = compose(structure)
+    out = set(structure.held()) | set(undetermined(equations, observations))
+    free = np.array([index for index, name in enumerate(equations.names) if name not in out], dtype=np.intp)
+    A, f = observations.motion.slow["A"], observations.motion.slow["f"]
+    smooth = smoothing(float(np.min(A)), float(np.min(f)))
+    begin = np.array([structure.held().get(name, values[name]) for name in equations.names])
+    evaluator = _Evaluator(observations, equations, smooth, begin, free)
+    with _one_thread():
+        residual, jacobian = evaluator.residual(begin[free]), evaluator.jacobian(begin[free])
+        norms = np.linalg.norm(jacobian, axis=0)
+        basis = jacobian / np.where(norms > 0, norms, 1.0)
+        normal = basis.T @ basis
+        gain = basis.T @ residual
+        explained = gain @ np.linalg.pinv(normal, rcond=SINGULAR, hermitian=True) @ gain
+    return float(residual @ residual - explained) / 2
 
 
 def unfitted(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Fit:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -222,10 +223,18 @@ def range_of(loops: Loops) -> dict[str, Interval]:
         **{name: (values, "in its name") for name, values in loops.conditions.items()},
     }
     return {
-        name: Interval(minimum=rounded(float(values.min())), maximum=rounded(float(values.max())), unit=unit)
+        name: Interval(minimum=_outward(values.min(), math.floor), maximum=_outward(values.max(), math.ceil), unit=unit)
         for name, (values, unit) in columns.items()
         if np.all(np.isfinite(values))
     }
+
+
+def _outward(value: float, towards: Callable[[float], int]) -> float:
+    """Round an end of a range outward to three significant digits: drives miss their set points by that much."""
+    if value == 0.0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - 2)
+    return rounded(towards(round(value / step, 6)) * step)
 
 
 def rounded(value: float) -> float:

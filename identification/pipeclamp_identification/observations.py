@@ -83,19 +83,32 @@ class LoopObservations:
     standard_error: Array
     force_amplitude: Array
 
-    def residual(self, response: Response) -> Array:
-        """Give (measured - law)/standard error; the mean force of a row that is adrift is no evidence."""
+    @property
+    def seen(self) -> npt.NDArray[np.bool_]:
+        """Whether each entry was measured; sampling may not carry the highest harmonics."""
+        return np.isfinite(self.standard_error)
+
+    def plain_residual(self, response: Response) -> Array:
+        """Give measured less law in N; the mean force of a row that is adrift is no evidence."""
         count = (self.harmonics.shape[1] - 1) // 2
-        residual = (self.harmonics - harmonics_of(response.force, count)) / self.standard_error
+        residual = self.harmonics - harmonics_of(response.force, count)
         residual[response.adrift, 0] = 0.0
         return np.asarray(residual)
 
-    def residual_slopes(self, response: Response, parameters: Rows) -> Array:
-        """Give the derivatives of the residuals; the transform is linear."""
+    def plain_slopes(self, response: Response, parameters: Rows) -> Array:
+        """Give the derivatives of the plain residuals; the transform is linear."""
         count = (self.harmonics.shape[1] - 1) // 2
-        slopes = -harmonics_of(_chosen(response, parameters), count) / self.standard_error
+        slopes = -harmonics_of(_chosen(response, parameters), count)
         slopes[:, response.adrift, 0] = 0.0
         return np.asarray(slopes)
+
+    def residual(self, response: Response) -> Array:
+        """Give (measured - law)/standard error."""
+        return np.asarray(self.plain_residual(response) / self.standard_error)
+
+    def residual_slopes(self, response: Response, parameters: Rows) -> Array:
+        """Give the derivatives of the residuals."""
+        return np.asarray(self.plain_slopes(response, parameters) / self.standard_error)
 
     def rows(self, chosen: Rows) -> LoopObservations:
         """Give the observations of some of the loops."""
@@ -105,8 +118,7 @@ class LoopObservations:
 
     def mean_squares(self, response: Response) -> Array:
         """Give the mean square of each loop's error, N2, shape (R,), by Parseval; scatter left aside."""
-        used = np.isfinite(self.standard_error)
-        error = np.where(used, self.residual(response) * np.where(used, self.standard_error, 0.0), 0.0)
+        error = np.where(self.seen, self.plain_residual(response), 0.0)
         return np.asarray(error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2)
 
     def with_discrepancy(self, response: Response) -> LoopObservations:
@@ -116,7 +128,7 @@ class LoopObservations:
         beyond noise, pooled over runs for each harmonic, is added as a random error of the law.
         """
         used = np.isfinite(self.standard_error)
-        error = np.where(used, self.residual(response) * np.where(used, self.standard_error, 0.0), 0.0)
+        error = np.where(used, self.plain_residual(response), 0.0)
         noise = np.where(used, self.standard_error, 0.0) ** 2
         runs = np.maximum(used.sum(axis=0), 1)
         excess = np.maximum(np.sum(error**2 - noise, axis=0) / runs, 0.0)

@@ -32,6 +32,7 @@ class Parameter:
         neutral: the value at which it changes nothing, where there is one. A parameter that the
             data can't determine is frozen there.
         follows: the slow signals that must vary in the data for it to be determined.
+        levels: how many distinct levels of them it takes.
     """
 
     symbol: sp.Symbol
@@ -42,6 +43,7 @@ class Parameter:
     upper: sp.Expr | float = math.inf
     neutral: float | None = None
     follows: tuple[sp.Symbol, ...] = ()
+    levels: int = 2
 
     @property
     def name(self) -> str:

@@ -35,6 +35,7 @@ EFFECT = Effect(
             upper=T_highest,
             neutral=473.15,
             follows=(T,),
+            levels=3,
         ),
     ),
     scales={"stiffness": 1 + beta * sp.Max(T - T_c, 0)},

@@ -1,11 +1,11 @@
-"""Damping over temperature: c times exp(c_T1 t + c_T2 t^2), t = (T - T0)/100 K."""
+"""Damping over temperature: c times exp(c_T1 t + c_T2 t^2 + c_T3 t^3), t = (T - T0)/100 K."""
 
 import sympy as sp
 
 from pipeclamp.effect import Effect, Parameter
 from pipeclamp.symbols import T_0, T
 
-c_T1, c_T2 = sp.symbols("c_T1 c_T2", real=True)
+c_T1, c_T2, c_T3 = sp.symbols("c_T1 c_T2 c_T3", real=True)
 t = (T - T_0) / 100
 
 EFFECT = Effect(
@@ -17,7 +17,8 @@ EFFECT = Effect(
     told_apart_by="the temperatures tested in another order: a share that follows T, not the cycle number",
     parameters=(
         Parameter(c_T1, "-", "log change of c per 100 K at T0", 0.0, -2.0, 2.0, neutral=0.0, follows=(T,)),
-        Parameter(c_T2, "-", "curvature of the log of c per (100 K)^2", 0.0, -1.0, 1.0, neutral=0.0, follows=(T,)),
+        Parameter(c_T2, "-", "bend of the log of c per (100 K)^2", 0.0, -1.0, 1.0, neutral=0.0, follows=(T,), levels=3),
+        Parameter(c_T3, "-", "its change per (100 K)^3", 0.0, -0.5, 0.5, neutral=0.0, follows=(T,), levels=4),
     ),
-    scales={"c": sp.exp(c_T1 * t + c_T2 * t**2)},
+    scales={"c": sp.exp(c_T1 * t + c_T2 * t**2 + c_T3 * t**3)},
 )

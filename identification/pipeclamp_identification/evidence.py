@@ -1,0 +1,123 @@
+"""Evidence: how a fitted law does on conditions that were left out, and whether what is left follows the conditions.
+
+Evidence is counted in whitened harmonics per run, never in raw samples. What leaving a group of runs out does is told
+from the fit to all of them, by the exact formula of linear least squares.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from pipeclamp.realise.arrays import Array
+from pipeclamp_identification.fit import Fit
+from pipeclamp_identification.noise import WhitenedObservations
+from pipeclamp_identification.observations import Rows
+
+LOW_HARMONICS = 7
+"""Most of what loops can miss shows up to this harmonic."""
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """Whitened residuals of a fit and their derivatives by the fitted parameters, shapes (R, m) and (R, m, P)."""
+
+    residual: Array
+    jacobian: Array
+
+
+def whitened(result: Fit, observations: WhitenedObservations) -> Whitened:
+    """Give the whitened residuals of a fit at its solution."""
+    index = {name: place for place, name in enumerate(result.equations.names)}
+    free = np.array([index[name] for name in result.fitted], dtype=np.intp)
+    slopes = observations.residual_slopes(result.response, free)
+    return Whitened(observations.residual(result.response), np.moveaxis(slopes, 0, -1))
+
+
+@dataclass(frozen=True)
+class LeftOutScore:
+    """How a law foretells groups of runs that it wasn't fitted to.
+
+    Attributes:
+        squares: sum of squared whitened residuals of each group, shape (groups,).
+        mean_squares: mean square of each run's error in N2, scatter left aside, shape (R,).
+    """
+
+    squares: Array
+    mean_squares: Array
+
+
+def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whitened, groups: Rows) -> LeftOutScore:
+    """Tell how a fit would foretell each group, had it been left out.
+
+    Args:
+        result: the fit to all runs.
+        observations: what it was fitted to.
+        fitted: its whitened residuals and derivatives.
+        groups: the group of each run, shape (R,).
+    """
+    index = {name: place for place, name in enumerate(result.equations.names)}
+    free = np.array([index[name] for name in result.fitted], dtype=np.intp)
+    scale = np.linalg.norm(fitted.jacobian, axis=(0, 1))
+    scale = np.where(scale > 0, scale, 1.0)
+    jacobian = fitted.jacobian / scale
+    plain = observations.loops.plain_residual(result.response)
+    plain_slopes = np.moveaxis(observations.loops.plain_slopes(result.response, free), 0, -1) / scale
+    mean_squares = np.empty(len(groups))
+    normal = np.einsum("rmp,rmq->pq", jacobian, jacobian)
+    squares = []
+    for group in range(int(groups.max()) + 1):
+        own = groups == group
+        J = jacobian[own].reshape(-1, jacobian.shape[2])
+        r = fitted.residual[own].ravel()
+        rest = normal - J.T @ J
+        # A direction that this group alone determines can't be foretold without it.
+        step = np.linalg.pinv(rest, rcond=1e-10, hermitian=True) @ (J.T @ r)
+        squares.append(float(np.sum((r + J @ step) ** 2)))
+        error = np.where(observations.loops.seen[own], plain[own] + plain_slopes[own] @ step, 0.0)
+        mean_squares[own] = error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2
+    return LeftOutScore(np.array(squares), mean_squares)
+
+
+@dataclass(frozen=True)
+class LackOfFit:
+    """What of the residuals follows the conditions, against what noise alone would make of it.
+
+    Attributes:
+        excess: sum of squared whitened residuals that follow the conditions smoothly, less its expectation.
+        p_value: chance that noise alone makes so much, over all or the low harmonics, whichever is smaller (twice).
+        share: the excess as rms, as a share of the force noise per sample.
+        by_channel: excess of each whitened harmonic part, shape (m,).
+    """
+
+    excess: float
+    p_value: float
+    share: float
+    by_channel: Array
+
+
+def lack_of_fit(fitted: Whitened, smooth: Array, samples: float) -> LackOfFit:
+    """Test whether residuals follow the conditions.
+
+    Args:
+        fitted: residuals (R, m) and derivatives (R, m, P).
+        smooth: orthonormal functions of the conditions, shape (R, q).
+        samples: number of samples in all records.
+    """
+    runs, channels, count = fitted.jacobian.shape
+    explained = np.sum((smooth.T @ fitted.residual) ** 2, axis=0)
+    flat = np.linalg.qr(_scaled(fitted.jacobian.reshape(runs * channels, count)))[0]
+    taken = np.sum(np.einsum("rq,rmp->qmp", smooth, flat.reshape(runs, channels, -1)) ** 2, axis=(0, 2))
+    freedoms = smooth.shape[1] - taken
+    by_channel = explained - freedoms
+    low = 2 * LOW_HARMONICS + 1
+    p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
+    excess = float(by_channel.sum())
+    return LackOfFit(excess, min(1.0, 2 * min(p_values)), float(np.sqrt(max(excess, 0.0) / samples)), by_channel)
+
+
+def _scaled(jacobian: Array) -> Array:
+    norms = np.linalg.norm(jacobian, axis=0)
+    return np.asarray(jacobian / np.where(norms > 0, norms, 1.0))
