@@ -1,0 +1,422 @@
+"""Diagnosis: which physical effect a law lacks, told honestly, or which test would tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from pipeclamp.catalogue import entries, find_effect
+from pipeclamp.errors import UserError
+from pipeclamp.law import Structure
+from pipeclamp.realise.arrays import Array
+from pipeclamp_identification.add import with_effect
+from pipeclamp_identification.evidence import (
+    LackOfFit,
+    LeftOutScore,
+    Whitened,
+    lack_of_fit,
+    left_out_score,
+    whitened,
+)
+from pipeclamp_identification.fit import Fit, Progress, cost_after_one_step, fit, starting_points
+from pipeclamp_identification.heldout import condition_groups
+from pipeclamp_identification.identify import fit_structure
+from pipeclamp_identification.loops import Loops
+from pipeclamp_identification.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
+from pipeclamp_identification.observations import Rows, loop_observations
+
+Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
+
+SIGNIFICANT = 1e-3
+"""Lack of fit less likely than this under noise alone is real."""
+MATERIAL = 0.1
+"""Lack of fit below this share of the force noise (rms) is not worth an effect: it costs half a percent of the floor."""
+FORM = 0.1
+"""An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
+exact form."""
+EXPLAINS = 0.3
+"""A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
+CLOSE = 0.1
+"""A rival stays in the answer's set when resampling the conditions makes it the best in this share of the draws."""
+DRAWS = 2000
+SCREENED = 8
+"""Candidates that the screen lets through to a full fit, at most."""
+WORTH_FITTING = 0.1
+"""A candidate passes the screen when one step promises this share of what the best promises."""
+PAIRED = 3
+"""Best candidates that are tried together with a second effect, where one alone doesn't explain."""
+MEMORY_SIZES = ("memory", "memory:2", "memory:3")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The data of a diagnosis, prepared once.
+
+    Attributes:
+        loops: one row a run.
+        observations: whitened by the noise model.
+        noise: the noise model.
+        smooth: smooth functions of the conditions, (R, q).
+        groups: (amplitude, frequency) group of each row.
+        samples: number of samples in all records.
+    """
+
+    loops: Loops
+    observations: WhitenedObservations
+    noise: NoiseModel
+    smooth: Array
+    groups: Rows
+    samples: float
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A law, refitted jointly, with its evidence.
+
+    Attributes:
+        effects: what was added to the law as it is.
+        result: the fit.
+        residual: whitened residuals.
+        score: how it foretells groups that were left out.
+        lack: what it leaves over.
+        heldout_nrmse: error on left-out groups as a share of the force, scatter included.
+        objections: why it can't be named, in words; empty where nothing speaks against it.
+    """
+
+    effects: tuple[str, ...]
+    result: Fit
+    residual: Whitened
+    score: LeftOutScore
+    lack: LackOfFit
+    heldout_nrmse: float
+    objections: tuple[str, ...]
+
+    @property
+    def squares(self) -> float:
+        """Sum of squared whitened residuals on left-out groups."""
+        return float(self.score.squares.sum())
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer.
+
+    Attributes:
+        verdict: see CONTRACT.md.
+        effects: ids, best first.
+        law: the law as it is, refitted.
+        candidates: every effect that was fitted, best first.
+        screened_out: effects that one step showed can't help, with the share of the best's promise.
+        pair: the best two effects together, where one alone doesn't explain.
+        problem: the data.
+        limit: lack of fit, as a share of the force noise, below which a law counts as complete.
+        reasons: why the verdict is what it is.
+    """
+
+    verdict: Verdict
+    effects: tuple[str, ...]
+    law: Judged
+    candidates: tuple[Judged, ...]
+    screened_out: Mapping[str, float]
+    pair: Judged | None
+    problem: Problem
+    limit: float
+    reasons: tuple[str, ...]
+
+    @property
+    def best(self) -> Judged:
+        """The best law that was found: a pair, a candidate, or the law as it is."""
+        return min(
+            (self.law, *self.candidates, *((self.pair,) if self.pair else ())), key=lambda judged: judged.squares
+        )
+
+
+def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = None) -> Diagnosis:
+    """Find which effect a law lacks.
+
+    Args:
+        structure: the law's structure; its parameters are refitted.
+        loops: the tests.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: the data can't serve the law, or there are too few runs to tell.
+    """
+    tell = progress or (lambda _: None)
+    if len(loops.run) < 4:
+        raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least 4")
+    tell("law as it is")
+    problem, law = _prepared(structure, loops)
+    limit = max(MATERIAL, FORM * _bare_lack(structure, problem))
+    if _adequate(law.lack, limit):
+        reasons = (_scatter_words(law.lack, problem),)
+        return Diagnosis("complete", (), law, (), {}, None, problem, limit, reasons)
+    candidates, screened_out = _candidates(structure, problem, law, tell)
+    if candidates and not candidates[0].objections:
+        # With the best candidate in, less physics hides in the residuals: the noise is estimated once more.
+        again = noise_model(problem.loops, _plain(problem, candidates[0].result))
+        if (
+            again.stiffness_scatter < problem.noise.stiffness_scatter
+            or again.damping_scatter < problem.noise.damping_scatter
+        ):
+            problem = _with_noise(problem, again)
+            tell("evidence against the sharper noise")
+            law = _judged((), fit(structure, problem.observations, start=law.result.law.values), problem)
+            candidates = sorted((_refit(judged, problem) for judged in candidates), key=lambda judged: judged.squares)
+    return _verdict(structure, problem, law, candidates, screened_out, limit, tell)
+
+
+def _prepared(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
+    """Fit the law as it is, estimate the noise, and fit it again in its units."""
+    observations = loop_observations(loops)
+    first = fit_structure(structure, loops, observations)
+    noise = noise_model(loops, observations.plain_residual(first.response))
+    problem = Problem(
+        loops,
+        WhitenedObservations(observations, noise.whitener()),
+        noise,
+        smooth_basis(loops),
+        condition_groups(loops.amplitude_mm, loops.frequency_Hz),
+        float(loops.samples.sum()),
+    )
+    return problem, _judged((), fit(structure, problem.observations, start=first.law.values), problem)
+
+
+def _with_noise(problem: Problem, noise: NoiseModel) -> Problem:
+    observations = WhitenedObservations(problem.observations.loops, noise.whitener())
+    return Problem(problem.loops, observations, noise, problem.smooth, problem.groups, problem.samples)
+
+
+def _plain(problem: Problem, result: Fit) -> Array:
+    return problem.observations.loops.plain_residual(result.response)
+
+
+def _bare_lack(structure: Structure, problem: Problem) -> float:
+    """Give what the bare base law leaves over, as a share of the force noise; zero where the law is bare."""
+    if not structure.effects:
+        return 0.0
+    bare = Structure(structure.base, (), structure.frozen, structure.declared)
+    result = fit_structure(bare, problem.loops, problem.observations.loops)
+    again = fit(bare, problem.observations, start=result.law.values)
+    return lack_of_fit(whitened(again, problem.observations), problem.smooth, problem.samples).share
+
+
+def _adequate(lack: LackOfFit, limit: float) -> bool:
+    return lack.p_value > SIGNIFICANT or lack.share < limit
+
+
+def _judged(effects: tuple[str, ...], result: Fit, problem: Problem) -> Judged:
+    """Gather the evidence of a fitted law."""
+    residual = whitened(result, problem.observations)
+    score = left_out_score(result, problem.observations, residual, problem.groups)
+    loops = problem.loops
+    error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
+    return Judged(
+        effects,
+        result,
+        residual,
+        score,
+        lack_of_fit(residual, problem.smooth, problem.samples),
+        float(np.sqrt(error)),
+        _objections(effects, result),
+    )
+
+
+def _refit(judged: Judged, problem: Problem) -> Judged:
+    result = fit(judged.result.law.structure, problem.observations, start=judged.result.law.values)
+    return _judged(judged.effects, result, problem)
+
+
+def _objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
+    """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing."""
+    objections = []
+    errors = result.standard_errors()
+    added = {effect.name: effect for effect in result.equations.effects}
+    for name in effects:
+        effect = added[name]
+        for parameter in effect.parameters:
+            if parameter.name in result.at_bound:
+                objections.append(f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})")
+        sizes = [parameter.name for parameter in effect.parameters if parameter.name in errors]
+        if not sizes:
+            objections.append(f"the data determines no parameter of {name}")
+    return tuple(objections)
+
+
+def candidate_names(structure: Structure, loops: Loops) -> list[str]:
+    """Give the effects that could be missing: those of the catalogue and the user's that the law hasn't got yet."""
+    present = {effect.id for effect in structure.all_effects()}
+    names = []
+    for name, entry in entries().items():
+        if getattr(entry, "part", None) == "base" or name in ("elastic_series", "damping_series", "condition"):
+            continue
+        if name == "memory":
+            names += [size for size in MEMORY_SIZES if _elements(size) > _elements_present(structure)]
+        elif name not in present:
+            names.append(name)
+    names += [f"condition:{column}" for column in loops.conditions if f"condition:{column}" not in structure.effects]
+    names += [name for name, _ in structure.declared if name not in structure.effects]
+    return names
+
+
+def _elements(name: str) -> int:
+    return len(find_effect(name).states)
+
+
+def _elements_present(structure: Structure) -> int:
+    return max((len(effect.states) for effect in structure.all_effects() if effect.id == "memory"), default=0)
+
+
+def _candidates(
+    structure: Structure, problem: Problem, law: Judged, tell: Callable[[str], None]
+) -> tuple[list[Judged], dict[str, float]]:
+    """Screen every effect by one step, fit those that promise something; best first, and what was screened out."""
+    promises: dict[str, tuple[float, dict[str, float]]] = {}
+    own = law.result.cost
+    for name in candidate_names(structure, problem.loops):
+        tell(f"screen {name}")
+        promise = _promise(structure, name, problem, law, own)
+        if promise is not None:
+            promises[name] = promise
+    ranked = sorted(promises, key=lambda name: -promises[name][0])
+    top = promises[ranked[0]][0] if ranked else 0.0
+    chosen = [name for name in ranked[:SCREENED] if promises[name][0] >= WORTH_FITTING * top and promises[name][0] > 0]
+    judged = []
+    for name in chosen:
+        tell(f"fit {name}")
+        result = fit(with_effect(structure, name), problem.observations, start=promises[name][1])
+        judged.append(_judged((name,), result, problem))
+    left = {name: promises[name][0] / top if top > 0 else 0.0 for name in ranked if name not in chosen}
+    return sorted(judged, key=lambda candidate: candidate.squares), left
+
+
+def _promise(
+    structure: Structure, name: str, problem: Problem, law: Judged, own: float
+) -> tuple[float, dict[str, float]] | None:
+    """Give what one step from the best of an effect's starts promises, and that start; None where it can't be fitted."""
+    try:
+        larger = with_effect(structure, name)
+        points = starting_points(larger, problem.observations, law.result.law.values)
+    except UserError:
+        return None
+    costs = [cost_after_one_step(larger, problem.observations, point) for point in points]
+    best = int(np.argmin(costs))
+    return own - costs[best], points[best]
+
+
+def _verdict(
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    candidates: Sequence[Judged],
+    screened_out: Mapping[str, float],
+    limit: float,
+    tell: Callable[[str], None],
+) -> Diagnosis:
+    """Weigh the candidates."""
+    sound = [candidate for candidate in candidates if not candidate.objections and candidate.squares < law.squares]
+
+    def answer(verdict: Verdict, effects: Iterable[str], pair: Judged | None, *reasons: str) -> Diagnosis:
+        names = tuple(dict.fromkeys(_id(name) for name in effects))
+        return Diagnosis(verdict, names, law, tuple(candidates), screened_out, pair, problem, limit, reasons)
+
+    if not sound:
+        return answer("unknown", (), None, "no effect of the catalogue lowers the error on left-out conditions")
+    best = sound[0]
+    pair = None
+    if not _explains(best, law, limit):
+        tell("two effects together")
+        pair = _best_pair(structure, problem, sound, tell)
+        if pair is None or not _explains(pair, law, limit):
+            return answer("unknown", (), pair, _unexplained_words(best, law))
+        members = sorted(pair.effects, key=lambda name: _alone(name, sound))
+        return answer(
+            "missing", members[:1], pair, f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
+        )
+    rivals = _rivals(best, sound, problem, limit, law)
+    names = [best.effects[0], *(rival.effects[0] for rival in rivals)]
+    distinct = list(dict.fromkeys(_id(name) for name in names))
+    if len(distinct) > 1:
+        return answer("ambiguous", distinct, None, f"this data can't tell {' from '.join(distinct)}")
+    return answer("missing", distinct, None, f"{best.effects[0]} explains it and no rival comes near")
+
+
+def _id(name: str) -> str:
+    """Give the name that stays: with its argument for a condition, without for the number of memory elements."""
+    identifier = name.partition(":")[0]
+    return name if identifier == "condition" else identifier
+
+
+def _explains(candidate: Judged, law: Judged, limit: float) -> bool:
+    return _adequate(candidate.lack, limit) or candidate.lack.share < EXPLAINS * law.lack.share
+
+
+def _alone(name: str, sound: Sequence[Judged]) -> float:
+    return min((candidate.squares for candidate in sound if candidate.effects == (name,)), default=np.inf)
+
+
+def _best_pair(
+    structure: Structure, problem: Problem, sound: Sequence[Judged], tell: Callable[[str], None]
+) -> Judged | None:
+    """Fit the best candidates together with the second effects that promise most; give the best sound pair."""
+    pairs: list[Judged] = []
+    seen: set[frozenset[str]] = set()
+    for first in sound[:PAIRED]:
+        larger = with_effect(structure, first.effects[0])
+        promises = {}
+        for name in candidate_names(larger, problem.loops):
+            both = frozenset((_id(first.effects[0]), _id(name)))
+            if (
+                len(both) == 2
+                and both not in seen
+                and (promise := _promise(larger, name, problem, first, first.result.cost))
+            ):
+                promises[name] = promise
+        for name in sorted(promises, key=lambda name: -promises[name][0])[:PAIRED]:
+            seen.add(frozenset((_id(first.effects[0]), _id(name))))
+            tell(f"fit {first.effects[0]} and {name}")
+            result = fit(with_effect(larger, name), problem.observations, start=promises[name][1])
+            pairs.append(_judged((first.effects[0], name), result, problem))
+    usable = [pair for pair in pairs if not pair.objections]
+    return min(usable, key=lambda pair: pair.squares, default=None)
+
+
+def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, limit: float, law: Judged) -> list[Judged]:
+    """Find who can't be told from the best: within one standard error, or best in many resamplings of the conditions."""
+    others = [candidate for candidate in sound if candidate is not best and _explains(candidate, law, limit)]
+    if not others:
+        return []
+    random = np.random.default_rng(0)
+    count = len(best.score.squares)
+    weights = random.multinomial(count, np.full(count, 1 / count), size=DRAWS)
+    totals = weights @ np.stack([candidate.score.squares for candidate in (best, *others)], axis=1)
+    wins = np.bincount(np.argmin(totals, axis=1), minlength=1 + len(others)) / DRAWS
+    rivals = []
+    for place, candidate in enumerate(others, 1):
+        difference = candidate.score.squares - best.score.squares
+        error = np.sqrt(count * np.var(difference, ddof=1)) if count > 1 else np.inf
+        if difference.sum() <= error or wins[place] >= CLOSE:
+            rivals.append(candidate)
+    return rivals
+
+
+def imitation(one: Judged, other: Judged) -> float:
+    """Give the correlation of what two candidates add, beyond what the law itself can follow."""
+    first, second = (judged.residual.residual.ravel() for judged in (one, other))
+    return float(first @ second / np.sqrt((first @ first) * (second @ second)))
+
+
+def _scatter_words(lack: LackOfFit, problem: Problem) -> str:
+    return (
+        f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is scatter: cycle noise, and "
+        f"{problem.noise.stiffness_scatter:.2%} of stiffness and {problem.noise.damping_scatter:.2%} of damping from "
+        "run to run"
+    )
+
+
+def _unexplained_words(best: Judged, law: Judged) -> str:
+    left = best.lack.share / law.lack.share
+    return f"the best of the catalogue, {best.effects[0]}, leaves {left:.0%} of what is missing (rms) unexplained"
