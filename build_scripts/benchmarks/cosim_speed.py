@@ -90,12 +90,12 @@ def main(law: str = "emwm2") -> None:
                 try:
                     spent, found, trials = timed_system(folder, text, scheme, step)
                 except UserError:
-                    print(f"{scheme:11s} step {step:7.0e}: diverges")
+                    print(f"{scheme:11s} step {step:7.1e}: diverges")
                     continue
                 error = np.abs(found - exact[:: round(step / STEPS[-1])]).max() / scale
                 same = np.exp(np.interp(np.log(error), np.log(errors)[order], np.log(times)[order]))
                 print(
-                    f"{scheme:11s} step {step:7.0e}: {spent:6.2f} s   error {error:.1e}   "
+                    f"{scheme:11s} step {step:7.1e}: {spent:6.2f} s   error {error:.1e}   "
                     f"{1e6 * spent * step / STOP:4.0f} us and {trials:.1f} trials a step   "
                     f"{spent / same:.2f} of the monolithic time for this error"
                 )

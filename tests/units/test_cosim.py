@@ -233,6 +233,19 @@ def test_two_clamps_of_different_laws_one_with_memory(bench: Path) -> None:
     assert result.amplitude("clamp2.f") > 8.0  # it slips
 
 
+@pytest.mark.parametrize("scheme", ["parallel", "iterated"])
+def test_a_place_without_a_law_is_free(bench: Path, scheme: str) -> None:
+    """The pipe alone, excited at rest far below resonance, follows its base statically."""
+    file = write_system(bench, scheme, frequency=0.2, stop=2.5)
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text[: text.index("[[clamps]]")] + text[text.index("[excitation]") :], encoding="utf-8")
+    result = run_system(file)
+    reduced = reduce(read_pipe(bench / "pipe.toml"))
+    sag = 2.0 * np.sum(np.array(reduced.probe_shapes[0]) * reduced.excitation_participation / np.square(reduced.omega))
+    assert result.columns["tip.s"].min() == pytest.approx(sag, rel=0.05)
+    assert result.energy.clamps_received[-1] == 0.0
+
+
 def test_the_energy_balance_closes_and_names_what_the_coupling_made(bench: Path) -> None:
     made = {}
     for scheme in ("parallel", "sequential", "iterated"):
