@@ -14,6 +14,7 @@ from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.loops import Loops, loops_of
 from pipeclamp_identification.misfit import (
+    DRAWN_SAMPLES,
     RunMisfit,
     force_of_rows,
     loop_of_run,
@@ -131,7 +132,7 @@ def worst_table(comparison: Comparison, most: int | None = None) -> Table:
 
 def loop_panels(comparison: Comparison, rows: Sequence[int]) -> list[LoopPanel]:
     """Give the measured and computed loops of some runs."""
-    force = force_of_rows(comparison.law, comparison.loops)
+    force = force_of_rows(comparison.law, comparison.loops, DRAWN_SAMPLES)
     panels = []
     for row in rows:
         y, measured = loop_of_run(comparison.loops, row)

@@ -24,8 +24,9 @@ SIGNIFICANT = 3.0
 # the weight, in degrees of freedom, of the noise level as a first estimate of each harmonic's own scatter: keeps
 # five cycles that agree by chance from weighing far too much
 NOISE_FREEDOMS = 4.0
-# no force is known better than this share of its rms, whatever a noise-free record says
-FINEST_SHARE = 1e-7
+# no force is known better than this share of its rms, whatever a noise-free record says; much less, and what aliases
+# into the harmonics of a noise-free record would count as evidence
+FINEST_SHARE = 1e-5
 # deviations beyond this many robust standard deviations are jumps of the loop itself
 JUMP = 6.0
 

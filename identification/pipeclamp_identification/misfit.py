@@ -15,8 +15,11 @@ from pipeclamp_identification.harmonics import cycle_harmonics
 from pipeclamp_identification.loops import Loops, on_grid, per_cycle
 from pipeclamp_identification.observations import loop_motion
 
-FINE_SAMPLES = 512
-"""Points of the cycle between which a law's loop is interpolated to the record's samples."""
+FINE_SAMPLES = 2048
+"""Points of the cycle between which a law's loop is interpolated to the record's samples: the step that friction makes
+at a reversal costs less than 0.03 % of the force, where 512 points cost up to 0.2 %."""
+DRAWN_SAMPLES = 512
+"""Points of a loop that is drawn."""
 TURNING = 3
 """Harmonics of the displacement from which a sample's phase within its own cycle is found."""
 
@@ -83,9 +86,9 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
     )
 
 
-def force_of_rows(law: Law, loops: Loops) -> Array:
-    """Give the law's force on loops, rows that are adrift moved to the measured mean, N, shape (R, FINE_SAMPLES)."""
-    response = law_response(law, loop_motion(loops, FINE_SAMPLES))
+def force_of_rows(law: Law, loops: Loops, samples: int = FINE_SAMPLES) -> Array:
+    """Give the law's force on loops, rows that are adrift moved to the measured mean, N, shape (R, samples)."""
+    response = law_response(law, loop_motion(loops, samples))
     shift = loops.force[:, 0].real - np.mean(response.force, axis=1)
     return response.force + np.where(response.adrift, shift, 0.0)[:, None]
 
@@ -125,6 +128,6 @@ def overall_noise(runs: tuple[RunMisfit, ...]) -> float:
     return math.sqrt(noise / sum(run.squared_force for run in runs))
 
 
-def loop_of_run(loops: Loops, row: int, samples: int = FINE_SAMPLES) -> tuple[Array, Array]:
+def loop_of_run(loops: Loops, row: int, samples: int = DRAWN_SAMPLES) -> tuple[Array, Array]:
     """Give a run's measured loop as (displacement mm, force N) over one cycle, shape (samples,) each."""
     return on_grid(loops.displacement[row : row + 1], samples)[0], on_grid(loops.force[row : row + 1], samples)[0]
