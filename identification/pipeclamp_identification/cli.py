@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 app = typer.Typer(
     name="pipeclamp",
     help="Identify the law of a pipe clamp from loop tests, see where it fails, and carry it into system simulation.",
+    epilog="Example: pipeclamp identify my_campaign -o law.json && pipeclamp compare law.json my_campaign",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
@@ -81,7 +82,7 @@ ReproducibleOption = Annotated[bool, typer.Option("--reproducible", help="Leave 
 def main() -> None:
     """Run the command line; a user's mistake is one message on stderr and exit status 1."""
     try:
-        app()
+        app(prog_name="pipeclamp")
     except UserError as error:
         errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)

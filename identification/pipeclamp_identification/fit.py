@@ -28,6 +28,8 @@ LEVELS_APART = 0.04
 """Values of a condition further apart than this share of its range are different levels."""
 SINGULAR = 1e-7
 """Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
+AT_BOUND = 1e-6
+"""A parameter is at a bound when no more than this share of the allowed range lies between."""
 STRONG_CORRELATION = 0.95
 
 
@@ -112,7 +114,8 @@ def _one_thread() -> AbstractContextManager[object]:
 
     It also makes the last digits independent of the machine's number of cores.
     """
-    return ThreadpoolController().limit(limits=1, user_api="blas")
+    limiter: AbstractContextManager[object] = ThreadpoolController().limit(limits=1, user_api="blas")
+    return limiter
 
 
 Progress = Callable[[str], None]
@@ -349,7 +352,8 @@ def _finish(
     """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
     lower, upper = _bounds(equations, scales)
     frozen = dict(reasons)
-    width = 1e-6 * np.maximum(np.abs(values), 1e-3)
+    allowed = upper - lower
+    width = AT_BOUND * np.where(np.isfinite(allowed), allowed, np.maximum(np.abs(values), 1e-3))
     at_bound = {
         name
         for index, name in enumerate(equations.names)
