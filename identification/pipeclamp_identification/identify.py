@@ -32,7 +32,7 @@ from pipeclamp_identification.loops import Loops, loops_of, per_cycle
 from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.observations import LoopObservations, loop_observations
 from pipeclamp_identification.series_orders import choose_series
-from pipeclamp_identification.surfaces import surface_values
+from pipeclamp_identification.surfaces import elastic_values, surface_values
 
 Method = Literal["joint", "surfaces"]
 
@@ -126,7 +126,9 @@ def fit_structure(
         return unfitted(structure, observations, from_surfaces)
     tell = progress or (lambda _: None)
     tell(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
-    begin = {**from_surfaces, **(start or {})}
+    # With elements that slip, the loop's area isn't the power's alone: only the elastic surfaces are a fair start then.
+    fair = elastic_values(from_surfaces) if equations.states else from_surfaces
+    begin = {**fair, **(start or {})}
     first = fit(structure, observations, start=begin, tolerance=ROUGHLY, progress=progress)
     widened = observations.with_discrepancy(first.response)
     return fit(structure, widened, start=first.law.values, progress=progress)

@@ -24,6 +24,7 @@ GRID = 128
 NEAR_REVERSAL = 0.2
 """Below this share of its peak, velocity says little of the exponent: noise and memory rule there."""
 SURFACE_PARAMETERS = {"k1": "k10", "k3": "k30", "c": "c0", "alpha": "alpha0"}
+ELASTIC = ("k1", "k3")
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,11 @@ def surface_values(structure: Structure, loops: Loops) -> Mapping[str, float]:
         exponents = [by_name[entry] for entry in by_name if entry.startswith(f"{name}_") and by_name[entry].follows]
         values |= _surface(getattr(coefficients, name), by_name[reference], exponents, slow)
     return {**values, **{name: value for name, value in held.items() if name in values}}
+
+
+def elastic_values(values: Mapping[str, float]) -> dict[str, float]:
+    """Give those of the surfaces' values that belong to k1 and k3."""
+    return {name: value for name, value in values.items() if name.startswith(ELASTIC)}
 
 
 def _surface(
