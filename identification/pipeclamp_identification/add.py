@@ -25,7 +25,7 @@ class Addition:
     """What adding an effect did.
 
     Attributes:
-        effect: the effect's name.
+        effect: what was changed: + or - and the effect's name.
         before, after: the law's file before, and the one with the effect.
         nrmse: error on the campaign before and after, as a share of the force.
         heldout: error on left-out groups of conditions before and after.
@@ -62,14 +62,49 @@ def add_effect(
     Raises:
         UserError: the effect isn't known or is there already, or the data can't serve it.
     """
+    new = with_effect(structure_of(file), effect)
+    return _changed(file, new, f"+ {effect}", campaign, command=command, date=date, progress=progress)
+
+
+def remove_effect(
+    file: LawFile,
+    effect: str,
+    campaign: Campaign,
+    *,
+    command: str,
+    date: str | None,
+    progress: Progress | None = None,
+) -> Addition:
+    """Take an effect out of a law and refit the rest to a campaign; arguments as for `add_effect`.
+
+    Raises:
+        UserError: the law hasn't got the effect.
+    """
+    old = structure_of(file)
+    if effect not in old.effects:
+        raise UserError(f"effect {effect!r} isn't in the law; it has {', '.join(old.effects) or 'no effects'}")
+    new = replace(old, effects=tuple(name for name in old.effects if name != effect))
+    return _changed(file, new, f"- {effect}", campaign, command=command, date=date, progress=progress)
+
+
+def _changed(
+    file: LawFile,
+    new: Structure,
+    step: str,
+    campaign: Campaign,
+    *,
+    command: str,
+    date: str | None,
+    progress: Progress | None,
+) -> Addition:
+    """Refit a law with another structure and state the error before and after."""
     tell = progress or (lambda _: None)
     old, law = structure_of(file), law_of(file)
-    new = with_effect(old, effect)
     loops = loops_of(campaign)
     observations = loop_observations(loops)
     tell("error of the law as it is")
     error_before = overall_nrmse(misfits(law, campaign, loops))
-    tell(f"refit with {effect}")
+    tell(f"refit {step}")
     result = fit_structure(new, loops, observations, start=_shared_values(law.values, new), progress=tell)
     runs = misfits(result.law, campaign, loops)
     tell("error on left-out conditions")
@@ -81,9 +116,9 @@ def add_effect(
     history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(heldout[0])}))
     identification = Identification(result, loops, runs, "joint")
     after = law_file(identification, campaign, name=file.name, command=command, date=date)
-    last = HistoryStep(step=f"+ {effect}", nrmse=rounded(overall_nrmse(runs)), heldout_nrmse=rounded(heldout[1]))
+    last = HistoryStep(step=step, nrmse=rounded(overall_nrmse(runs)), heldout_nrmse=rounded(heldout[1]))
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
-    return Addition(effect, file, after, (error_before, overall_nrmse(runs)), heldout, overall_noise(runs))
+    return Addition(step, file, after, (error_before, overall_nrmse(runs)), heldout, overall_noise(runs))
 
 
 def with_effect(structure: Structure, effect: str) -> Structure:
@@ -127,4 +162,4 @@ def addition_table(addition: Addition) -> Table:
         unit = (after.get(name) or before[name]).unit
         values = (before[name].value if name in before else None, after[name].value if name in after else None)
         rows.append((f"{name} / {unit}", *values))
-    return Table(("", "before", f"with {addition.effect}"), rows, f"What adding {addition.effect} did")
+    return Table(("", "before", addition.effect), rows, f"What {addition.effect} did")

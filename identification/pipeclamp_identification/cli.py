@@ -178,6 +178,78 @@ def compare(
     _print_table(comparing.worst_table(comparison, most=8))
 
 
+@app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
+def diagnose(
+    law: LawArgument,
+    campaign: CampaignFolder,
+    json: JsonOption = None,
+    report: ReportOption = None,
+    auto: Annotated[
+        Path | None, typer.Option("--auto", metavar="LAW2.json", help="Add what is missing, again and again.")
+    ] = None,
+    limits: Annotated[
+        str, typer.Option(metavar="A=0.1..2,f=0.5..20,T=20..300", help="What the rig can do, for the next test.")
+    ] = "",
+    strict: StrictOption = False,
+) -> None:
+    """Which physical effect does the law lack? Or which test would tell?"""
+    from pipeclamp.bundled import open_law
+    from pipeclamp.parameter_file import law_text
+    from pipeclamp_identification import diagnosis_report
+    from pipeclamp_identification.auto import add_until_settled
+    from pipeclamp_identification.next_test import parse_limits
+
+    with told("diagnose") as tell:
+        file = open_law(law)
+        tests = _read(campaign, strict, tell)
+        reach = parse_limits(limits) if limits else None
+        if auto:
+            settled = add_until_settled(file, tests, command=_command(), limits=reach, progress=tell)
+            file, answer = settled.file, settled.answer
+            for addition in settled.additions:
+                console.print(
+                    f"+ {addition.effect}: error on left-out conditions {addition.heldout[0]:.2%} -> "
+                    f"{addition.heldout[1]:.2%}",
+                    highlight=False,
+                )
+        else:
+            answer = diagnosis_report.answer_for(file, tests, limits=reach, progress=tell)
+        sections = diagnosis_report.answer_sections(answer) if report else []
+    if auto:
+        write_whole(auto, law_text(file))
+    _write(json, report, diagnosis_report.answer_json(answer), f"Diagnosis of {file.name}", tests.name, sections)
+    _print_table(diagnosis_report.candidate_table(answer.diagnosis))
+    console.print(answer.headline(), style="bold", highlight=False)
+    for reason in (*answer.diagnosis.reasons, *answer.leftover.words):
+        console.print(f"  {reason}", highlight=False)
+    if answer.proposal:
+        console.print(f"Next: {answer.proposal.words()}", highlight=False)
+
+
+@app.command(epilog="Example: pipeclamp remove law2.json memory my_campaign -o law.json")
+def remove(
+    law: LawArgument,
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect to take out.")],
+    campaign: CampaignFolder,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW2.json", help="The parameter file to write.")],
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Take an effect out of a law, refit the rest, and say what the error did."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp.parameter_file import law_text
+    from pipeclamp_identification import add as adding
+
+    with told("remove") as tell:
+        file = open_law(law)
+        tests = _read(campaign, strict, tell)
+        date = None if reproducible else _now()
+        change = adding.remove_effect(file, effect, tests, command=_command(), date=date, progress=tell)
+    write_whole(output, law_text(change.after))
+    _print_table(adding.addition_table(change))
+    _print_law(change.after, output)
+
+
 @app.command(epilog="Example: pipeclamp add law.json memory my_campaign -o law2.json")
 def add(
     law: LawArgument,

@@ -85,7 +85,9 @@ def _caution(step: Step) -> str:
 
 
 def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
-    rows = [(step.title, *(100 * error for error in step.errors), _caution(step).strip(" ()")) for step in steps]
+    rows: list[tuple[str | float, ...]] = [
+        (step.title, *(100 * error for error in step.errors), _caution(step).strip(" ()")) for step in steps
+    ]
     table = Table(
         ("law", "dW and W / %", "dW / %", "W / %", "caution"), rows, "rms of the log ratios measured/computed"
     )

@@ -17,6 +17,7 @@ from pipeclamp_identification.evidence import (
     LackOfFit,
     LeftOutScore,
     Whitened,
+    drifts,
     lack_of_fit,
     left_out_score,
     whitened,
@@ -24,7 +25,7 @@ from pipeclamp_identification.evidence import (
 from pipeclamp_identification.fit import Fit, Progress, cost_after_one_step, fit, starting_points
 from pipeclamp_identification.heldout import condition_groups
 from pipeclamp_identification.identify import fit_structure
-from pipeclamp_identification.loops import Loops
+from pipeclamp_identification.loops import Loops, per_cycle
 from pipeclamp_identification.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
 from pipeclamp_identification.observations import Rows, loop_observations
 
@@ -33,7 +34,7 @@ Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
 SIGNIFICANT = 1e-3
 """Lack of fit less likely than this under noise alone is real."""
 MATERIAL = 0.1
-"""Lack of fit below this share of the force noise (rms) is not worth an effect: it costs half a percent of the floor."""
+"""Lack of fit below this share of the force noise (rms) isn't worth an effect: it costs half a percent of the floor."""
 FORM = 0.1
 """An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
 exact form."""
@@ -98,6 +99,10 @@ class Judged:
     def squares(self) -> float:
         """Sum of squared whitened residuals on left-out groups."""
         return float(self.score.squares.sum())
+
+
+def _squares_of(judged: Judged) -> float:
+    return judged.squares
 
 
 @dataclass(frozen=True)
@@ -171,6 +176,7 @@ def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = 
 
 def _prepared(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
     """Fit the law as it is, estimate the noise, and fit it again in its units."""
+    loops = per_cycle(loops) if drifts(loops) else loops
     observations = loop_observations(loops)
     first = fit_structure(structure, loops, observations)
     noise = noise_model(loops, observations.plain_residual(first.response))
@@ -232,14 +238,16 @@ def _refit(judged: Judged, problem: Problem) -> Judged:
 
 def _objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
     """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing."""
-    objections = []
+    objections: list[str] = []
     errors = result.standard_errors()
     added = {effect.name: effect for effect in result.equations.effects}
     for name in effects:
         effect = added[name]
-        for parameter in effect.parameters:
-            if parameter.name in result.at_bound:
-                objections.append(f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})")
+        objections += [
+            f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})"
+            for parameter in effect.parameters
+            if parameter.name in result.at_bound
+        ]
         sizes = [parameter.name for parameter in effect.parameters if parameter.name in errors]
         if not sizes:
             objections.append(f"the data determines no parameter of {name}")
@@ -257,9 +265,8 @@ def candidate_names(structure: Structure, loops: Loops) -> list[str]:
             names += [size for size in MEMORY_SIZES if _elements(size) > _elements_present(structure)]
         elif name not in present:
             names.append(name)
-    names += [f"condition:{column}" for column in loops.conditions if f"condition:{column}" not in structure.effects]
-    names += [name for name, _ in structure.declared if name not in structure.effects]
-    return names
+    further = [*(f"condition:{column}" for column in loops.conditions), *(name for name, _ in structure.declared)]
+    return names + [name for name in further if name not in structure.effects]
 
 
 def _elements(name: str) -> int:

@@ -13,11 +13,38 @@ from scipy import stats
 
 from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.fit import Fit
+from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.noise import WhitenedObservations
 from pipeclamp_identification.observations import Rows
 
 LOW_HARMONICS = 7
 """Most of what loops can miss shows up to this harmonic."""
+
+
+DRIFT = 5.0
+"""Standard errors by which a trend of stiffness along cycles must differ from none to be taken for real."""
+
+
+def drifts(loops: Loops) -> bool:
+    """Tell whether stiffness drifts along the cycles inside records, over all runs together."""
+    if len({len(cycles) for cycles in loops.cycles}) == 1 and len(loops.cycles[0]) < 3:
+        return False
+    slopes, weights = [], []
+    for row, force in enumerate(loops.force_per_cycle):
+        cycles = loops.cycles[row]
+        if len(cycles) < 3:
+            continue
+        stiffness = force[:, 1].real / loops.displacement_per_cycle[row][:, 1].real
+        centred = cycles - cycles.mean()
+        spread = float(centred @ centred)
+        slope = float(centred @ stiffness) / spread
+        rest = stiffness - stiffness.mean() - slope * centred
+        error = max(float(rest @ rest) / (len(cycles) - 2), 1e-12 * stiffness.mean() ** 2) / spread
+        slopes.append(slope / stiffness.mean())
+        weights.append(stiffness.mean() ** 2 / error)
+    # Errors from few cycles are rough: runs count by the median of their neighbours, not by luck.
+    weight = np.minimum(weights, np.median(weights)) if weights else np.zeros(1)
+    return bool(len(slopes) > 3 and abs(weight @ np.array(slopes)) > DRIFT * np.sqrt(weight.sum()))
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from pipeclamp.parameter_file import (
     LeftOutRun,
     RunQuality,
 )
+from pipeclamp.toml_file import unknown
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.fit import HELD, Fit, Progress, fit, unfitted
 from pipeclamp_identification.loops import Loops, loops_of, per_cycle
@@ -90,9 +91,18 @@ def identify(
         tell("orders of the series")
         base = choose_series(loops, observations, tuple(effects))
     structure = Structure(base, tuple(effects), tuple(sorted((frozen or {}).items())))
+    _refuse_unknown(structure)
     result = fit_structure(structure, loops, observations, method=method, progress=tell)
     tell("error on every sample")
     return Identification(result, loops, misfits(result.law, campaign, loops), method)
+
+
+def _refuse_unknown(structure: Structure) -> None:
+    """Refuse to hold parameters that the law doesn't have."""
+    names = compose(structure).names
+    for name, _ in structure.frozen:
+        if name not in names:
+            raise UserError(f"can't hold {unknown(name, list(names), 'parameter')}")
 
 
 def fit_structure(

@@ -85,8 +85,7 @@ def surface_values(structure: Structure, loops: Loops) -> Mapping[str, float]:
     Returns:
         values by parameter name; empty where the base has no such surfaces.
     """
-    equations = compose(structure)
-    by_name = {parameter.name: parameter for parameter in equations.parameters}
+    by_name = {parameter.name: parameter for parameter in compose(Structure(structure.base)).parameters}
     if not set(SURFACE_PARAMETERS.values()) <= set(by_name):
         return {}
     held = structure.held()

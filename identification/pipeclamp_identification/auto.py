@@ -1,0 +1,57 @@
+"""Diagnose and add, again and again, until the law is complete, ambiguous or beyond the catalogue."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pipeclamp.parameter_file import LawFile
+from pipeclamp_identification.add import Addition, add_effect
+from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.diagnosis_report import Answer, answer_for
+from pipeclamp_identification.fit import Progress
+from pipeclamp_identification.next_test import Limits
+
+MOST_EFFECTS = 8
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Where the repetition ended: the law, the last answer, and what was added on the way."""
+
+    file: LawFile
+    answer: Answer
+    additions: tuple[Addition, ...]
+
+
+def add_until_settled(
+    file: LawFile,
+    campaign: Campaign,
+    *,
+    command: str,
+    limits: Limits | None = None,
+    progress: Progress | None = None,
+) -> Settled:
+    """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
+
+    Raises:
+        UserError: the data can't serve the law.
+    """
+    additions: list[Addition] = []
+    while True:
+        answer = answer_for(file, campaign, limits=limits, progress=progress)
+        if answer.verdict != "missing" or len(additions) == MOST_EFFECTS:
+            return Settled(file, answer, tuple(additions))
+        addition = add_effect(file, named(answer), campaign, command=command, date=file.date, progress=progress)
+        if addition.heldout[1] >= addition.heldout[0]:
+            return Settled(file, answer, tuple(additions))
+        additions.append(addition)
+        file = addition.after
+
+
+def named(answer: Answer) -> str:
+    """Give the effect to add, with the number of memory elements that did best."""
+    diagnosis = answer.diagnosis
+    wanted = diagnosis.effects[0]
+    found = [*([diagnosis.pair] if diagnosis.pair else []), *diagnosis.candidates]
+    names = [name for judged in found for name in judged.effects]
+    return next((name for name in names if name == wanted or name.split(":")[0] == wanted), wanted)

@@ -1,0 +1,230 @@
+"""The answer of a diagnosis: as JSON (CONTRACT.md), and as a report with the evidence in a test engineer's words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeclamp.parameter_file import LawFile, law_of, structure_of
+from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.compare import Comparison, comparison_sections
+from pipeclamp_identification.diagnose import Diagnosis, Judged, diagnose
+from pipeclamp_identification.fit import Progress
+from pipeclamp_identification.leftover import Leftover, describe
+from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.next_test import Limits, Proposal, next_test
+from pipeclamp_identification.pictures import LoopPanel, curves_picture, loops_picture, waterfall_picture
+from pipeclamp_identification.report import Section, Table
+
+HEADLINES = {
+    "complete": "Complete: what is left is scatter.",
+    "missing": "Missing: {}.",
+    "ambiguous": "One of these is missing, and this data can't tell which: {}.",
+    "unknown": "Something is missing, and nothing in the catalogue explains it.",
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A diagnosis with what belongs to it.
+
+    Attributes:
+        diagnosis: the verdict and its evidence.
+        campaign: the tests.
+        law, best: error on every run of the law as it is in its file, and of the best law found.
+        leftover: what the best law leaves over.
+        proposal: the test to run next, where rivals are left.
+    """
+
+    diagnosis: Diagnosis
+    campaign: Campaign
+    law: tuple[RunMisfit, ...]
+    best: tuple[RunMisfit, ...]
+    leftover: Leftover
+    proposal: Proposal | None
+
+    @property
+    def verdict(self) -> str:
+        """The verdict; what is locked to time, not to motion, is no scatter, so a law with it isn't complete."""
+        if self.diagnosis.verdict == "complete" and self.leftover.time_locked_Hz:
+            return "unknown"
+        return self.diagnosis.verdict
+
+    def headline(self) -> str:
+        """Give the verdict in words."""
+        return HEADLINES[self.verdict].format(" or ".join(self.diagnosis.effects))
+
+
+def answer_for(
+    file: LawFile, campaign: Campaign, *, limits: Limits | None = None, progress: Progress | None = None
+) -> Answer:
+    """Diagnose the law of a parameter file on a campaign.
+
+    Raises:
+        UserError: the data can't serve the law.
+    """
+    loops = loops_of(campaign)
+    diagnosis = diagnose(structure_of(file), loops, progress=progress)
+    if progress:
+        progress("what is left over")
+    law = misfits(law_of(file), campaign, loops)
+    best = misfits(diagnosis.best.result.law, campaign, loops)
+    leftover = describe(diagnosis.best, diagnosis.problem, campaign, best)
+    return Answer(diagnosis, campaign, law, best, leftover, next_test(diagnosis, limits))
+
+
+def answer_json(answer: Answer) -> dict[str, Any]:
+    """Give the answer of `diagnose --json` (CONTRACT.md)."""
+    diagnosis, proposal = answer.diagnosis, answer.proposal
+    return {
+        "verdict": answer.verdict,
+        "effects": list(diagnosis.effects),
+        "candidates": [_candidate_json(candidate, diagnosis) for candidate in diagnosis.candidates],
+        "pair": _candidate_json(diagnosis.pair, diagnosis) if diagnosis.pair else None,
+        "screened_out": dict(diagnosis.screened_out),
+        "nrmse": {
+            "law": overall_nrmse(answer.law),
+            "best": overall_nrmse(answer.best),
+            "noise": overall_noise(answer.law),
+        },
+        "heldout_nrmse": {"law": diagnosis.law.heldout_nrmse, "best": diagnosis.best.heldout_nrmse},
+        "lack_of_fit": {
+            "law": diagnosis.law.lack.share,
+            "best": diagnosis.best.lack.share,
+            "p_value": diagnosis.law.lack.p_value,
+            "limit": diagnosis.limit,
+        },
+        "scatter": {
+            "stiffness": diagnosis.problem.noise.stiffness_scatter,
+            "damping": diagnosis.problem.noise.damping_scatter,
+        },
+        "next_test": None
+        if proposal is None
+        else {
+            "amplitude_mm": proposal.amplitude_mm,
+            "frequency_Hz": proposal.frequency_Hz,
+            "temperature_C": proposal.temperature_C,
+            "profile": proposal.profile,
+            "separation": proposal.separation,
+            "between": list(proposal.rivals),
+            "words": proposal.words(),
+        },
+        "left_over": list(answer.leftover.words),
+        "reasons": list(diagnosis.reasons),
+        "left_out": [{"run": entry.run, "reason": entry.reason} for entry in answer.campaign.left_out],
+    }
+
+
+def _candidate_json(candidate: Judged, diagnosis: Diagnosis) -> dict[str, Any]:
+    return {
+        "effect": " + ".join(candidate.effects),
+        "heldout_nrmse": candidate.heldout_nrmse,
+        "lack_of_fit": candidate.lack.share,
+        "explained": explained(candidate, diagnosis),
+        "objections": list(candidate.objections),
+        "parameters": {
+            parameter.name: candidate.result.law.values[parameter.name]
+            for effect in candidate.result.equations.effects
+            if effect.name in candidate.effects
+            for parameter in effect.parameters
+        },
+    }
+
+
+def explained(candidate: Judged, diagnosis: Diagnosis) -> float:
+    """Give the share of the lack of fit's energy that a candidate explains."""
+    whole = diagnosis.law.lack.excess
+    return float(np.clip(1.0 - max(candidate.lack.excess, 0.0) / whole, 0.0, 1.0)) if whole > 0 else 0.0
+
+
+def candidate_table(diagnosis: Diagnosis) -> Table:
+    """Give the candidates, best first."""
+    judged = [*diagnosis.candidates, *([diagnosis.pair] if diagnosis.pair else [])]
+    rows = [
+        (
+            " + ".join(candidate.effects),
+            100 * candidate.heldout_nrmse,
+            100 * explained(candidate, diagnosis),
+            "; ".join(candidate.objections) or "–",
+        )
+        for candidate in sorted(judged, key=lambda candidate: candidate.squares)
+    ]
+    rows.append(("law as it is", 100 * diagnosis.law.heldout_nrmse, 0.0, "–"))
+    header = ("with", "error on left-out conditions / %", "of the lack of fit explained / %", "speaks against it")
+    return Table(header, rows, "every candidate refitted jointly with the law")
+
+
+def answer_sections(answer: Answer) -> list[Section]:
+    """Give the report of a diagnosis."""
+    diagnosis = answer.diagnosis
+    words = [answer.headline(), *(_sentence(reason) for reason in diagnosis.reasons)]
+    if answer.proposal:
+        words.append(f"Next: {answer.proposal.words()}.")
+    steps = [
+        ("law as it is", diagnosis.law.heldout_nrmse),
+        *((f"+ {' + '.join(judged.effects)}", judged.heldout_nrmse) for judged in _steps(diagnosis)),
+    ]
+    noise = overall_noise(answer.law)
+    falling = waterfall_picture(steps, noise, "error on left-out conditions", "What the best effects would do")
+    before = Comparison(diagnosis.law.result.law, answer.campaign, loops_of(answer.campaign), answer.law, {})
+    sections = [
+        Section("Verdict", words, [candidate_table(diagnosis)], [falling]),
+        Section("Evidence", _evidence(diagnosis), _screened(diagnosis)),
+        Section("What the best law leaves over", [_sentence(word) for word in answer.leftover.words], (), [
+            curves_picture(
+                "phase / deg after the largest displacement", "residual / N",
+                [("rms over runs", answer.leftover.phase.tolist(), answer.leftover.shape.tolist(), "lines")],
+                "Residual force along the cycle, best law",
+            )
+        ]),
+    ]  # fmt: skip
+    if answer.proposal:
+        sections.append(_proposal_section(answer.proposal))
+    return [*sections, *comparison_sections(before)]
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _steps(diagnosis: Diagnosis) -> list[Judged]:
+    best = [diagnosis.candidates[0]] if diagnosis.candidates else []
+    return [*best, *([diagnosis.pair] if diagnosis.pair else [])]
+
+
+def _evidence(diagnosis: Diagnosis) -> list[str]:
+    """Say of the best candidates what to look at and what would speak against them."""
+    words = []
+    for candidate in diagnosis.candidates[:4]:
+        name = candidate.effects[0]
+        effect = next(effect for effect in candidate.result.equations.effects if effect.name == name)
+        against = "; ".join(candidate.objections) or (
+            f"if not: {effect.told_apart_by}" if effect.told_apart_by else "nothing seen"
+        )
+        words.append(
+            f"{name}: look for {effect.looks_like}. It takes the error on left-out conditions from "
+            f"{diagnosis.law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and explains "
+            f"{explained(candidate, diagnosis):.0%} of what is missing. Imitated by "
+            f"{', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}. Against it: {against}."
+        )
+    return words
+
+
+def _screened(diagnosis: Diagnosis) -> list[Table]:
+    rows = [(name, 100 * max(share, 0.0)) for name, share in diagnosis.screened_out.items()]
+    return [Table(("screened out", "promise, % of the best's"), rows, "effects that one step showed can't help")]
+
+
+def _proposal_section(proposal: Proposal) -> Section:
+    panels = [
+        LoopPanel(f"if it is {name}", proposal.motion.y[0], None, force)
+        for name, force in zip(proposal.rivals, proposal.forces, strict=True)
+    ]
+    difference = LoopPanel("difference", proposal.motion.y[0], None, proposal.forces[0] - proposal.forces[1])
+    return Section(
+        "Next test", [_sentence(proposal.words())], (),
+        [loops_picture([*panels, difference], "What each rival predicts")],
+    )  # fmt: skip
