@@ -350,6 +350,12 @@ def _finish(
     evaluations: int,
 ) -> Fit:
     """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
+    response = respond(equations, values, smooth, observations.motion)
+    if not np.all(np.isfinite(observations.residual(response))):
+        raise UserError(
+            f"the law gives no finite force at {dict(zip(equations.names, values.tolist(), strict=True))}; "
+            "expected held values of the size that the tests show"
+        )
     lower, upper = _bounds(equations, scales)
     frozen = dict(reasons)
     allowed = upper - lower

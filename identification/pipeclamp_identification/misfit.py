@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeclamp.errors import UserError
 from pipeclamp.law import Law, compose
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import law_response
@@ -79,6 +80,7 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
     """
     changing = "N" in slow_signals(law)
     force = force_of_rows(law, per_cycle(loops) if changing else loops)
+    _refuse_unknown(law, loops, force)
     edges = np.concatenate([[0], np.cumsum([len(cycles) if changing else 1 for cycles in loops.cycles])])
     return tuple(
         _run_misfit(run, force[edges[index] : edges[index + 1]], float(loops.noise_rms_N[index]))
@@ -91,6 +93,16 @@ def force_of_rows(law: Law, loops: Loops, samples: int = FINE_SAMPLES) -> Array:
     response = law_response(law, loop_motion(loops, samples))
     shift = loops.force[:, 0].real - np.mean(response.force, axis=1)
     return response.force + np.where(response.adrift, shift, 0.0)[:, None]
+
+
+def _refuse_unknown(law: Law, loops: Loops, force: Array) -> None:
+    """Refuse tests that leave a condition open which the law depends on, or for which the law gives no finite force."""
+    if np.all(np.isfinite(force)):
+        return
+    if "rho" in slow_signals(law) and not np.all(np.isfinite(loops.density_g_cm3)):
+        blank = [run for run, rho in zip(loops.run, loops.density_g_cm3, strict=True) if not np.isfinite(rho)]
+        raise UserError(f"the law depends on density_g_cm3, which isn't known for {blank[0]}; fill it in in runs.csv")
+    raise UserError("the law gives a force that is not finite on these tests; expected tests near the law's range")
 
 
 def slow_signals(law: Law) -> frozenset[str]:

@@ -26,6 +26,10 @@ SUBSTEPS = 4
 """Steps of the truth between two samples, so that states follow reversals that fall between samples."""
 
 
+MOST_SAMPLES = 10_000_000
+"""More at one frequency don't fit into the memory of a small machine."""
+
+
 @dataclass(frozen=True)
 class TestPlan:
     """What the virtual rig runs and how well it measures.
@@ -76,6 +80,12 @@ class TestPlan:
                 raise UserError(f"test plan: temperature is {value:g} degC; expected a number above -273.15")
         if not self.cycles >= 1:
             raise UserError(f"test plan: {self.cycles:g} cycles; expected at least one whole cycle")
+        samples = (self.cycles + self.ramp_cycles) * self.rate / min(self.frequencies)
+        if not samples * len(self.amplitudes) * len(self.temperatures) <= MOST_SAMPLES:
+            raise UserError(
+                f"test plan: {samples:.3g} samples per record at {min(self.frequencies):g} Hz; expected at most "
+                f"{MOST_SAMPLES:.0e} at one frequency over all amplitudes and temperatures: fewer cycles, a lower rate"
+            )
         if not self.rate >= 20 * max(self.frequencies):
             raise UserError(
                 f"test plan: {self.rate:g} samples per second for {max(self.frequencies):g} Hz; "
@@ -154,6 +164,8 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
         (law.v_r, law.y_r),
         Motion(*motion, slow, np.full((len(A), 1), 1 / fine), periodic=False),
     ).force
+    if not np.all(np.isfinite(truth)):
+        raise UserError(f"the law gives no finite force at {frequency:g} Hz; expected a plan near the law's range")
     kept = slice(lead, None, SUBSTEPS)
     for index, (nominal, rng) in enumerate(zip(pairs, random, strict=True)):
         name = f"A{nominal[0]:g}_f{frequency:g}_T{nominal[1]:g}".replace(".", "p").replace("-", "m")

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp.errors import UserError
 from pipeclamp.law import Equations, Law, compose
 from pipeclamp.realise.arrays import Array, ArrayRealisation, realise
+from pipeclamp.symbols import CONDITION
 
 SETTLING_CYCLES = 20
 SETTLED = 1e-9
@@ -99,9 +101,16 @@ def respond(
         derivatives: whether the Jacobian is wanted.
 
     Raises:
-        KeyError: the motion lacks a slow signal that the law depends on.
+        UserError: a condition that the law depends on isn't stated.
     """
     compiled = realise(equations)
+    for name in compiled.slow:
+        if name not in motion.slow:
+            known = ", ".join(sorted(entry.removeprefix(CONDITION) for entry in motion.slow))
+            raise UserError(
+                f"the law depends on {name.removeprefix(CONDITION)}, which the tests don't state; got {known}; "
+                "expected a column of that name in runs.csv"
+            )
     rows, samples = motion.y.shape
     values = [float(value) for value in parameters]
     slow = [motion.slow[name] for name in compiled.slow]
@@ -109,7 +118,12 @@ def respond(
         coefficients = compiled.coefficients(*slow, *values, *smoothing)
         slopes = compiled.coefficient_slopes(*slow, *values, *smoothing) if derivatives else ()
         coefficient_slopes = dict(zip(compiled.coefficient_slope_index, slopes, strict=derivatives))
-        march = _March(compiled, equations, coefficients, coefficient_slopes, values, smoothing, motion)
+        columns = [np.broadcast_to(np.atleast_2d(value), _column_shape(value, rows)) for value in coefficients]
+        slope_columns = {
+            index: np.broadcast_to(np.atleast_2d(value), _column_shape(value, rows))
+            for index, value in coefficient_slopes.items()
+        }
+        march = _March(compiled, equations, columns, slope_columns, values, smoothing, motion)
         states, state_slopes, adrift = march.states(derivatives=derivatives)
         y_previous = np.roll(motion.y, 1, axis=1)
         if not motion.periodic:
@@ -130,6 +144,12 @@ def respond(
             else:
                 jacobian[column - state_count - coefficient_count] += slope
     return _late(compiled, values, motion, Response(force, jacobian, adrift))
+
+
+def _column_shape(value: npt.ArrayLike, rows: int) -> tuple[int, int]:
+    """Give the shape of a slow quantity as a column (R, 1), or as it is where it changes along the row, (R, n)."""
+    array = np.atleast_2d(np.asarray(value))
+    return rows, array.shape[1]
 
 
 def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, response: Response) -> Response:
@@ -224,7 +244,7 @@ class _March:
             y_previous,
             motion.h[:, 0],
             *states,
-            *(_at_sample(coefficient, index) for coefficient in self.coefficients),
+            *(column[:, index if column.shape[1] > 1 else 0] for column in self.coefficients),
             *self.values,
             *self.smoothing,
         )
@@ -240,13 +260,7 @@ class _March:
             elif column < count + len(self.coefficients):
                 for (entry, parameter), inner in self.coefficient_slopes.items():
                     if entry == column - count:
-                        new_slopes[row, count + parameter] += slope * _at_sample(inner, index)
+                        new_slopes[row, count + parameter] += slope * inner[:, index if inner.shape[1] > 1 else 0]
             else:
                 new_slopes[row, column - len(self.coefficients)] += slope
         return new_states, new_slopes
-
-
-def _at_sample(quantity: Array, index: int) -> Array:
-    """Give the column of a slow quantity at a sample: (R, 1) is constant along the row, (R, n) is not."""
-    array = np.atleast_2d(quantity)
-    return array[:, index] if array.shape[1] > 1 else array[:, 0]

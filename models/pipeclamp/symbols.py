@@ -76,9 +76,13 @@ SCALES = (A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_low
 """Sizes of a campaign's data, in which starts and bounds of parameters are stated."""
 
 
+CONDITION = "u_"
+"""What the symbol of a further column of runs.csv begins with, so that no column's name clashes with another symbol."""
+
+
 def condition_symbol(column: str) -> sp.Symbol:
-    """Give the slow signal of a further column of runs.csv; no column's name can clash with another symbol."""
-    return sp.Symbol("u_" + re.sub(r"\W", "_", column), real=True)
+    """Give the slow signal of a further column of runs.csv."""
+    return sp.Symbol(CONDITION + re.sub(r"\W", "_", column), real=True)
 
 
 def signed_power(velocity: sp.Expr, exponent: sp.Expr) -> sp.Expr:
