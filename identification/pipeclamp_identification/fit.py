@@ -26,6 +26,8 @@ VARIES = 1.02
 """A condition counts as varied when its largest value exceeds its smallest by this factor."""
 LEVELS_APART = 0.04
 """Values of a condition further apart than this share of its range are different levels."""
+BEYOND_REASON = 1e100
+"""Residuals in units of their standard errors that no arithmetic can square and sum."""
 SINGULAR = 1e-7
 """Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
 AT_BOUND = 1e-6
@@ -322,6 +324,11 @@ def _minimise(
             f"{len(evaluator.residual(x0))} observations can't determine {len(free)} parameters; "
             "expected at least as many: add runs, or leave effects out"
         )
+    if not np.max(np.abs(evaluator.residual(x0))) < BEYOND_REASON:
+        raise UserError(
+            f"the law gives forces beyond all reason at {dict(zip(equations.names, begin.tolist(), strict=True))}; "
+            "expected held values of the size that the tests show"
+        )
     result = least_squares(
         evaluator.residual,
         x0,
@@ -350,12 +357,6 @@ def _finish(
     evaluations: int,
 ) -> Fit:
     """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
-    response = respond(equations, values, smooth, observations.motion)
-    if not np.all(np.isfinite(observations.residual(response))):
-        raise UserError(
-            f"the law gives no finite force at {dict(zip(equations.names, values.tolist(), strict=True))}; "
-            "expected held values of the size that the tests show"
-        )
     lower, upper = _bounds(equations, scales)
     frozen = dict(reasons)
     allowed = upper - lower
