@@ -49,6 +49,8 @@ WORTH_FITTING = 0.1
 """A candidate passes the screen when one step promises this share of what the best promises."""
 PAIRED = 3
 """Best candidates that are tried together with a second effect, where one alone doesn't explain."""
+CLOSELY = 1e-7
+"""Tolerance of a candidate's fit."""
 MEMORY_SIZES = ("memory", "memory:2", "memory:3")
 
 
@@ -101,10 +103,6 @@ class Judged:
         return float(self.score.squares.sum())
 
 
-def _squares_of(judged: Judged) -> float:
-    return judged.squares
-
-
 @dataclass(frozen=True)
 class Diagnosis:
     """The answer.
@@ -134,9 +132,8 @@ class Diagnosis:
     @property
     def best(self) -> Judged:
         """The best law that was found: a pair, a candidate, or the law as it is."""
-        return min(
-            (self.law, *self.candidates, *((self.pair,) if self.pair else ())), key=lambda judged: judged.squares
-        )
+        found: list[Judged] = [self.law, *self.candidates, *([self.pair] if self.pair else [])]
+        return min(found, key=lambda judged: judged.squares)
 
 
 def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = None) -> Diagnosis:
@@ -232,7 +229,8 @@ def _judged(effects: tuple[str, ...], result: Fit, problem: Problem) -> Judged:
 
 
 def _refit(judged: Judged, problem: Problem) -> Judged:
-    result = fit(judged.result.law.structure, problem.observations, start=judged.result.law.values)
+    structure, values = judged.result.law.structure, judged.result.law.values
+    result = fit(structure, problem.observations, start=values, tolerance=CLOSELY)
     return _judged(judged.effects, result, problem)
 
 
@@ -294,7 +292,7 @@ def _candidates(
     judged = []
     for name in chosen:
         tell(f"fit {name}")
-        result = fit(with_effect(structure, name), problem.observations, start=promises[name][1])
+        result = fit(with_effect(structure, name), problem.observations, start=promises[name][1], tolerance=CLOSELY)
         judged.append(_judged((name,), result, problem))
     left = {name: promises[name][0] / top if top > 0 else 0.0 for name in ranked if name not in chosen}
     return sorted(judged, key=lambda candidate: candidate.squares), left
@@ -303,7 +301,7 @@ def _candidates(
 def _promise(
     structure: Structure, name: str, problem: Problem, law: Judged, own: float
 ) -> tuple[float, dict[str, float]] | None:
-    """Give what one step from the best of an effect's starts promises, and that start; None where it can't be fitted."""
+    """Give what one step from the best of an effect's starts promises, and the start; None where it can't be fitted."""
     try:
         larger = with_effect(structure, name)
         points = starting_points(larger, problem.observations, law.result.law.values)
@@ -371,7 +369,7 @@ def _best_pair(
     """Fit the best candidates together with the second effects that promise most; give the best sound pair."""
     pairs: list[Judged] = []
     seen: set[frozenset[str]] = set()
-    for first in sound[:PAIRED]:
+    for first in _distinct(sound)[:PAIRED]:
         larger = with_effect(structure, first.effects[0])
         promises = {}
         for name in candidate_names(larger, problem.loops):
@@ -385,10 +383,18 @@ def _best_pair(
         for name in sorted(promises, key=lambda name: -promises[name][0])[:PAIRED]:
             seen.add(frozenset((_id(first.effects[0]), _id(name))))
             tell(f"fit {first.effects[0]} and {name}")
-            result = fit(with_effect(larger, name), problem.observations, start=promises[name][1])
+            result = fit(with_effect(larger, name), problem.observations, start=promises[name][1], tolerance=CLOSELY)
             pairs.append(_judged((first.effects[0], name), result, problem))
     usable = [pair for pair in pairs if not pair.objections]
     return min(usable, key=lambda pair: pair.squares, default=None)
+
+
+def _distinct(judged: Sequence[Judged]) -> list[Judged]:
+    """Give the best of each id: numbers of memory elements aren't rivals of one another."""
+    best: dict[str, Judged] = {}
+    for candidate in judged:
+        best.setdefault(_id(candidate.effects[0]), candidate)
+    return list(best.values())
 
 
 def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, limit: float, law: Judged) -> list[Judged]:

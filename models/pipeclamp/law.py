@@ -149,9 +149,9 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
         effects=effects,
         parameters=tuple(parameter for effect in effects for parameter in effect.parameters),
         coefficients=tuple(coefficients),
-        force=force.subs(fast_factors).subs(in_series),
+        force=force.xreplace(fast_factors).xreplace(in_series),
         states=tuple(state for effect in effects for state in effect.states),
-        energy=energy.subs(fast_factors).subs(in_series),
+        energy=energy.xreplace(fast_factors).xreplace(in_series),
         lag=sp.Add(*(effect.lag for effect in effects)),
     )
 

@@ -69,12 +69,13 @@ class ArrayRealisation:
     lag_slope_index: tuple[int, ...]
 
 
+REFERENCES = {symbol: sp.sympify(value) for symbol, value in symbols.REFERENCES.items()}
 FAST_ARGUMENTS = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 
 
 def _compile(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Compiled:
     printer = ArrayPrinter({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True})
-    with_references = [sp.sympify(expression).subs(symbols.REFERENCES) for expression in expressions]
+    with_references = [sp.sympify(expression).xreplace(REFERENCES) for expression in expressions]
     compiled: Compiled = sp.lambdify(list(arguments), with_references, modules="numpy", printer=printer, cse=True)
     return compiled
 

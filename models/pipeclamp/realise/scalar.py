@@ -71,7 +71,7 @@ def python_source(law: Law) -> str:
         *(
             f"    {line}"
             for line in _statements(
-                coefficient_names, [entry.expression.subs(exact) for entry in equations.coefficients]
+                coefficient_names, [entry.expression.xreplace(exact) for entry in equations.coefficients]
             )
         ),
         f"    return {_tuple(coefficient_names)}",
@@ -81,10 +81,10 @@ def python_source(law: Law) -> str:
         f"    {_tuple(coefficient_names)} = k",
     ]
     if state_names:
-        updates = [state.update.subs(exact) for state in equations.states]
+        updates = [state.update.xreplace(exact) for state in equations.states]
         lines.append(f"    {_tuple(state_names)} = state")
         lines += [f"    {line}" for line in _statements(new_names, updates)]
-    results = [equations.force.subs(exact).subs(after), equations.energy.subs(exact).subs(after)]
+    results = [equations.force.xreplace(exact).xreplace(after), equations.energy.xreplace(exact).xreplace(after)]
     lines += [f"    {line}" for line in _statements(["force", "energy"], results)]
     lines += [f"    return force, energy, {_tuple(new_names) if new_names else '()'}", ""]
     return "\n".join(lines)
