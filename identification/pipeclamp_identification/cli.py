@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import datetime
 import json
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -486,9 +487,12 @@ def _values(text: str) -> dict[str, float]:
 
 def _numbers(text: str, where: str) -> tuple[float, ...]:
     try:
-        return tuple(float(entry) for entry in _names(text))
+        numbers = tuple(float(entry) for entry in _names(text))
     except ValueError as error:
         raise UserError(f"{where}: got {text!r}; expected numbers separated by commas") from error
+    if not numbers or not all(math.isfinite(number) for number in numbers):
+        raise UserError(f"{where}: got {text!r}; expected finite numbers separated by commas")
+    return numbers
 
 
 def _command() -> str:

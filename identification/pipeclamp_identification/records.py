@@ -21,6 +21,8 @@ Array = npt.NDArray[np.float64]
 
 NEEDED: tuple[RecordColumn, ...] = ("time_s", "displacement_mm", "force_N")
 OPTIONAL: tuple[RecordColumn, ...] = ("temperature_C",)
+LARGEST = 1e12
+"""No test lasts longer (s), moves further (mm) or pushes harder (N); a time may be counted from 1970 in milliseconds."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,11 @@ def check_samples(record: Record) -> None:
         bad = np.flatnonzero(~np.isfinite(getattr(record, name)))
         if len(bad):
             raise UnusableRecord(f"non-finite samples: {len(bad)} in {name}, the first in row {bad[0] + 2}")
+        huge = np.flatnonzero(np.abs(getattr(record, name)) > LARGEST)
+        if len(huge):
+            raise UnusableRecord(
+                f"impossible samples: {len(huge)} in {name} beyond {LARGEST:g}, the first in row {huge[0] + 2}"
+            )
     back = np.flatnonzero(np.diff(record.time_s) < 0.0)
     if len(back):
         before, after = record.time_s[back[0]], record.time_s[back[0] + 1]
