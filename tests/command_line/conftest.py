@@ -1,0 +1,99 @@
+"""What the tests of the command line share: calling it as a user does, and a small campaign and its law."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from pipeclamp_identification.cli import main
+
+ROOT = Path(__file__).parents[2]
+ROOMS = [str(ROOT / room) for room in ("models", "fmu_src", "identification")]
+
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+def command(*words: str | Path) -> list[str]:
+    return [sys.executable, "-m", "pipeclamp_identification", *(str(word) for word in words)]
+
+
+def environment() -> dict[str, str]:
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(ROOMS), "PYTHONIOENCODING": "utf-8"}
+
+
+def call(words: Sequence[str | Path], cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command(*words), cwd=cwd, env=environment(), capture_output=True, encoding="utf-8", timeout=300, check=False
+    )
+
+
+@pytest.fixture(scope="session")
+def pipeclamp(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """Give a function that runs a command and holds its exit status; nothing may ever be a traceback."""
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+
+    def run(*words: str | Path, status: int = 0, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+        done = call(words, cwd or elsewhere)
+        assert "Traceback" not in done.stderr, done.stderr
+        assert done.returncode == status, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
+        return done
+
+    return run
+
+
+@pytest.fixture
+def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Give a function that runs a command that can't serve: status 1, one message, nothing on stdout; gives it.
+
+    It calls the program's `main` in this process, which saves a second a call; whatever escapes it is an error.
+    """
+
+    def run(*words: str | Path) -> str:
+        monkeypatch.setattr(sys, "argv", ["pipeclamp", *(str(word) for word in words)])
+        capsys.readouterr()
+        with warnings.catch_warnings(record=True) as warned, pytest.raises(SystemExit) as ended:
+            warnings.simplefilter("always")
+            main()
+        told = capsys.readouterr()
+        assert ended.value.code == 1, told.err
+        assert not warned, warned[0].message
+        message, *further = [line for line in told.err.splitlines() if not line.startswith("warning: ")]
+        assert message.startswith("pipeclamp: ")
+        assert all(line.startswith("  ") for line in further), told.err
+        assert told.out == ""
+        return "\n".join([message, *further])
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def clamp_a() -> Path:
+    return ROOT / "identification" / "pipeclamp_identification" / "data" / "campaigns" / "clamp_a"
+
+
+@pytest.fixture(scope="session")
+def heldout(clamp_a: Path) -> Path:
+    return clamp_a.with_name("clamp_a_heldout")
+
+
+@pytest.fixture(scope="session")
+def law(pipeclamp: Run, clamp_a: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The base law of clamp_a."""
+    path = tmp_path_factory.mktemp("law") / "law.json"
+    pipeclamp("identify", clamp_a, "-o", path, "--reproducible")
+    return path
+
+
+@pytest.fixture(scope="session")
+def small(pipeclamp: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small virtual campaign, 8 runs."""
+    path = tmp_path_factory.mktemp("small") / "virtual"
+    plan = ("--amplitudes", "0.3,0.9", "--frequencies", "1,4", "--temperatures", "20,250", "--rate", "300")
+    pipeclamp("rig", "emwm2", "-o", path, *plan)
+    return path

@@ -1,0 +1,197 @@
+"""Every command end to end, on the bundled campaign: exit status, files, and the fields of CONTRACT.md."""
+
+from __future__ import annotations
+
+import json
+import math
+import zipfile
+from importlib import resources
+
+import numpy as np
+import polars as pl
+import pytest
+
+from pipeclamp.catalogue import entries
+from pipeclamp_identification.campaign import read_campaign
+
+
+def read(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_identify_writes_a_law(law):
+    file = read(law)
+    assert file["schema"] == "pipeclamp-law-1"
+    assert file["base"] == "power"
+    assert file["data"]["runs_used"] == 48
+    assert file["data"]["fingerprint"].startswith("sha256:")
+    assert file["command"].startswith("pipeclamp identify clamp_a -o law.json")
+    assert len(file["fit"]["runs"]) == 48
+    assert 0.02 < file["fit"]["nrmse"] < 0.035, "clamp_a holds more than a base law"
+    assert 0.0045 < file["fit"]["noise_nrmse"] < 0.0052
+    for entry in file["coefficients"].values():
+        assert entry["unit"]
+        assert entry["standard_error"] > 0
+    names = file["covariance"]["names"]
+    diagonal = np.sqrt(np.diag(file["covariance"]["matrix"]))
+    errors = [file["coefficients"][name]["standard_error"] for name in names]
+    np.testing.assert_allclose(diagonal, errors, rtol=1e-6)
+    assert file["range"]["T"]["minimum"] == pytest.approx(293, abs=3)
+
+
+def test_identify_is_reproducible_byte_for_byte(pipeclamp, clamp_a, law, tmp_path):
+    again, dated = tmp_path / "law.json", tmp_path / "dated" / "law.json"
+    pipeclamp("identify", clamp_a, "-o", again, "--reproducible")
+    assert again.read_bytes() == law.read_bytes()
+    dated.parent.mkdir()
+    pipeclamp("identify", clamp_a, "-o", dated)
+    lines, plain = dated.read_text(encoding="utf-8").splitlines(), again.read_text(encoding="utf-8").splitlines()
+    other = [line for line in lines if line not in plain]
+    assert len(lines) == len(plain) + 1
+    # the date, and in the command the option that leaves it out
+    assert any('"date"' in line for line in other)
+    assert all('"date"' in line or '"command"' in line for line in other)
+
+
+def test_compare_has_the_contracts_fields(pipeclamp, law, clamp_a, tmp_path):
+    path = tmp_path / "compare.json"
+    done = pipeclamp("compare", law, clamp_a, "--json", path)
+    answer = read(path)
+    assert set(answer) >= {"nrmse", "noise_nrmse", "runs"}
+    assert len(answer["runs"]) == 48
+    assert answer["nrmse"] == pytest.approx(read(law)["fit"]["nrmse"], rel=1e-9)
+    assert f"{answer['nrmse']:.2%}" in done.stdout
+    assert all(run["nrmse"] > 0 for run in answer["runs"])
+
+
+def test_the_nrmse_is_the_contracts(pipeclamp, small, tmp_path):
+    """sqrt(sum of squared error / sum of squared force) over all samples: runs pool by their squared force."""
+    path = tmp_path / "compare.json"
+    pipeclamp("compare", "emwm2", small, "--json", path)
+    answer = read(path)
+    tests = read_campaign(small)
+    squares = {run.name: float(np.sum(run.record.force_N[run.cycles.steady] ** 2)) for run in tests.runs}
+    pooled = sum(run["nrmse"] ** 2 * squares[run["run"]] for run in answer["runs"]) / sum(squares.values())
+    assert answer["nrmse"] == pytest.approx(math.sqrt(pooled), rel=1e-9)
+    # the truth leaves nothing but the errors of the rig: 3 N of noise, 0.5 % of amplitude, 1 K
+    assert answer["nrmse"] < 1.3 * answer["noise_nrmse"] + 1e-3
+
+
+def test_a_law_with_its_true_effects_foretells_tests_never_seen(pipeclamp, clamp_a, heldout, tmp_path):
+    law, path = tmp_path / "law.json", tmp_path / "compare.json"
+    pipeclamp("identify", clamp_a, "-o", law, "--effects", "damping_temperature,memory:2")
+    pipeclamp("compare", law, heldout, "--json", path)
+    answer = read(path)
+    assert answer["nrmse"] < 1.1 * answer["noise_nrmse"]
+
+
+def test_metrics_has_the_contracts_fields(pipeclamp, clamp_a, tmp_path):
+    path, report = tmp_path / "metrics.json", tmp_path / "metrics.html"
+    done = pipeclamp("metrics", clamp_a, "--json", path, "--report", report)
+    runs = read(path)["runs"]
+    assert len(runs) == 48
+    needed = {
+        "run", "dissipated_energy_J", "max_elastic_energy_J", "loss_factor", "stiffness_N_mm", "amplitude_mm",
+        "frequency_Hz",
+    }  # fmt: skip
+    for run in runs:
+        assert needed <= set(run)
+        eta = run["dissipated_energy_J"] / (2 * math.pi * run["max_elastic_energy_J"])
+        assert run["loss_factor"] == pytest.approx(eta, rel=1e-9)
+    assert "dW / J" in done.stdout
+    assert report.stat().st_size > 1e6
+
+
+def test_add_says_what_the_error_did(pipeclamp, law, clamp_a, tmp_path):
+    path = tmp_path / "law2.json"
+    done = pipeclamp("add", law, "damping_temperature", clamp_a, "-o", path, "--reproducible")
+    before, after = read(law), read(path)
+    assert after["effects"] == ["damping_temperature"]
+    assert after["fit"]["nrmse"] < 0.6 * before["fit"]["nrmse"]
+    assert "error on left-out conditions" in done.stdout
+    assert [step["step"] for step in after["history"]] == ["power", "+ damping_temperature"]
+    assert after["history"][-1]["heldout_nrmse"] < after["history"][0]["heldout_nrmse"]
+
+
+def test_effects_lists_the_whole_catalogue(pipeclamp):
+    text = pipeclamp("effects").stdout
+    for name in entries():
+        assert name in text
+
+
+def test_rig_writes_a_campaign_that_is_read(pipeclamp, small):
+    tests = read_campaign(small, strict=True)
+    assert len(tests.runs) == 8
+    assert tests.notes.startswith("Virtual rig: pipeclamp rig emwm2")
+
+
+@pytest.mark.parametrize("form", ["csv.gz", "parquet"])
+def test_rig_writes_other_formats_and_the_same_numbers(pipeclamp, small, tmp_path, form):
+    path = tmp_path / "virtual"
+    plan = ("--amplitudes", "0.3,0.9", "--frequencies", "1,4", "--temperatures", "20,250", "--rate", "300")
+    pipeclamp("rig", "emwm2", "-o", path, *plan, "--format", form)
+    for one, other in zip(read_campaign(small).runs, read_campaign(path).runs, strict=True):
+        np.testing.assert_array_equal(one.record.force_N, other.record.force_N)
+
+
+def test_rig_adds_effects_that_identify_finds(pipeclamp, tmp_path):
+    truth, path = tmp_path / "virtual", tmp_path / "law.json"
+    pipeclamp("rig", "emwm2", "-o", truth, "--effects", "viscous", "--set", "c1=2.5", "--rate", "250", "--cycles", "4")
+    effects = "damping_temperature,contact_growth,stiffness_frequency,viscous"
+    pipeclamp("identify", truth, "-o", path, "--effects", effects)
+    entry = read(path)["coefficients"]["c1"]
+    assert entry["value"] == pytest.approx(2.5, abs=4 * entry["standard_error"])
+
+
+def test_schema_is_the_files(pipeclamp, law):
+    schema = json.loads(pipeclamp("schema").stdout)
+    file = read(law)
+    assert set(schema["required"]) <= set(file) <= set(schema["properties"])
+
+
+def test_pipe_and_clamp_are_built_and_coupled(pipeclamp, law, tmp_path):
+    examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
+    (tmp_path / "pipe.toml").write_text(examples.joinpath("pipe.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    system = examples.joinpath("system.toml").read_text(encoding="utf-8").replace("stop_s = 8.0", "stop_s = 0.4")
+    system = system.replace('law = "clamp_a.json"', 'fmu = "clamp.fmu"').replace('file = "pipe.toml"', 'fmu = "p.fmu"')
+    (tmp_path / "system.toml").write_text(system, encoding="utf-8")
+    pipeclamp("build-fmu", law, "-o", "clamp.fmu", cwd=tmp_path)
+    pipeclamp("build-pipe", "pipe.toml", "-o", "p.fmu", cwd=tmp_path)
+    for name in ("clamp.fmu", "p.fmu"):
+        assert "modelDescription.xml" in zipfile.ZipFile(tmp_path / name).namelist()
+    done = pipeclamp("cosim", "system.toml", "-o", "result.csv", "--report", "result.html", cwd=tmp_path)
+    result = pl.read_csv(tmp_path / "result.csv", comment_prefix="#")
+    assert len(result) == 101
+    assert all(result[name].is_finite().all() for name in result.columns if result[name].dtype == pl.Float64)
+    assert "result.csv" in done.stdout
+    assert (tmp_path / "result.html").exists()
+
+
+def test_the_demo_tells_the_story(pipeclamp, tmp_path):
+    done = pipeclamp("demo", "story", cwd=tmp_path)
+    opened = [line.split()[-1] for line in done.stdout.splitlines() if line.startswith("  open ")]
+    assert len(opened) >= 5
+    for name in opened:
+        assert (tmp_path / name).stat().st_size > 1e4
+    for words in ("as printed", "rests on one row", "tests never seen", "300 degC"):
+        assert words in done.stdout
+    assert {path.name for path in (tmp_path / "story").glob("*.fmu")} == {"clamp_a.fmu", "pipe.fmu"}
+    # a second run replaces the first
+    assert not [path for path in (tmp_path / "story").iterdir() if path.name.startswith(".")]
+
+
+def test_the_measured_damper_is_read_identified_and_compared(pipeclamp, measured_data, tmp_path):
+    campaign = measured_data / "mr_damper"
+    law, path = tmp_path / "law.json", tmp_path / "compare.json"
+    pipeclamp("metrics", campaign, "--json", tmp_path / "metrics.json")
+    assert len(read(tmp_path / "metrics.json")["runs"]) == 30
+    pipeclamp("identify", campaign, "-o", law)
+    base = read(law)
+    # temperature is not known in any run
+    frozen = {name for name, entry in base["coefficients"].items() if entry["state"] == "frozen"}
+    assert frozen == {"k1_T", "k3_T"}
+    pipeclamp("add", law, "condition:current_A", campaign, "-o", law)
+    pipeclamp("compare", law, campaign, "--json", path)
+    answer = read(path)
+    assert answer["nrmse"] < 0.6 * base["fit"]["nrmse"], "the force follows the current"
+    assert answer["noise_nrmse"] < 0.025

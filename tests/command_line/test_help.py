@@ -1,0 +1,65 @@
+"""Every command explains itself, with an example that it would accept."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+import pytest
+from typer.main import get_command
+
+from pipeclamp_identification.cli import app
+
+COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
+
+
+def test_the_contracts_commands_are_there():
+    named = "metrics identify compare add effects rig build-fmu build-pipe cosim demo"
+    assert set(named.split()) <= set(COMMANDS)
+
+
+def test_help_names_every_command(pipeclamp):
+    text = pipeclamp("--help").stdout
+    for name in COMMANDS:
+        assert re.search(rf"\b{name}\b", text)
+    assert "Example: pipeclamp" in text
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_help_with_an_example(name):
+    command = COMMANDS[name]
+    assert command.help
+    found = re.search(r"Example: pipeclamp (.*)", command.epilog or "")
+    assert found, "no example"
+    words = shlex.split(found[1].partition(" > ")[0])
+    assert words.pop(0) == name
+    # parsed but not run: a name that the example misspells would be refused here
+    assert command.make_context(name, words) is not None
+
+
+@pytest.mark.parametrize("name", ["identify", "build-fmu"])
+def test_help_is_shown(pipeclamp, name):
+    text = pipeclamp(name, "--help").stdout
+    assert f"pipeclamp {name}" in text
+    assert "Example: pipeclamp" in text
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["nonsense"],
+        ["identify"],
+        ["identify", "somewhere"],
+        ["identify", "somewhere", "-o", "law.json", "--base", "cubic"],
+        ["compare", "law.json", "somewhere", "--jason", "x"],
+        ["rig", "emwm2", "-o", "virtual", "--cycles", "many"],
+    ],
+)
+def test_a_wrong_usage_is_status_2(pipeclamp, words):
+    done = pipeclamp(*words, status=2)
+    assert "Usage: pipeclamp" in done.stderr
+
+
+def test_no_command_at_all_shows_the_help(pipeclamp):
+    done = pipeclamp(status=2)
+    assert "identify" in done.stdout + done.stderr

@@ -1,0 +1,308 @@
+"""A user's mistakes: one message on stderr that names the place, status 1, no output file, no traceback."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from conftest import command, environment
+
+
+@pytest.fixture
+def broken(small, tmp_path):
+    """Give a function that copies the small campaign with one of its records replaced."""
+
+    def make(content=None, *, name=None, table=None, description=None):
+        folder = tmp_path / "broken"
+        shutil.copytree(small, folder)
+        first = sorted((folder / "runs").iterdir())[0]
+        if content is not None:
+            target = first if name is None else first.with_name(name)
+            first.unlink()
+            target.write_bytes(content if isinstance(content, bytes) else content.encode())
+            if name is not None:
+                runs = folder / "runs.csv"
+                runs.write_text(runs.read_text(encoding="utf-8").replace(first.name, name), encoding="utf-8")
+        if table is not None:
+            (folder / "runs.csv").write_text(table, encoding="utf-8")
+        if description is not None:
+            (folder / "campaign.toml").write_text(description, encoding="utf-8")
+        return folder, first.stem
+
+    return make
+
+
+def text_of(small: Path) -> str:
+    return sorted((small / "runs").iterdir())[0].read_text(encoding="utf-8")
+
+
+def half_a_gzip(small: Path) -> bytes:
+    whole = gzip.compress(text_of(small).encode())
+    return whole[: len(whole) // 2]
+
+
+def test_a_mistake_is_status_1_with_one_message(pipeclamp, tmp_path):
+    done = pipeclamp("metrics", tmp_path / "nowhere", status=1)
+    assert done.stdout == ""
+    assert done.stderr.startswith("pipeclamp: ")
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_missing_folder(refused, tmp_path):
+    message = refused("identify", tmp_path / "nowhere", "-o", tmp_path / "law.json")
+    assert "nowhere" in message
+    assert "expected" in message
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "time_s"),
+        (b"time_s,displacement_mm\n0,1\n0.01,2\n", "force_N"),
+        (b"time_s,displacement_mm,force_N\n0,1,abc\n0.01,1,2\n", "force_N"),
+        (b"\x00\xff\xfe\x00 not a table \x00\x9c", ""),
+    ],
+    ids=["empty", "column-missing", "text-in-a-number", "binary"],
+)
+def test_a_record_that_is_no_table(refused, broken, tmp_path, content, words):
+    folder, run = broken(content)
+    message = refused("identify", folder, "-o", tmp_path / "law.json")
+    assert run in message
+    assert words in message
+    assert not (tmp_path / "law.json").exists()
+
+
+def test_a_gzip_that_ends_in_its_middle(refused, broken, small, tmp_path):
+    folder, _ = broken(half_a_gzip(small), name="half.csv.gz")
+    message = refused("metrics", folder, "--json", tmp_path / "metrics.json")
+    assert "half.csv.gz" in message
+    assert not (tmp_path / "metrics.json").exists()
+
+
+@pytest.mark.parametrize("bad", ["", "NaN", "inf", "1e300"])
+def test_a_run_with_a_sample_that_is_none_is_left_out_and_named(pipeclamp, refused, broken, small, tmp_path, bad):
+    lines = text_of(small).splitlines()
+    lines[200] = ",".join([*lines[200].split(",")[:2], bad])
+    folder, run = broken("\n".join(lines) + "\n")
+    law = tmp_path / "law.json"
+    done = pipeclamp("identify", folder, "-o", law)
+    assert f"warning: run {run!r} is left out: " in done.stderr
+    assert "row 201" in done.stderr
+    left_out = json.loads(law.read_text(encoding="utf-8"))["data"]["left_out"]
+    assert [entry["run"] for entry in left_out] == [run]
+    law.unlink()
+    assert run in refused("identify", folder, "-o", law, "--strict")
+    assert not law.exists()
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("run,file\n", "run"),
+        ("run\nA\n", "file"),
+        ("run,file,temperature_C\nA,runs/none.csv,20\n", "none.csv"),
+        ("run,file,temperature_C\nA,runs/A0p3_f1_T20.csv,warm\n", "temperature_C"),
+        ("run,file,temperature_C\nA,runs/A0p3_f1_T20.csv,-300\n", "temperature_C"),
+        ("run,file\nA,runs/A0p3_f1_T20.csv\nA,runs/A0p3_f1_T20.csv\n", "A"),
+    ],
+    ids=["no-runs", "column-missing", "record-missing", "text", "below-absolute-zero", "twice"],
+)
+def test_a_wrong_table(refused, broken, tmp_path, table, words):
+    folder, _ = broken(table=table)
+    message = refused("compare", "emwm2", folder, "--json", tmp_path / "compare.json")
+    assert words in message
+    assert not (tmp_path / "compare.json").exists()
+
+
+@pytest.mark.parametrize("description", ["", "name = 3\n", "name = \n", 'name = "x"\nnots = "y"\n'])
+def test_a_wrong_description(refused, broken, tmp_path, description):
+    folder, _ = broken(description=description)
+    assert "campaign.toml" in refused("metrics", folder, "--json", tmp_path / "metrics.json")
+
+
+def changed(law: Path, **entries) -> dict:
+    return {**json.loads(law.read_text(encoding="utf-8")), **entries}
+
+
+def coefficients(law: Path, **entries) -> dict:
+    file = json.loads(law.read_text(encoding="utf-8"))
+    return {**file, "coefficients": {**file["coefficients"], **entries}}
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda law: "", "JSON"),
+        (lambda law: "{", "JSON"),
+        (lambda law: "[1, 2]", "law.json"),
+        (lambda law: "{}", "schema"),
+        (lambda law: json.dumps(changed(law, schema="pipeclamp-law-99")), "schema"),
+        (lambda law: json.dumps(changed(law, base="cubic")), "cubic"),
+        (lambda law: json.dumps(changed(law, effects=["memroy"])), "did you mean memory"),
+        (lambda law: json.dumps(changed(law, effects=["viscous"])), "c1"),
+        (lambda law: json.dumps(coefficients(law, k99={"value": 1, "unit": "N", "state": "given"})), "k99"),
+        (lambda law: json.dumps(coefficients(law, k10={"value": None, "unit": "N/mm", "state": "given"})), "k10"),
+        (lambda law: json.dumps(coefficients(law, k10={"value": 1e400, "unit": "N/mm", "state": "given"})), "k10"),
+        (lambda law: json.dumps(changed(law, smoothing={"v_r": 0.0, "y_r": 1.0})), "v_r"),
+        (lambda law: json.dumps(changed(law, further=1)), "further"),
+        (lambda law: b"\xff\xfe\x00".decode("latin-1"), "law.json"),
+    ],
+)
+@pytest.mark.parametrize("what", ["compare", "build-fmu"])
+def test_a_wrong_law(refused, law, small, tmp_path, make, words, what):
+    path = tmp_path / "law.json"
+    path.write_text(make(law), encoding="utf-8")
+    output = tmp_path / "output"
+    arguments = (path, small, "--json", output) if what == "compare" else (path, "-o", output)
+    assert words in refused(what, *arguments)
+    assert not output.exists()
+
+
+def test_a_law_that_is_not_there(refused, small, tmp_path):
+    assert "expected" in refused("compare", tmp_path / "none.json", small)
+    assert "did you mean emwm2" in refused("compare", "emwm", small)
+
+
+def test_an_effect_that_is_not_known(refused, law, small, tmp_path):
+    for words in (
+        ("identify", small, "-o", tmp_path / "x.json", "--effects", "damping_temprature"),
+        ("add", law, "damping_temprature", small, "-o", tmp_path / "x.json"),
+        ("rig", law, "-o", tmp_path / "virtual", "--effects", "damping_temprature"),
+    ):
+        assert "did you mean damping_temperature" in refused(*words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_effect_that_is_there_already(refused, small, tmp_path):
+    message = refused("add", "emwm2", "contact_growth", small, "-o", tmp_path / "x.json")
+    assert "contact_growth" in message
+    assert "already" in message
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--freeze", "k1_T"), "name=value"),
+        (("--freeze", "k1_T=soft"), "expected numbers"),
+        (("--freeze", "k1_T=nan"), "expected finite numbers"),
+        (("--freeze", "k1T=0"), "did you mean 'k1_T'"),
+        (("--freeze", "k10=1e300"), "beyond all reason"),
+        (("--method", "surfaces", "--effects", "viscous"), "without effects"),
+        (("--effects", "viscous,viscous"), "twice"),
+        (("--effects", "condition:current_A"), "current_A"),
+        (("--effects", "memory:many"), "memory:2"),
+    ],
+)
+def test_options_that_cannot_serve(refused, small, tmp_path, words, expected):
+    assert expected in refused("identify", small, "-o", tmp_path / "x.json", *words)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--amplitudes", "-1"), "amplitude"),
+        (("--amplitudes", "1e300"), "no finite force"),
+        (("--frequencies", "0"), "frequency"),
+        (("--temperatures", "-300"), "-273.15"),
+        (("--cycles", "0.5"), "cycle"),
+        (("--cycles", "1e12"), "samples"),
+        (("--rate", "10"), "samples per cycle"),
+        (("--force-noise", "-1"), "force_noise"),
+        (("--set", "k99=1"), "k99"),
+        (("--effects", "viscous"), "give c1 with --set"),
+    ],
+)
+def test_a_test_plan_that_cannot_be_run(refused, tmp_path, words, expected):
+    assert expected in refused("rig", "emwm2", "-o", tmp_path / "virtual", *words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_campaign_is_never_overwritten(refused, small):
+    before = {path.name: path.read_bytes() for path in small.iterdir() if path.is_file()}
+    assert "exists already" in refused("rig", "emwm2", "-o", small)
+    assert before == {path.name: path.read_bytes() for path in small.iterdir() if path.is_file()}
+
+
+def test_an_output_folder_that_is_missing(refused, law, small, tmp_path):
+    nowhere = tmp_path / "nowhere"
+    for words in (
+        ("identify", small, "-o", nowhere / "law.json"),
+        ("metrics", small, "--json", nowhere / "metrics.json"),
+        ("compare", law, small, "--report", nowhere / "compare.html"),
+        ("build-fmu", law, "-o", nowhere / "clamp.fmu"),
+        ("rig", law, "-o", nowhere / "virtual"),
+    ):
+        assert str(nowhere) in refused(*words)
+    assert not nowhere.exists()
+
+
+@pytest.mark.parametrize("name", ["pipe.toml", "system.toml"])
+def test_a_wrong_description_of_pipe_or_system(refused, tmp_path, name):
+    path = tmp_path / name
+    what, output = ("build-pipe", "p.fmu") if name == "pipe.toml" else ("cosim", "result.csv")
+    for text in ("", "name = \n", "[pipe]\nouter_diametre_mm = 3\n"):
+        path.write_text(text, encoding="utf-8")
+        assert name in refused(what, path, "-o", tmp_path / output)
+    assert not (tmp_path / output).exists()
+    assert "none.toml" in refused(what, tmp_path / "none.toml", "-o", tmp_path / output)
+
+
+def test_reading_a_law_never_executes_anything(refused, law, small, tmp_path):
+    """Code in every text of the file is text: names, effects, arguments, notes, units."""
+    mark = tmp_path / "executed"
+    code = f"__import__('pathlib').Path({str(mark)!r}).touch()"
+    places = [
+        changed(law, base=code),
+        changed(law, effects=[code]),
+        changed(law, effects=[f"condition:{code}"]),
+        changed(law, effects=[f"memory:{code}"]),
+        coefficients(law, **{code: {"value": 1, "unit": code, "state": "given"}}),
+        coefficients(law, k10={"value": code, "unit": "N/mm", "state": "given"}),
+        changed(law, smoothing={"v_r": code, "y_r": 1.0}),
+    ]
+    for number, content in enumerate(places):
+        path = tmp_path / f"{number}.json"
+        path.write_text(json.dumps(content), encoding="utf-8")
+        refused("compare", path, small)
+    assert not mark.exists()
+
+
+def test_text_in_a_law_reaches_the_fmu_as_text(pipeclamp, law, tmp_path):
+    """What may be any text goes into the FMU's source and XML without ending a string or a tag there."""
+    nasty = "\"\"\"'''</name>&<![CDATA[ \\n {{ 1/0 }} #"
+    path = tmp_path / "law.json"
+    path.write_text(json.dumps(changed(law, name="nasty", notes=nasty, command=nasty)), encoding="utf-8")
+    pipeclamp("build-fmu", path, "-o", tmp_path / "clamp.fmu")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills with signals")
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda sent: sent.name)
+@pytest.mark.parametrize("what", ["identify", "rig"])
+def test_killed_in_the_middle_leaves_no_partial_output(clamp_a, tmp_path, sent, what):
+    output = tmp_path / "output"
+    words = {
+        "identify": ("identify", clamp_a, "-o", output, "--effects", "memory:3"),
+        "rig": ("rig", "emwm2", "-o", output, "--cycles", "40", "--rate", "2500"),
+    }[what]
+    with subprocess.Popen(
+        command(*words), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
+    ) as process:
+        time.sleep(1.6)
+        assert process.poll() is None, "it ended before it could be killed"
+        process.send_signal(sent)
+        _, told = process.communicate(timeout=60)
+    assert process.returncode != 0
+    assert not output.exists()
+    if sent == signal.SIGINT:
+        assert list(tmp_path.iterdir()) == []
+        assert "Traceback" not in told
