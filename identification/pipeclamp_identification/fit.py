@@ -17,7 +17,7 @@ from pipeclamp.effect import Parameter
 from pipeclamp.errors import UserError
 from pipeclamp.law import Equations, Law, Structure, compose, smoothing
 from pipeclamp.realise.arrays import Array
-from pipeclamp.response import Response, respond
+from pipeclamp.response import Response, refuse_unknown_conditions, respond
 from pipeclamp_identification.observations import Observations, data_scales
 
 TOLERANCE = 1e-10
@@ -171,6 +171,7 @@ def fit(
         UserError: there are fewer observations than free parameters.
     """
     equations = compose(structure)
+    refuse_unknown_conditions(equations, observations.motion)
     held = structure.held()
     reasons = {name: HELD for name in held if name in equations.names}
     for name, reason in undetermined(equations, observations).items():

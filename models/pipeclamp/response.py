@@ -61,6 +61,21 @@ def sinusoids(
     return Motion(y, -A * omega * np.sin(phase), -(omega**2) * y, {"A": A, "f": f, "T": T}, 1.0 / (f * samples))
 
 
+def refuse_unknown_conditions(equations: Equations, motion: Motion) -> None:
+    """Refuse motions that don't state a condition which the law depends on.
+
+    Raises:
+        UserError: with the column that is missing.
+    """
+    for name in sorted(str(symbol) for symbol in equations.slow_signals):
+        if name not in motion.slow:
+            known = ", ".join(sorted(entry.removeprefix(CONDITION) for entry in motion.slow))
+            raise UserError(
+                f"the law depends on {name.removeprefix(CONDITION)}, which the tests don't state; got {known}; "
+                "expected a column of that name in runs.csv"
+            )
+
+
 @dataclass(frozen=True)
 class Response:
     """Force of a law on motions.
@@ -104,13 +119,7 @@ def respond(
         UserError: a condition that the law depends on isn't stated.
     """
     compiled = realise(equations)
-    for name in compiled.slow:
-        if name not in motion.slow:
-            known = ", ".join(sorted(entry.removeprefix(CONDITION) for entry in motion.slow))
-            raise UserError(
-                f"the law depends on {name.removeprefix(CONDITION)}, which the tests don't state; got {known}; "
-                "expected a column of that name in runs.csv"
-            )
+    refuse_unknown_conditions(equations, motion)
     rows, samples = motion.y.shape
     values = [float(value) for value in parameters]
     slow = [motion.slow[name] for name in compiled.slow]

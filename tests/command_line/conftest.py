@@ -47,6 +47,18 @@ def pipeclamp(tmp_path_factory: pytest.TempPathFactory) -> Run:
     return run
 
 
+@pytest.fixture(scope="session")
+def started() -> Callable[..., subprocess.Popen[str]]:
+    """Give a function that starts a command and gives its process."""
+
+    def start(*words: str | Path) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            command(*words), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
+        )
+
+    return start
+
+
 @pytest.fixture
 def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
     """Give a function that runs a command that can't serve: status 1, one message, nothing on stdout; gives it.

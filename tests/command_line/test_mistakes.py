@@ -7,13 +7,10 @@ import json
 import os
 import shutil
 import signal
-import subprocess
 import time
 from pathlib import Path
 
 import pytest
-
-from conftest import command, environment
 
 
 @pytest.fixture
@@ -288,15 +285,13 @@ def test_text_in_a_law_reaches_the_fmu_as_text(pipeclamp, law, tmp_path):
 @pytest.mark.skipif(os.name != "posix", reason="kills with signals")
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda sent: sent.name)
 @pytest.mark.parametrize("what", ["identify", "rig"])
-def test_killed_in_the_middle_leaves_no_partial_output(clamp_a, tmp_path, sent, what):
+def test_killed_in_the_middle_leaves_no_partial_output(started, clamp_a, tmp_path, sent, what):
     output = tmp_path / "output"
     words = {
         "identify": ("identify", clamp_a, "-o", output, "--effects", "memory:3"),
         "rig": ("rig", "emwm2", "-o", output, "--cycles", "40", "--rate", "2500"),
     }[what]
-    with subprocess.Popen(
-        command(*words), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
-    ) as process:
+    with started(*words) as process:
         time.sleep(1.6)
         assert process.poll() is None, "it ended before it could be killed"
         process.send_signal(sent)
