@@ -171,7 +171,7 @@ def fit(
         UserError: there are fewer observations than free parameters.
     """
     equations = compose(structure)
-    refuse_unknown_conditions(equations, observations.motion)
+    refuse_unknown_conditions(sorted(map(str, equations.slow_signals)), observations.motion)
     held = structure.held()
     reasons = {name: HELD for name in held if name in equations.names}
     for name, reason in undetermined(equations, observations).items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,13 +61,17 @@ def sinusoids(
     return Motion(y, -A * omega * np.sin(phase), -(omega**2) * y, {"A": A, "f": f, "T": T}, 1.0 / (f * samples))
 
 
-def refuse_unknown_conditions(equations: Equations, motion: Motion) -> None:
+def refuse_unknown_conditions(slow: Iterable[str], motion: Motion) -> None:
     """Refuse motions that don't state a condition which the law depends on.
+
+    Args:
+        slow: names of the slow signals that the law depends on.
+        motion: the motions.
 
     Raises:
         UserError: with the column that is missing.
     """
-    for name in sorted(str(symbol) for symbol in equations.slow_signals):
+    for name in slow:
         if name not in motion.slow:
             known = ", ".join(sorted(entry.removeprefix(CONDITION) for entry in motion.slow))
             raise UserError(
@@ -119,7 +123,7 @@ def respond(
         UserError: a condition that the law depends on isn't stated.
     """
     compiled = realise(equations)
-    refuse_unknown_conditions(equations, motion)
+    refuse_unknown_conditions(compiled.slow, motion)
     rows, samples = motion.y.shape
     values = [float(value) for value in parameters]
     slow = [motion.slow[name] for name in compiled.slow]
