@@ -22,8 +22,10 @@ from pipeclamp_identification.observations import Observations, data_scales
 
 TOLERANCE = 1e-10
 HELD = "held by the law's structure"
-VARIES = 1.02
-"""A condition counts as varied when its largest value exceeds its smallest by this factor."""
+VARIES = {"A": 0.05}
+VARIES_OTHERWISE = 0.02
+"""A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
+by a few percent."""
 LEVELS_APART = 0.04
 """Values of a condition further apart than this share of its range are different levels."""
 BEYOND_REASON = 1e100
@@ -131,18 +133,24 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
             values = observations.motion.slow.get(str(signal))
             if values is None or not np.all(np.isfinite(values)):
                 reasons[parameter.name] = f"{signal} isn't known in every run"
-            elif (count := _levels(values)) < parameter.levels:
+            elif (count := _levels(str(signal), values)) < parameter.levels:
                 reasons[parameter.name] = (
                     f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
                 )
     return reasons
 
 
-def _levels(values: Array) -> int:
-    """Count the levels of a condition: clusters of values; one where it hardly varies."""
-    ordered = np.sort(values, axis=None)
-    if ordered[-1] - ordered[0] <= (VARIES - 1) * np.max(np.abs(ordered)):
+def varies(signal: str, values: Array) -> bool:
+    """Tell whether a condition varies by more than tests scatter that were meant to be alike."""
+    share = VARIES.get(signal, VARIES_OTHERWISE)
+    return bool(np.ptp(values) > share * np.max(np.abs(values)))
+
+
+def _levels(signal: str, values: Array) -> int:
+    """Count the levels of a condition: clusters of values; one where it doesn't vary."""
+    if not varies(signal, values):
         return 1
+    ordered = np.sort(values, axis=None)
     return 1 + int(np.count_nonzero(np.diff(ordered) > LEVELS_APART * (ordered[-1] - ordered[0])))
 
 

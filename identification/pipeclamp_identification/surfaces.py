@@ -17,6 +17,7 @@ from pipeclamp import symbols
 from pipeclamp.effect import Parameter
 from pipeclamp.law import Structure, compose
 from pipeclamp.realise.arrays import Array
+from pipeclamp_identification.fit import varies
 from pipeclamp_identification.loops import Loops, on_grid
 from pipeclamp_identification.observations import loop_motion
 
@@ -111,7 +112,9 @@ def _surface(
         parameter.name: np.log(slow[str(parameter.follows[0])][:, 0] / _reference(parameter.follows[0]))
         for parameter in exponents
     }
-    varied = [parameter for parameter in exponents if np.ptp(ratios[parameter.name]) > np.log(1.02)]
+    varied = [
+        parameter for parameter in exponents if varies(str(parameter.follows[0]), slow[str(parameter.follows[0])])
+    ]
     values = {parameter.name: 0.0 for parameter in exponents}
     positive: npt.NDArray[np.bool_] = coefficient > 0
     if np.count_nonzero(positive) <= max(len(varied), len(coefficient) // 2):
