@@ -162,7 +162,7 @@ def _errors(file: LawFile, on_unseen: Comparison) -> str:
 def _law_sections(
     file: LawFile, tests: Campaign, additions: list[Addition], on_unseen: list[Comparison]
 ) -> list[Section]:
-    steps = ["base law", *(f"+ {addition.effect}" for addition in additions)]
+    steps = ["base law", *(addition.effect for addition in additions)]
     falling = waterfall_picture(
         [(step, comparison.nrmse) for step, comparison in zip(steps, on_unseen, strict=True)],
         on_unseen[-1].noise_nrmse,

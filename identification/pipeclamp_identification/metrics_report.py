@@ -64,7 +64,7 @@ def _study_section(study: Study, loops: Loops, metrics: Metrics) -> Section:
         [
             overlay_picture(loops_to_draw(loops, study), f"Loops against {axis}"),
             curves_picture(
-                axis, "energy / J", [*measured, *(beside_them if published else [])], f"Energy {study.title}"
+                axis, "energy / J", [*measured, *(beside_them if published else [])], f"Energy against {axis}"
             ),
         ],
     )

@@ -15,6 +15,7 @@ from pipeclamp_identification.report import MEASURED, MODEL, SERIES, styled
 
 PANELS_PER_ROW = 4
 PANEL_HEIGHT = 250
+LEAST_PANEL_WIDTH = 230
 BESIDE = "published "
 
 
@@ -64,7 +65,7 @@ def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
         figure.update_xaxes(title_text="y / mm", row=rows, col=column)
     for row in range(1, rows + 1):
         figure.update_yaxes(title_text="F / N", row=row, col=1)
-    figure = styled(figure, title, height=90 + PANEL_HEIGHT * rows)
+    figure = styled(figure, title, height=90 + PANEL_HEIGHT * rows, least_width=LEAST_PANEL_WIDTH * columns)
     return figure.update_layout(legend={"y": -70 / (PANEL_HEIGHT * rows)}, margin={"t": 80, "b": 80})
 
 
@@ -181,7 +182,8 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
         )  # fmt: skip
         figure.update_xaxes(title_text="f / Hz", type="category", row=1, col=column + 1)
     figure.update_yaxes(title_text="A / mm", type="category", row=1, col=1)
-    figure = styled(figure, title, height=120 + 60 * len(amplitudes))
+    cells_across = len(temperatures) * len(frequencies)
+    figure = styled(figure, title, height=120 + 60 * len(amplitudes), least_width=160 + 45 * cells_across)
     scale = {"colorscale": "YlOrRd", "cmin": 0.0, "cmax": top, "colorbar": {"title": {"text": conditions.label}}}
     return figure.update_layout(coloraxis=scale, margin={"t": 80})
 
@@ -204,7 +206,8 @@ def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, l
     )  # fmt: skip
     if floor is not None:
         figure.add_hline(
-            y=100 * floor, line={"color": MODEL, "dash": "dash"}, annotation_text=f"scatter {100 * floor:.2g} %"
-        )
+            y=100 * floor, line={"color": MODEL, "dash": "dash"},
+            annotation={"text": f"scatter<br>{100 * floor:.2g} %", "x": 1.0, "xanchor": "left", "yanchor": "middle"},
+        )  # fmt: skip
     figure.update_yaxes(title_text=f"{label} / %", rangemode="tozero")
-    return styled(figure, title).update_layout(showlegend=False)
+    return styled(figure, title).update_layout(showlegend=False, margin={"r": 70})

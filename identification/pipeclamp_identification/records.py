@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 NEEDED: tuple[RecordColumn, ...] = ("time_s", "displacement_mm", "force_N")
 OPTIONAL: tuple[RecordColumn, ...] = ("temperature_C",)
 LARGEST = 1e12
-"""No test lasts longer (s), moves further (mm) or pushes harder (N); a time may be counted from 1970 in milliseconds."""
+"""No test lasts longer (s), moves further (mm) or pushes harder (N); a time may count milliseconds from 1970."""
 
 
 @dataclass(frozen=True)

@@ -45,9 +45,10 @@ def cell(value: str | float | None) -> str:
     return value if isinstance(value, str) else f"{value:.4g}"
 
 
-def styled(figure: go.Figure, title: str, height: int = 420) -> go.Figure:
-    """Give the figure in the house's look, with its title."""
+def styled(figure: go.Figure, title: str, height: int = 420, least_width: int = 0) -> go.Figure:
+    """Give the figure in the house's look, with its title; in a narrower window than `least_width` px it scrolls."""
     figure.update_layout(
+        meta=least_width,
         title={"text": title, "font": {"size": 15}, "x": 0.01, "xanchor": "left"},
         font={"family": FONT, "size": 12, "color": INK},
         colorway=SERIES,
@@ -81,8 +82,11 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
     environment.filters["cell"] = cell
     drawn = [
         [
-            figure.to_html(full_html=False, include_plotlyjs=False, div_id=f"figure-{row}-{column}",
-                           config={"responsive": True, "displayModeBar": False})
+            (
+                figure.to_html(full_html=False, include_plotlyjs=False, div_id=f"figure-{row}-{column}",
+                               config={"responsive": True, "displayModeBar": False}),
+                figure.layout.meta or 0,
+            )
             for column, figure in enumerate(section.figures)
         ]
         for row, section in enumerate(sections)
