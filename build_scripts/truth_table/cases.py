@@ -1,0 +1,277 @@
+"""The cases of the truth table: which there are, and how one is drawn, sized and measured."""
+
+from __future__ import annotations
+
+import itertools
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from hidden import EFFECTS, Kind, draw_shape, effect_id
+from rig import DESIGNS, HELD_OUT, Batch, Quality, batches, campaign_of, measured, recorded
+from truth import Array, BaseLaw, Part, force
+from unlisted import UNLISTED
+
+from pipeclamp.law import Structure
+from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.identify import fit_structure
+from pipeclamp_identification.loops import loops_of, per_cycle
+from pipeclamp_identification.misfit import misfits
+from pipeclamp_identification.observations import loop_observations
+
+KINDS: Mapping[str, Kind] = {**EFFECTS, **UNLISTED}
+STRENGTHS = {"weak": (0.3, 0.6), "middle": (0.6, 1.5), "strong": (1.5, 5.0)}
+FORMS = ("clean", "rough")
+NOISES = {"low": (0.0015, 0.004), "high": (0.006, 0.015)}
+NONE_REPEATS = 12
+PAIRS = (
+    ("memory", "damping_temperature"), ("memory", "contact_growth"), ("end_stop", "inertia"), ("gap", "viscous"),
+    ("asymmetry", "contact_growth"), ("directional_damping", "stiffness_frequency"), ("hardening", "delay"),
+    ("relaxation", "damping_temperature"), ("coulomb", "loosening"), ("density", "memory"),
+    ("condition", "contact_growth"), ("offset", "quadratic_damping"), ("loosening", "damping_temperature"),
+    ("inertia", "asymmetry"), ("density", "damping_temperature"), ("end_stop", "viscous"),
+)  # fmt: skip
+"""Two effects at once; none of them imitates the other."""
+SCATTER = (0.002, 0.004)
+"""Run-to-run scatter of stiffness and damping in rough cases."""
+COLOURED = 0.3
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row of the experiment.
+
+    Attributes:
+        kind: "effect", "none", "two" or "unlisted".
+        hidden: kinds of physics in the truth.
+        form: "clean" or "rough".
+        strength: a key of STRENGTHS, "" where nothing is hidden.
+        noise: a key of NOISES.
+        design: a key of DESIGNS.
+        repeat: number of the draw.
+    """
+
+    kind: str
+    hidden: tuple[str, ...]
+    form: str
+    strength: str
+    noise: str
+    design: str
+    repeat: int = 0
+
+    @property
+    def name(self) -> str:
+        """Its unique name."""
+        what = "+".join(self.hidden) or "nothing"
+        return "/".join((self.kind, what, self.form, self.strength or "-", self.noise, self.design, str(self.repeat)))
+
+    @property
+    def truth(self) -> frozenset[str]:
+        """The ids that a diagnosis should name."""
+        return frozenset(effect_id(kind) for kind in self.hidden if kind in EFFECTS)
+
+
+def all_cases() -> list[Case]:
+    """Give every case, in a fixed order."""
+    cases: list[Case] = []
+    for form in FORMS:
+        for number, (hidden, strength, design) in enumerate(itertools.product(EFFECTS, STRENGTHS, DESIGNS)):
+            noise = ("low", "high")[(number + number // 2 + number // 6) % 2]
+            cases.append(Case("effect", (hidden,), form, strength, noise, design))
+        for number, (noise, design) in itertools.product(range(NONE_REPEATS), itertools.product(NOISES, DESIGNS)):
+            cases.append(Case("none", (), form, "", noise, design, number))
+        for number, (pair, design) in enumerate(itertools.product(PAIRS, DESIGNS)):
+            strength = ("middle", "strong")[(number + number // 2) % 2]
+            cases.append(Case("two", pair, form, strength, ("low", "high")[number // 2 % 2], design))
+        for number, (hidden, strength, design) in enumerate(itertools.product(UNLISTED, STRENGTHS, DESIGNS)):
+            noise = ("low", "high")[(number + number // 2 + number // 6) % 2]
+            cases.append(Case("unlisted", (hidden,), form, strength, noise, design))
+    return cases
+
+
+def chosen(cases: Sequence[Case], share: float, seed: int) -> list[Case]:
+    """Give a share of the cases, spread evenly over kinds, forms and effects; the same seed gives the same ones."""
+    families: dict[tuple[str, ...], list[Case]] = {}
+    for case in cases:
+        families.setdefault((case.kind, case.form, *case.hidden), []).append(case)
+    random = np.random.default_rng(seed)
+    kept: set[str] = set()
+    for family in families.values():
+        expected = share * len(family)
+        count = int(expected) + int(random.uniform() < expected % 1.0)
+        kept.update(family[place].name for place in random.permutation(len(family))[:count])
+    return [case for case in cases if case.name in kept]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A case, drawn: the truth and the rig.
+
+    Attributes:
+        base: the base law.
+        shapes: of each hidden kind.
+        runs, heldout: motion of the campaign and of the conditions left out.
+        needs: what varies besides A, f, T.
+        noise_share: rms of the noise as a share of the rms force.
+        target: wanted strength of each hidden kind.
+        noise_seed: of the sensors.
+    """
+
+    case: Case
+    base: BaseLaw
+    shapes: tuple[Mapping[str, float], ...]
+    runs: tuple[Batch, ...]
+    heldout: tuple[Batch, ...]
+    needs: frozenset[str]
+    noise_share: float
+    target: tuple[float, ...]
+    noise_seed: int
+
+    def parts(self, batch: Batch, sizes: Sequence[float]) -> tuple[Part, ...]:
+        """Give what is hidden, at these sizes."""
+        rough = self.case.form == "rough"
+        return tuple(
+            KINDS[kind].part(batch.motion, self.base, rough, size, shape)
+            for kind, size, shape in zip(self.case.hidden, sizes, self.shapes, strict=True)
+            if size != 0.0
+        )
+
+    def forces(self, runs: Sequence[Batch], sizes: Sequence[float], scattered: bool) -> list[Array]:
+        """Give the true force of each batch, (R, n)."""
+        scatter = SCATTER if scattered and self.case.form == "rough" else (0.0, 0.0)
+        return [force(self.base, batch.motion, self.parts(batch, sizes), scatter) for batch in runs]
+
+    @cached_property
+    def force_rms(self) -> float:
+        """Rms force of the base law over all samples of the campaign, N."""
+        nothing = (0.0,) * len(self.case.hidden)
+        forces = self.forces(self.runs, nothing, False)
+        shown = [recorded(batch, f)[2] for batch, f in zip(self.runs, forces, strict=True)]
+        return float(np.sqrt(sum(np.sum(f**2) for f in shown) / sum(f.size for f in shown)))
+
+
+def draw(case: Case, seed: int) -> Drawn:
+    """Draw the truth and the rig of a case."""
+    random = np.random.default_rng([seed, zlib.crc32(case.name.encode())])
+    design = DESIGNS[case.design]
+    base = BaseLaw(
+        k10=random.uniform(800, 2500), k1_A=random.uniform(-0.4, 0.0), k1_T=random.uniform(-0.2, 0.1),
+        k30=random.uniform(100, 1000), k3_A=random.uniform(-1.0, 0.0), k3_T=random.uniform(-0.2, 0.1),
+        c0=random.uniform(30, 200), c_A=random.uniform(-0.2, 0.3), c_f=random.uniform(-0.5, -0.1),
+        alpha0=random.uniform(0.25, 0.8), alpha_A=random.uniform(-0.1, 0.3), alpha_f=random.uniform(-0.05, 0.05),
+    )  # fmt: skip
+    needs = {KINDS[kind].needs for kind in case.hidden} - {""}
+    if case.kind in ("none", "unlisted"):
+        needs |= {need for need in ("density", "condition", "cycles") if random.uniform() < 0.25}
+    fixed = frozenset(needs)
+    shapes = tuple(draw_shape(random, design.amplitudes, design.temperatures) for _ in case.hidden)
+    low, high = STRENGTHS.get(case.strength, (1.0, 1.0))
+    target = tuple(float(np.exp(random.uniform(np.log(low), np.log(high)))) for _ in case.hidden)
+    share = float(np.exp(random.uniform(*np.log(NOISES[case.noise]))))
+    return Drawn(
+        case, base, shapes, tuple(batches(design, random, fixed)),
+        tuple(batches(HELD_OUT[case.design], random, fixed)), fixed, share, target, int(random.integers(2**31)),
+    )  # fmt: skip
+
+
+def unimitated_rms(drawn: Drawn, sizes: Sequence[float], effects: tuple[str, ...] = ()) -> float:
+    """Give the rms of the noise-free force that the base law (with effects) can't imitate, N, over all samples.
+
+    It is counted in the harmonics that the loops keep: sample by sample, the steps of friction at reversals would
+    count where a phase is off by part of a sample only. What no harmonic shows (hum, subharmonics, drift within a
+    record) counts sample by sample.
+    """
+    forces = drawn.forces(drawn.runs, sizes, False)
+    channels = [recorded(batch, f) for batch, f in zip(drawn.runs, forces, strict=True)]
+    campaign = campaign_of("noise-free", drawn.runs, channels, drawn.needs)
+    loops = loops_of(campaign)
+    structure = Structure("power", effects)
+    if set(drawn.case.hidden) & NOT_LOCKED:
+        runs = misfits(fit_structure(structure, loops).law, campaign, loops)
+        return float(np.sqrt(sum(run.squared_error for run in runs) / sum(len(run.measured) for run in runs)))
+    loops = per_cycle(loops) if "loosening" in effects else loops
+    observations = loop_observations(loops)
+    squares = observations.mean_squares(fit_structure(structure, loops, observations).response)
+    return float(np.sqrt(np.average(squares, weights=loops.samples)))
+
+
+WITHIN = 0.07
+"""A strength this near to the wanted one, as a share, is good enough."""
+MOST_STEPS = 8
+NOT_LOCKED = frozenset({"mains_hum", "subharmonic", "impact"})
+"""Kinds that the harmonics of the loops don't show, or not in full."""
+
+
+def sized(drawn: Drawn) -> tuple[tuple[float, ...], tuple[float, ...], float]:
+    """Find sizes at which what the base law can't imitate has the wanted strength.
+
+    Returns:
+        sizes; strengths reached; rms of the noise in N, less than drawn where an effect can't be large enough.
+    """
+    noise = drawn.noise_share * drawn.force_rms
+    sizes: list[float] = []
+    left: list[float] = []
+    for place, kind in enumerate(drawn.case.hidden):
+        size, most = KINDS[kind].start, KINDS[kind].most
+        wanted = drawn.target[place] * noise
+        for _ in range(MOST_STEPS):
+            trial = [0.0] * len(drawn.case.hidden)
+            trial[place] = size
+            rms = unimitated_rms(drawn, trial)
+            if abs(rms / wanted - 1) < WITHIN or (size >= most and rms < wanted):
+                break
+            size = min(size * float(np.clip(wanted / max(rms, 1e-9), 0.1, 10.0)), most)
+        sizes.append(size)
+        left.append(rms)
+    noise = min([noise, *(rms / target for rms, target in zip(left, drawn.target, strict=True))])
+    return tuple(sizes), tuple(rms / noise for rms in left), noise
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A case, measured.
+
+    Attributes:
+        campaign, heldout: what a user gets, and the same clamp at other conditions.
+        heldout_floor: error on `heldout`, as a share of its force, of the truth itself: noise and scatter between runs.
+        sizes, strengths: of what is hidden.
+        noise_share: rms noise as a share of the rms force.
+    """
+
+    campaign: Campaign
+    heldout: Campaign
+    heldout_floor: float
+    sizes: tuple[float, ...]
+    strengths: tuple[float, ...]
+    noise_share: float
+
+
+def measure(drawn: Drawn) -> Measured:
+    """Size what is hidden and measure the campaigns."""
+    sizes, strengths, noise = sized(drawn)
+    random = np.random.default_rng(drawn.noise_seed)
+    quality = Quality(
+        noise=noise,
+        coloured=COLOURED if drawn.case.form == "rough" else 0.0,
+        displacement_noise=1e-4,
+        force_step=noise / 3,
+        displacement_step=1e-5,
+    )
+    campaigns = []
+    for name, runs in (("campaign", drawn.runs), ("heldout", drawn.heldout)):
+        channels = []
+        for batch, true in zip(runs, drawn.forces(runs, sizes, True), strict=True):
+            time, y, f = recorded(batch, true)
+            channels.append((time, *measured(time, y, f, quality, random)))
+        campaigns.append((campaign_of(f"{drawn.case.name} {name}", runs, channels, drawn.needs), channels))
+    error = total = 0.0
+    for batch, true, (_, _, shown) in zip(
+        drawn.heldout, drawn.forces(drawn.heldout, sizes, False), campaigns[1][1], strict=True
+    ):
+        error += float(np.sum((shown - recorded(batch, true)[2]) ** 2))
+        total += float(np.sum(shown**2))
+    return Measured(
+        campaigns[0][0], campaigns[1][0], float(np.sqrt(error / total)), sizes, strengths, noise / drawn.force_rms
+    )

@@ -1,0 +1,250 @@
+"""What can be hidden in a truth: every effect of EFFECTS.md in the catalogue's form (clean) and in another (rough).
+
+Each function takes the motion, the base law, the form, the size and the drawn shape, and gives the effect's Part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from truth import T0, Array, BaseLaw, Motion, Part, first_order, jenkins, late, maxwell
+
+Shape = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of hidden physics.
+
+    Attributes:
+        part: gives what it does.
+        start: a small size to begin the search for its strength with.
+        most: largest reasonable size.
+        needs: "" or what the campaign must vary for it: "density", "condition", "cycles".
+    """
+
+    part: Callable[[Motion, BaseLaw, bool, float, Shape], Part]
+    start: float = 0.01
+    most: float = 0.5
+    needs: str = ""
+
+
+def typical(base: BaseLaw) -> float:
+    """Give a typical force in N, by which sizes are stated."""
+    return base.k10 * 0.8
+
+
+def softly(x: Array, width: float | Array) -> Array:
+    """Give (x)+ with a rounded corner of this width."""
+    return np.logaddexp(0.0, x / width) * width
+
+
+def memory(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Elastic-slip elements; rough: slip spread over 14 elements."""
+    if rough:
+        limits = shape["limit"] * np.geomspace(0.35, 2.2, 14)
+    elif shape["several"] > 0.5:
+        limits = shape["limit"] * np.array([0.5, 1.6])
+    else:
+        limits = shape["limit"] * np.ones(1)
+    elements = motion.remember(("memory", rough), lambda: jenkins(motion, limits))
+    return Part(force=size * base.k10 * elements)
+
+
+def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Dry friction; rough: Stribeck, smoothed."""
+    F_c = size * typical(base)
+    if not rough:
+        return Part(force=F_c * np.sign(motion.v))
+    level = 1 + 0.25 * np.exp(-np.abs(motion.v) / (2 * shape["speed"]))
+    return Part(force=F_c * level * np.tanh(motion.v / (0.1 * shape["speed"])))
+
+
+def viscous(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Viscous damping; rough: a power near one."""
+    speed = motion.v / 20.0
+    power = 0.93 + 0.14 * shape["any"] if rough else 1.0
+    return Part(force=size * typical(base) * np.copysign(np.abs(speed) ** power, speed))
+
+
+def quadratic_damping(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Air pumped through the mesh; rough: another power."""
+    speed = motion.v / 20.0
+    power = 1.85 + 0.35 * shape["any"] if rough else 2.0
+    return Part(force=size * typical(base) * np.copysign(np.abs(speed) ** power, speed))
+
+
+def directional_damping(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Damping that differs with direction; rough: a smooth change."""
+    side = np.tanh(motion.v / shape["speed"]) if rough else np.sign(motion.v)
+    return Part(damping=1 + size * side)
+
+
+def asymmetry(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Halves pressed unequally; rough: levels off to a bilinear law."""
+    size = size * np.copysign(1.0, shape["sign"])
+    if rough:
+        return Part(force=size * base.k10 * motion.y * np.tanh(motion.y / 1.2) * 1.2)
+    return Part(force=size * base.k10 * motion.y**2)
+
+
+def hardening(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Fifth power; rough: another power."""
+    power = 4.5 + 1.2 * shape["any"] if rough else 5.0
+    return Part(force=size * base.k10 * np.copysign(np.abs(motion.y) ** power, motion.y))
+
+
+def end_stop(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stop; rough: soft."""
+    beyond = np.abs(motion.y) - shape["stop"]
+    pressed = softly(beyond, 0.02) if rough else np.maximum(beyond, 0.0)
+    return Part(force=size * base.k10 * np.sign(motion.y) * pressed)
+
+
+def gap(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Clearance before the elastic path engages; rough: rounded."""
+    if rough:
+        return Part(x=motion.y - size * np.tanh(motion.y / (0.8 * size)))
+    return Part(x=np.sign(motion.y) * np.maximum(np.abs(motion.y) - size, 0.0))
+
+
+def relaxation(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Maxwell arm; rough: two of them."""
+    taus = (shape["tau"] / 1.7, shape["tau"] * 1.7) if rough else (shape["tau"],)
+    arms = [motion.remember(("maxwell", tau), lambda tau=tau: maxwell(motion, tau)) for tau in taus]
+    return Part(force=size * base.k10 * np.mean(arms, axis=0))
+
+
+def damping_temperature(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Damping over temperature; rough: falls by a smooth step, or into a valley."""
+    t = (motion.T - T0) / 100
+    size = size * np.copysign(1.0, shape["sign"])
+    if not rough:
+        return Part(damping=np.exp(size * (t - 0.35 * shape["any"] * t**2)))
+    if shape["several"] > 0.5:
+        return Part(damping=1 + size * (1 + np.tanh((motion.T - 420) / 60)))
+    return Part(damping=1 - size * np.exp(-(((motion.T - 440) / 80) ** 2)))
+
+
+def contact_growth(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stiffness that rises above a temperature; rough: smoothly."""
+    above = motion.T - shape["contact"]
+    grown = softly(above, 20.0) if rough else np.maximum(above, 0.0)
+    return Part(stiffness=1 + size * grown / 100)
+
+
+def stiffness_frequency(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stiffness over frequency; rough: straight rather than a power."""
+    size = size * np.copysign(1.0, shape["sign"])
+    if rough:
+        return Part(stiffness=1 + size * (np.log1p(motion.f) - np.log(2.0)) * np.ones_like(motion.A))
+    return Part(stiffness=motion.f**size * np.ones_like(motion.A))
+
+
+def loosening(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stiffness that drifts with load cycles; rough: with their logarithm."""
+    size = size * np.copysign(1.0, shape["sign"] - 0.4)
+    seen = motion.cycles_seen / shape["cycles"]
+    return Part(stiffness=1 + size * (np.log1p(3 * seen) / np.log(4.0) if rough else -np.expm1(-seen)))
+
+
+def density(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stiffness and damping follow the density; rough: a straight line and a square."""
+    ratio = motion.rho / 2.286
+    if rough:
+        return Part(stiffness=1 + size * 2.4 * (ratio - 1), damping=1 + size * shape["ratio"] * (ratio**2 - 1))
+    return Part(stiffness=ratio ** (2 * size), damping=ratio ** (2 * size * shape["ratio"]))
+
+
+def condition(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stiffness and damping follow a further column; rough: levelling off."""
+    u = motion.u / 10.0
+    if rough:
+        level = u / (u + 1.0)
+        return Part(stiffness=1 + size * level, damping=1 + size * shape["ratio"] * level)
+    return Part(stiffness=np.exp(size * (u - 0.2 * shape["any"] * u**2)), damping=np.exp(size * shape["ratio"] * u))
+
+
+def offset(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Constant force; rough: with a scatter of its own from run to run."""
+    F_o = size * typical(base) * np.copysign(1.0, shape["sign"])
+    level = F_o * (1 + (0.05 * motion.random[:, 2:3] if rough else 0.0))
+    return Part(channel=lambda _, force: force + level)
+
+
+def inertia(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Moving mass; rough: on a fixture that gives a little, so that fast tones see more of it."""
+    mass = size * base.k10 / (2 * np.pi * 5.0) ** 2
+    if not rough:
+        return Part(channel=lambda _, force: force + mass * motion.a)
+    acceleration = np.zeros_like(motion.a)
+    for order, tone in motion.tones:
+        w = 2 * np.pi * order * motion.f
+        rotation = np.exp(1j * w * motion.time)
+        acceleration -= np.real(tone[:, None] * rotation) * w**2 / (1 - (order * motion.f / 40.0) ** 2)
+    return Part(channel=lambda _, force: force + mass * acceleration)
+
+
+def delay(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Force channel late; rough: by a delay and a first-order lag."""
+    tau = size * 0.01
+    if rough:
+        return Part(channel=lambda m, force: first_order(m, late(m, force, 0.7 * tau), 0.3 * tau))
+    return Part(channel=lambda m, force: late(m, force, tau))
+
+
+EFFECTS: dict[str, Kind] = {
+    "memory": Kind(memory, most=0.8),
+    "coulomb": Kind(coulomb, most=0.3),
+    "viscous": Kind(viscous, most=0.3),
+    "quadratic_damping": Kind(quadratic_damping, most=0.3),
+    "directional_damping": Kind(directional_damping, most=0.6),
+    "asymmetry": Kind(asymmetry),
+    "hardening": Kind(hardening),
+    "end_stop": Kind(end_stop, most=3.0),
+    "gap": Kind(gap, most=0.12),
+    "relaxation": Kind(relaxation, most=0.8),
+    "damping_temperature": Kind(damping_temperature, start=0.05),
+    "contact_growth": Kind(contact_growth),
+    "stiffness_frequency": Kind(stiffness_frequency, most=0.3),
+    "loosening": Kind(loosening, most=0.4, needs="cycles"),
+    "density": Kind(density, most=1.5, needs="density"),
+    "condition": Kind(condition, needs="condition"),
+    "offset": Kind(offset, most=0.2),
+    "inertia": Kind(inertia),
+    "delay": Kind(delay, most=1.0),
+}
+COLUMN = "bolt_torque_Nm"
+"""The further column of runs.csv where the condition is studied."""
+
+
+def effect_id(kind: str) -> str:
+    """Give the id that a diagnosis names this kind by."""
+    return f"condition:{COLUMN}" if kind == "condition" else kind
+
+
+def draw_shape(random: np.random.Generator, amplitudes: tuple[float, ...], T: tuple[float, ...]) -> dict[str, float]:
+    """Draw what an effect has besides its size.
+
+    Args:
+        random: generator.
+        amplitudes: of the design, mm.
+        T: temperatures of the design, degC.
+    """
+    largest = max(amplitudes)
+    return {
+        "limit": largest * random.uniform(0.08, 0.3),
+        "several": random.uniform(),
+        "speed": random.uniform(0.5, 2.0),
+        "any": random.uniform(),
+        "sign": random.uniform(-1.0, 1.0),
+        "stop": largest * random.uniform(0.55, 0.85),
+        "tau": float(np.exp(random.uniform(np.log(0.02), np.log(0.2)))),
+        "contact": 273.15 + random.uniform(T[1] + 10.0, T[2] + 0.5 * (T[3] - T[2])),
+        "cycles": random.uniform(40.0, 250.0),
+        "ratio": random.uniform(0.4, 1.6),
+        "place": random.uniform(0.3, 0.7),
+        "delay": random.uniform(0.0, 2 * np.pi),
+    }

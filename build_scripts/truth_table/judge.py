@@ -1,0 +1,165 @@
+"""Put one case to the package, as a user would: identify, diagnose, add, again and again; and say how it did."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass
+
+from cases import Case, Measured, draw, measure
+
+from pipeclamp.parameter_file import LawFile, law_of
+from pipeclamp_identification.add import add_effect
+from pipeclamp_identification.auto import MOST_EFFECTS, named
+from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.diagnosis_report import Answer, answer_for
+from pipeclamp_identification.identify import identify, law_file
+from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.misfit import misfits, overall_nrmse
+
+COMMAND = "truth table"
+
+
+@dataclass(frozen=True)
+class Step:
+    """One diagnosis: its verdict, what it named, and the error on held-out conditions before it, over the floor."""
+
+    verdict: str
+    effects: tuple[str, ...]
+    heldout_over_floor: float
+    lack: float
+    candidates: tuple[tuple[str, float, float, str], ...]
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a case came out.
+
+    Attributes:
+        name, kind, form, strength, noise, design: of the case.
+        truth: ids that are hidden.
+        strengths: what the base law can't imitate, over the noise.
+        noise_share: noise over force.
+        steps: every diagnosis, in order.
+        counted: the first diagnosis, in a word: see `counted`.
+        added: what was added until settled.
+        seconds: what it took.
+        error: the message, where the package failed.
+    """
+
+    name: str
+    kind: str
+    form: str
+    strength: str
+    noise: str
+    design: str
+    truth: tuple[str, ...]
+    strengths: tuple[float, ...]
+    noise_share: float
+    steps: tuple[Step, ...]
+    counted: str
+    added: tuple[str, ...]
+    seconds: float
+    error: str = ""
+
+
+def judged(case: Case, seed: int) -> Outcome:
+    """Run one case."""
+    begin = time.perf_counter()
+    data = measure(draw(case, seed))
+    steps: list[Step] = []
+    added: list[str] = []
+    error = ""
+    try:
+        follow(data, steps, added)
+    except Exception as fault:  # a case that fails is a finding, and mustn't end the others
+        error = f"{type(fault).__name__}: {fault}"
+    return Outcome(
+        case.name, case.kind, case.form, case.strength, case.noise, case.design, tuple(sorted(case.truth)),
+        tuple(round(one, 3) for one in data.strengths), data.noise_share, tuple(steps),
+        "failed" if error else counted(case, steps, added), tuple(added), round(time.perf_counter() - begin, 1), error,
+    )  # fmt: skip
+
+
+def follow(data: Measured, steps: list[Step], added: list[str]) -> None:
+    """Diagnose and add as `pipeclamp diagnose --auto` does, and note every step."""
+    campaign = data.campaign
+    file = law_file(identify(campaign), campaign, name="base", command=COMMAND, date=None)
+    while True:
+        answer = answer_for(file, campaign)
+        steps.append(noted(answer, file, data))
+        if answer.verdict != "missing" or len(added) == MOST_EFFECTS:
+            return
+        effect = named(answer)
+        addition = add_effect(file, effect, campaign, command=COMMAND, date=None)
+        if addition.heldout[1] >= addition.heldout[0]:
+            return
+        added.append(effect)
+        file = addition.after
+
+
+def noted(answer: Answer, file: LawFile, data: Measured) -> Step:
+    """Note a diagnosis."""
+    diagnosis = answer.diagnosis
+    candidates = tuple(
+        ("+".join(one.effects), round(one.squares, 1), round(one.lack.share, 4), "; ".join(one.objections))
+        for one in diagnosis.candidates[:6]
+    )
+    return Step(
+        answer.verdict, tuple(diagnosis.effects) if answer.verdict in ("missing", "ambiguous") else (),
+        round(heldout_over_floor(file, data.heldout, data.heldout_floor), 4), round(diagnosis.law.lack.share, 4),
+        candidates, tuple(diagnosis.reasons),
+    )  # fmt: skip
+
+
+def heldout_over_floor(file: LawFile, heldout: Campaign, floor: float) -> float:
+    """Give the law's error on other conditions over that of the truth itself."""
+    return overall_nrmse(misfits(law_of(file), heldout, loops_of(heldout))) / floor
+
+
+def plain(name: str) -> str:
+    """Give an effect's id: without the number of memory elements."""
+    return name if name.startswith("condition:") else name.partition(":")[0]
+
+
+def counted(case: Case, steps: list[Step], added: list[str]) -> str:
+    """Say how a case came out, in a word.
+
+    "right", "ambiguous3" (truth among at most three), "ambiguous" (among more), "ambiguous_wrong", "wrong" (another
+    effect, with confidence), "unknown", "complete" (missed), and, where nothing is hidden, "right" or "false_alarm".
+    Of two effects: "right" when both were added and nothing else; "wrong" when something else was added;
+    "ambiguous3" when it ends with the second among at most three; "one" when it ends otherwise.
+    """
+    first = steps[0]
+    if case.kind == "none":
+        return "right" if first.verdict == "complete" else "false_alarm"
+    if case.kind == "unlisted":
+        return {"unknown": "right", "missing": "wrong", "complete": "complete"}.get(first.verdict, "ambiguous_wrong")
+    if case.kind == "two":
+        return _two(case, steps[-1], {plain(name) for name in added})
+    if first.verdict == "missing":
+        return "right" if set(first.effects) <= case.truth else "wrong"
+    if first.verdict == "ambiguous":
+        return _ambiguous(first, case.truth)
+    return first.verdict
+
+
+def _ambiguous(step: Step, truth: frozenset[str]) -> str:
+    if not truth & set(step.effects):
+        return "ambiguous_wrong"
+    return "ambiguous3" if len(step.effects) <= 3 else "ambiguous"
+
+
+def _two(case: Case, last: Step, found: set[str]) -> str:
+    if found - case.truth:
+        return "wrong"
+    if found == case.truth:
+        return "right"
+    if last.verdict == "ambiguous":
+        return _ambiguous(last, case.truth - found)
+    return "one" if found else last.verdict
+
+
+def as_row(outcome: Outcome) -> dict[str, object]:
+    """Give an outcome as JSON's types."""
+    return asdict(outcome)

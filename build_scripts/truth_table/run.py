@@ -1,0 +1,78 @@
+"""Make the truth table: `python build_scripts/truth_table/run.py [--share N] [--seed S] [--cases WORD] -o FOLDER`.
+
+Every case is a virtual campaign of a truth that this folder integrates by itself, put to the package as a user would.
+Finished cases are kept in FOLDER/cases-<seed>.jsonl; a run that was ended goes on from there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "POLARS_MAX_THREADS"):
+    os.environ.setdefault(threads, "1")  # the cases are what runs in parallel
+
+from cases import Case, all_cases, chosen  # noqa: E402
+from judge import as_row, judged  # noqa: E402
+from table import Row, markdown, reached  # noqa: E402
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--share", type=float, default=1.0, help="share of the cases, spread evenly (1: all)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of everything that is drawn")
+    parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name contains one of these")
+    parser.add_argument("--jobs", type=int, default=2, help="processes")
+    parser.add_argument("--verbose", action="store_true", help="print every diagnosis with its evidence")
+    parser.add_argument("-o", "--output", type=Path, default=None, help="folder for the table; else print only")
+    given = parser.parse_args()
+    cases = chosen(all_cases(), given.share, given.seed)
+    if given.cases:
+        cases = [case for case in cases if any(word in case.name for word in given.cases)]
+    if not cases:
+        sys.exit(f"--cases {' '.join(given.cases)}: no case has such a name; names look like {all_cases()[0].name}")
+    journal = given.output / f"cases-{given.seed}.jsonl" if given.output else None
+    rows = run(cases, given.seed, given.jobs, journal, given.verbose)
+    command = f"python build_scripts/truth_table/run.py --share {given.share:g} --seed {given.seed}"
+    command += f" --cases {' '.join(given.cases)}" if given.cases else ""
+    text = markdown(rows, command)
+    if given.output:
+        (given.output / "truth_table.md").write_text(text, encoding="utf-8")
+        content = {"command": command, "targets": reached(rows), "cases": rows}
+        (given.output / "truth_table.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
+    print(text)
+
+
+def run(cases: list[Case], seed: int, jobs: int, journal: Path | None, verbose: bool) -> list[Row]:
+    """Run the cases that the journal doesn't hold yet; give all rows in the cases' order."""
+    done: dict[str, Row] = {}
+    if journal:
+        journal.parent.mkdir(parents=True, exist_ok=True)
+        if journal.exists():
+            lines = journal.read_text(encoding="utf-8").splitlines()
+            done = {row["name"]: row for row in map(json.loads, lines)}
+    left = [case for case in cases if case.name not in done]
+    begin = time.perf_counter()
+    with ProcessPoolExecutor(max_workers=jobs) as pool:
+        waiting = {pool.submit(judged, case, seed): case for case in left}
+        for number, future in enumerate(as_completed(waiting), 1):
+            row: Row = json.loads(json.dumps(as_row(future.result())))
+            done[row["name"]] = row
+            if journal:
+                with journal.open("a", encoding="utf-8") as stream:
+                    stream.write(json.dumps(row) + "\n")
+            rest = (time.perf_counter() - begin) / number * (len(left) - number)
+            print(f"{number}/{len(left)} {row['name']}: {row['counted']} ({rest / 60:.0f} min left)", flush=True)
+            if verbose:
+                print(json.dumps(row, indent=1), flush=True)
+    return [done[case.name] for case in cases]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,210 @@
+"""The truth of virtual campaigns: motion, base law and time stepping, written from EFFECTS.md alone.
+
+Nothing here may share code with the package that is put to the test: other formulas, other steps, plain NumPy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+SUBSTEPS = 8
+"""Steps of the truth between two samples."""
+LEAD_CYCLES = 2
+"""Cycles before the record, in which friction forgets the state of rest."""
+T0 = 293.15
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the rig does to a batch of R runs of one frequency, in n fine steps.
+
+    Attributes:
+        time: s, (n,), zero at the first sample of the record, negative in the lead.
+        y, v, a: displacement, velocity, acceleration in mm, s, (R, n).
+        tones: order and complex amplitude (R,) in mm of each tone: y = sum Re(tone exp(i order w t)).
+        A, T, rho, u, first_cycle: amplitude mm, temperature K, density g/cm3, further condition, cycles seen, (R, 1).
+        f: Hz.
+        random: (R, 4) standard normal numbers, for what differs from run to run.
+        memory: results that don't depend on the effect's size.
+    """
+
+    time: Array
+    y: Array
+    v: Array
+    a: Array
+    tones: tuple[tuple[int, npt.NDArray[np.complex128]], ...]
+    A: Array
+    T: Array
+    rho: Array
+    u: Array
+    first_cycle: Array
+    f: float
+    random: Array
+    memory: dict[Hashable, Array] = field(default_factory=dict)
+
+    @property
+    def step(self) -> float:
+        """Fine step in s."""
+        return float(self.time[1] - self.time[0])
+
+    @property
+    def cycles_seen(self) -> Array:
+        """Load cycles that the specimen has seen, (R, n)."""
+        return self.first_cycle + self.f * np.maximum(self.time, 0.0)
+
+    def remember(self, key: Hashable, compute: Callable[[], Array]) -> Array:
+        """Give what was computed before under this key, or compute it."""
+        if key not in self.memory:
+            self.memory[key] = compute()
+        return self.memory[key]
+
+
+def drive(
+    tones: Mapping[int, npt.NDArray[np.complex128]], f: float, rate: float, samples: int
+) -> tuple[Array, Array, Array, Array]:
+    """Give time (n,), and y, v, a (R, n) of a drive of several tones, on the fine steps of the truth.
+
+    Args:
+        tones: complex amplitude (R,) in mm by order.
+        f: fundamental in Hz.
+        rate: samples per second.
+        samples: in the record.
+    """
+    lead = round(LEAD_CYCLES * rate / f) * SUBSTEPS
+    time = (np.arange(lead + samples * SUBSTEPS) - lead) / (rate * SUBSTEPS)
+    rotation = np.exp(2j * np.pi * f * time)
+    channels = []
+    for derivative in range(3):
+        total = sum(
+            tone[:, None] * (2j * np.pi * order * f) ** derivative * rotation**order for order, tone in tones.items()
+        )
+        channels.append(np.real(total))
+    return time, channels[0], channels[1], channels[2]
+
+
+@dataclass(frozen=True)
+class BaseLaw:
+    """Coefficients of the base law of EFFECTS.md."""
+
+    k10: float
+    k1_A: float
+    k1_T: float
+    k30: float
+    k3_A: float
+    k3_T: float
+    c0: float
+    c_A: float
+    c_f: float
+    alpha0: float
+    alpha_A: float
+    alpha_f: float
+
+    def k1(self, motion: Motion) -> Array:
+        """Linear stiffness, N/mm, (R, 1)."""
+        return self.k10 * motion.A**self.k1_A * (motion.T / T0) ** self.k1_T
+
+    def k3(self, motion: Motion) -> Array:
+        """Cubic stiffness, N/mm3, (R, 1)."""
+        return self.k30 * motion.A**self.k3_A * (motion.T / T0) ** self.k3_T
+
+    def elastic(self, motion: Motion, x: Array) -> Array:
+        """Elastic force, N."""
+        return x * (self.k1(motion) + self.k3(motion) * x**2)
+
+    def damping(self, motion: Motion) -> Array:
+        """Damping force, N."""
+        c = self.c0 * motion.A**self.c_A * motion.f**self.c_f
+        alpha = self.alpha0 * motion.A**self.alpha_A * motion.f**self.alpha_f
+        return c * np.copysign(np.abs(motion.v) ** alpha, motion.v)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one hidden effect does: factors on the base law's parts, and what it adds.
+
+    Attributes:
+        stiffness, damping: factors on the elastic and the damping force, broadcast to (R, n).
+        x: what stands for y in the elastic force, or None.
+        force: added to the clamp's force, N.
+        channel: what the force channel makes of the force, or None: a function of (motion, force).
+    """
+
+    stiffness: Array | float = 1.0
+    damping: Array | float = 1.0
+    x: Array | None = None
+    force: Array | float = 0.0
+    channel: Callable[[Motion, Array], Array] | None = None
+
+
+def force(base: BaseLaw, motion: Motion, parts: tuple[Part, ...], scatter: tuple[float, float] = (0.0, 0.0)) -> Array:
+    """Integrate the force of a batch of runs, on the fine steps.
+
+    Args:
+        base: the base law.
+        motion: the batch.
+        parts: what is hidden in the truth.
+        scatter: standard deviation from run to run of stiffness and of damping, as shares.
+
+    Returns:
+        (R, n) in N, what an ideal force sensor shows.
+    """
+    x = next((part.x for part in parts if part.x is not None), motion.y)
+    stiffness: Array = 1.0 + scatter[0] * motion.random[:, :1]
+    damping: Array = 1.0 + scatter[1] * motion.random[:, 1:2]
+    for part in parts:
+        stiffness = stiffness * part.stiffness
+        damping = damping * part.damping
+    total = stiffness * base.elastic(motion, x) + damping * base.damping(motion)
+    for part in parts:
+        total = total + part.force
+    for part in parts:
+        if part.channel is not None:
+            total = part.channel(motion, total)
+    return total
+
+
+def jenkins(motion: Motion, limits: Array) -> Array:
+    """Mean of elastic-slip elements of unit stiffness with these elastic limits, mm, (R, n): clipped step by step."""
+    start = np.zeros((len(motion.y), len(limits)))
+    moves = np.diff(motion.y, axis=1, prepend=motion.y[:, :1]).T[:, :, None]
+    result = np.empty_like(motion.y.T)
+    z = start
+    for step, move in enumerate(moves):
+        z = np.minimum(np.maximum(z + move, -limits), limits)
+        result[step] = z.mean(axis=1)
+    return result.T
+
+
+def maxwell(motion: Motion, tau: float) -> Array:
+    """Maxwell arm of unit stiffness, mm, (R, n): dq/dt = v - q/tau by the implicit midpoint rule."""
+    share = motion.step / (2 * tau)
+    v = motion.v.T
+    mean = (v[1:] + v[:-1]) / 2 * motion.step
+    result = np.zeros_like(v)
+    q = np.zeros(len(motion.y))
+    for step in range(len(mean)):
+        q = (q * (1 - share) + mean[step]) / (1 + share)
+        result[step + 1] = q
+    return result.T
+
+
+def late(motion: Motion, force: Array, tau: float) -> Array:
+    """The force of tau ago, (R, n), linear between the fine steps."""
+    return np.stack([np.interp(motion.time - tau, motion.time, row) for row in force])
+
+
+def first_order(motion: Motion, force: Array, tau: float) -> Array:
+    """The force behind a first-order lag, (R, n): exact for steps held over half a fine step each."""
+    decay = np.exp(-motion.step / tau)
+    result = np.empty_like(force.T)
+    shown = force[:, 0]
+    for step, value in enumerate(force.T):
+        shown = value + (shown - value) * decay
+        result[step] = shown
+    return result.T
