@@ -209,7 +209,7 @@ def diagnose(
             file, answer = settled.file, settled.answer
             for addition in settled.additions:
                 console.print(
-                    f"+ {addition.effect}: error on left-out conditions {addition.heldout[0]:.2%} -> "
+                    f"{addition.effect}: error on left-out conditions {addition.heldout[0]:.2%} -> "
                     f"{addition.heldout[1]:.2%}",
                     highlight=False,
                 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -11,23 +11,12 @@ import numpy as np
 from pipeclamp.catalogue import entries, find_effect
 from pipeclamp.errors import UserError
 from pipeclamp.law import Structure
-from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.add import with_effect
-from pipeclamp_identification.evidence import (
-    LackOfFit,
-    LeftOutScore,
-    Whitened,
-    drifts,
-    lack_of_fit,
-    left_out_score,
-    whitened,
-)
-from pipeclamp_identification.fit import Fit, Progress, cost_after_one_step, fit, starting_points
-from pipeclamp_identification.heldout import condition_groups
+from pipeclamp_identification.evidence import LackOfFit
+from pipeclamp_identification.fit import Progress, cost_after_one_step, starting_points
 from pipeclamp_identification.identify import fit_structure
-from pipeclamp_identification.loops import Loops, per_cycle
-from pipeclamp_identification.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
-from pipeclamp_identification.observations import Rows, loop_observations
+from pipeclamp_identification.loops import Loops
+from pipeclamp_identification.problem import Judged, Problem, judge, prepare, sharpened
 
 Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
 
@@ -49,58 +38,10 @@ WORTH_FITTING = 0.1
 """A candidate passes the screen when one step promises this share of what the best promises."""
 PAIRED = 3
 """Best candidates that are tried together with a second effect, where one alone doesn't explain."""
-CLOSELY = 1e-7
-"""Tolerance of a candidate's fit."""
+FEWEST_RUNS = 4
+SHARPER = 0.8
+"""The evidence is weighed again when the scatter between runs falls below this share of what it was."""
 MEMORY_SIZES = ("memory", "memory:2", "memory:3")
-
-
-@dataclass(frozen=True)
-class Problem:
-    """The data of a diagnosis, prepared once.
-
-    Attributes:
-        loops: one row a run.
-        observations: whitened by the noise model.
-        noise: the noise model.
-        smooth: smooth functions of the conditions, (R, q).
-        groups: (amplitude, frequency) group of each row.
-        samples: number of samples in all records.
-    """
-
-    loops: Loops
-    observations: WhitenedObservations
-    noise: NoiseModel
-    smooth: Array
-    groups: Rows
-    samples: float
-
-
-@dataclass(frozen=True)
-class Judged:
-    """A law, refitted jointly, with its evidence.
-
-    Attributes:
-        effects: what was added to the law as it is.
-        result: the fit.
-        residual: whitened residuals.
-        score: how it foretells groups that were left out.
-        lack: what it leaves over.
-        heldout_nrmse: error on left-out groups as a share of the force, scatter included.
-        objections: why it can't be named, in words; empty where nothing speaks against it.
-    """
-
-    effects: tuple[str, ...]
-    result: Fit
-    residual: Whitened
-    score: LeftOutScore
-    lack: LackOfFit
-    heldout_nrmse: float
-    objections: tuple[str, ...]
-
-    @property
-    def squares(self) -> float:
-        """Sum of squared whitened residuals on left-out groups."""
-        return float(self.score.squares.sum())
 
 
 @dataclass(frozen=True)
@@ -148,108 +89,45 @@ def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = 
         UserError: the data can't serve the law, or there are too few runs to tell.
     """
     tell = progress or (lambda _: None)
-    if len(loops.run) < 4:
-        raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least 4")
+    if len(loops.run) < FEWEST_RUNS:
+        raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least {FEWEST_RUNS}")
     tell("law as it is")
-    problem, law = _prepared(structure, loops)
+    problem, law = prepare(structure, loops)
     limit = max(MATERIAL, FORM * _bare_lack(structure, problem))
     if _adequate(law.lack, limit):
         reasons = (_scatter_words(law.lack, problem),)
         return Diagnosis("complete", (), law, (), {}, None, problem, limit, reasons)
     candidates, screened_out = _candidates(structure, problem, law, tell)
     if candidates and not candidates[0].objections:
-        # With the best candidate in, less physics hides in the residuals: the noise is estimated once more.
-        again = noise_model(problem.loops, _plain(problem, candidates[0].result))
-        if (
-            again.stiffness_scatter < problem.noise.stiffness_scatter
-            or again.damping_scatter < problem.noise.damping_scatter
-        ):
-            problem = _with_noise(problem, again)
+        sharper = sharpened(problem, candidates[0].result)
+        if sharper.noise.scatter() < SHARPER * problem.noise.scatter():
             tell("evidence against the sharper noise")
-            law = _judged((), fit(structure, problem.observations, start=law.result.law.values), problem)
-            candidates = sorted((_refit(judged, problem) for judged in candidates), key=lambda judged: judged.squares)
+            problem = sharper
+            law = _again(law, problem)
+            candidates = _ranked(_again(judged, problem) for judged in candidates)
     return _verdict(structure, problem, law, candidates, screened_out, limit, tell)
 
 
-def _prepared(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
-    """Fit the law as it is, estimate the noise, and fit it again in its units."""
-    loops = per_cycle(loops) if drifts(loops) else loops
-    observations = loop_observations(loops)
-    first = fit_structure(structure, loops, observations)
-    noise = noise_model(loops, observations.plain_residual(first.response))
-    problem = Problem(
-        loops,
-        WhitenedObservations(observations, noise.whitener()),
-        noise,
-        smooth_basis(loops),
-        condition_groups(loops.amplitude_mm, loops.frequency_Hz),
-        float(loops.samples.sum()),
-    )
-    return problem, _judged((), fit(structure, problem.observations, start=first.law.values), problem)
+def _again(judged: Judged, problem: Problem) -> Judged:
+    """Refit a law to the problem as it is weighted now."""
+    law = judged.result.law
+    return judge(judged.effects, law.structure, law.values, problem)
 
 
-def _with_noise(problem: Problem, noise: NoiseModel) -> Problem:
-    observations = WhitenedObservations(problem.observations.loops, noise.whitener())
-    return Problem(problem.loops, observations, noise, problem.smooth, problem.groups, problem.samples)
-
-
-def _plain(problem: Problem, result: Fit) -> Array:
-    return problem.observations.loops.plain_residual(result.response)
+def _ranked(judged: Iterable[Judged]) -> list[Judged]:
+    return sorted(judged, key=lambda candidate: candidate.squares)
 
 
 def _bare_lack(structure: Structure, problem: Problem) -> float:
     """Give what the bare base law leaves over, as a share of the force noise; zero where the law is bare."""
     if not structure.effects:
         return 0.0
-    bare = Structure(structure.base, (), structure.frozen, structure.declared)
-    result = fit_structure(bare, problem.loops, problem.observations.loops)
-    again = fit(bare, problem.observations, start=result.law.values)
-    return lack_of_fit(whitened(again, problem.observations), problem.smooth, problem.samples).share
+    bare = replace(structure, effects=())
+    return judge((), bare, fit_structure(bare, problem.loops, problem.harmonics).law.values, problem).lack.share
 
 
 def _adequate(lack: LackOfFit, limit: float) -> bool:
     return lack.p_value > SIGNIFICANT or lack.share < limit
-
-
-def _judged(effects: tuple[str, ...], result: Fit, problem: Problem) -> Judged:
-    """Gather the evidence of a fitted law."""
-    residual = whitened(result, problem.observations)
-    score = left_out_score(result, problem.observations, residual, problem.groups)
-    loops = problem.loops
-    error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
-    return Judged(
-        effects,
-        result,
-        residual,
-        score,
-        lack_of_fit(residual, problem.smooth, problem.samples),
-        float(np.sqrt(error)),
-        _objections(effects, result),
-    )
-
-
-def _refit(judged: Judged, problem: Problem) -> Judged:
-    structure, values = judged.result.law.structure, judged.result.law.values
-    result = fit(structure, problem.observations, start=values, tolerance=CLOSELY)
-    return _judged(judged.effects, result, problem)
-
-
-def _objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
-    """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing."""
-    objections: list[str] = []
-    errors = result.standard_errors()
-    added = {effect.name: effect for effect in result.equations.effects}
-    for name in effects:
-        effect = added[name]
-        objections += [
-            f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})"
-            for parameter in effect.parameters
-            if parameter.name in result.at_bound
-        ]
-        sizes = [parameter.name for parameter in effect.parameters if parameter.name in errors]
-        if not sizes:
-            objections.append(f"the data determines no parameter of {name}")
-    return tuple(objections)
 
 
 def candidate_names(structure: Structure, loops: Loops) -> list[str]:
@@ -280,7 +158,7 @@ def _candidates(
 ) -> tuple[list[Judged], dict[str, float]]:
     """Screen every effect by one step, fit those that promise something; best first, and what was screened out."""
     promises: dict[str, tuple[float, dict[str, float]]] = {}
-    own = law.result.cost
+    own = _cost(law, problem)
     for name in candidate_names(structure, problem.loops):
         tell(f"screen {name}")
         promise = _promise(structure, name, problem, law, own)
@@ -292,16 +170,19 @@ def _candidates(
     judged = []
     for name in chosen:
         tell(f"fit {name}")
-        result = fit(with_effect(structure, name), problem.observations, start=promises[name][1], tolerance=CLOSELY)
-        judged.append(_judged((name,), result, problem))
+        judged.append(judge((name,), with_effect(structure, name), promises[name][1], problem))
     left = {name: promises[name][0] / top if top > 0 else 0.0 for name in ranked if name not in chosen}
-    return sorted(judged, key=lambda candidate: candidate.squares), left
+    return _ranked(judged), left
+
+
+def _cost(judged: Judged, problem: Problem) -> float:
+    return float(np.sum(problem.observations.residual(judged.result.response) ** 2)) / 2
 
 
 def _promise(
     structure: Structure, name: str, problem: Problem, law: Judged, own: float
 ) -> tuple[float, dict[str, float]] | None:
-    """Give what one step from the best of an effect's starts promises, and the start; None where it can't be fitted."""
+    """Give what one step promises, from the best of an effect's starts, and that start; None if it can't be fitted."""
     try:
         larger = with_effect(structure, name)
         points = starting_points(larger, problem.observations, law.result.law.values)
@@ -383,14 +264,14 @@ def _best_pair(
         for name in sorted(promises, key=lambda name: -promises[name][0])[:PAIRED]:
             seen.add(frozenset((_id(first.effects[0]), _id(name))))
             tell(f"fit {first.effects[0]} and {name}")
-            result = fit(with_effect(larger, name), problem.observations, start=promises[name][1], tolerance=CLOSELY)
-            pairs.append(_judged((first.effects[0], name), result, problem))
+            both_effects = (first.effects[0], name)
+            pairs.append(judge(both_effects, with_effect(larger, name), promises[name][1], problem))
     usable = [pair for pair in pairs if not pair.objections]
     return min(usable, key=lambda pair: pair.squares, default=None)
 
 
 def _distinct(judged: Sequence[Judged]) -> list[Judged]:
-    """Give the best of each id: numbers of memory elements aren't rivals of one another."""
+    """Give the best of each id: numbers of memory elements don't rival one another."""
     best: dict[str, Judged] = {}
     for candidate in judged:
         best.setdefault(_id(candidate.effects[0]), candidate)
@@ -414,12 +295,6 @@ def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, limit: floa
         if difference.sum() <= error or wins[place] >= CLOSE:
             rivals.append(candidate)
     return rivals
-
-
-def imitation(one: Judged, other: Judged) -> float:
-    """Give the correlation of what two candidates add, beyond what the law itself can follow."""
-    first, second = (judged.residual.residual.ravel() for judged in (one, other))
-    return float(first @ second / np.sqrt((first @ first) * (second @ second)))
 
 
 def _scatter_words(lack: LackOfFit, problem: Problem) -> str:

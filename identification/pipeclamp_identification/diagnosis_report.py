@@ -10,13 +10,14 @@ import numpy as np
 from pipeclamp.parameter_file import LawFile, law_of, structure_of
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.compare import Comparison, comparison_sections
-from pipeclamp_identification.diagnose import Diagnosis, Judged, diagnose
+from pipeclamp_identification.diagnose import Diagnosis, diagnose
 from pipeclamp_identification.fit import Progress
 from pipeclamp_identification.leftover import Leftover, describe
 from pipeclamp_identification.loops import loops_of
 from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.next_test import Limits, Proposal, next_test
 from pipeclamp_identification.pictures import LoopPanel, curves_picture, loops_picture, waterfall_picture
+from pipeclamp_identification.problem import Judged
 from pipeclamp_identification.report import Section, Table
 
 HEADLINES = {

@@ -101,8 +101,8 @@ def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whit
         r = fitted.residual[own].ravel()
         rest = normal - J.T @ J
         # A direction that this group alone determines can't be foretold without it.
-        step = np.linalg.pinv(rest, rcond=1e-10, hermitian=True) @ (J.T @ r)
-        squares.append(float(np.sum((r + J @ step) ** 2)))
+        step = np.linalg.pinv(np.nan_to_num(rest), rcond=1e-10, hermitian=True) @ np.nan_to_num(J.T @ r)
+        squares.append(float(np.nan_to_num(np.sum((r + J @ step) ** 2), nan=np.inf)))
         error = np.where(observations.loops.seen[own], plain[own] + plain_slopes[own] @ step, 0.0)
         mean_squares[own] = error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2
     return LeftOutScore(np.array(squares), mean_squares)

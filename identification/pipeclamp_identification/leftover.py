@@ -8,9 +8,9 @@ import numpy as np
 
 from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.diagnose import Judged, Problem
 from pipeclamp_identification.loops import on_grid
 from pipeclamp_identification.misfit import RunMisfit
+from pipeclamp_identification.problem import Judged, Problem
 
 POINTS = 360
 STRONGEST = 3
@@ -46,8 +46,8 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
         campaign: the tests, for what isn't periodic in the records.
         misfits: the law's error on each sample.
     """
-    residual = problem.observations.loops.plain_residual(judged.result.response)
-    residual = np.where(problem.observations.loops.seen, residual, 0.0)
+    residual = problem.harmonics.plain_residual(judged.result.response)
+    residual = np.where(problem.harmonics.seen, residual, 0.0)
     loop = _along_cycle(residual)
     shape = np.sqrt(np.mean(loop**2, axis=0))
     phase = 360.0 * np.arange(POINTS) / POINTS

@@ -12,8 +12,9 @@ import numpy as np
 from pipeclamp.errors import UserError
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response, respond
-from pipeclamp_identification.diagnose import Diagnosis, Judged
+from pipeclamp_identification.diagnose import Diagnosis
 from pipeclamp_identification.observations import SAMPLES, harmonics_of
+from pipeclamp_identification.problem import Judged
 
 CELSIUS = 273.15
 HARMONICS = 12

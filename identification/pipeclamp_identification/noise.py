@@ -51,6 +51,9 @@ def cycle_variance(loops: Loops) -> Array:
     level = np.array([np.mean(row[np.isfinite(row)]) if np.isfinite(row).any() else np.nan for row in high])
     level = np.where(np.isfinite(level), level, np.nanmean(single, axis=1))
     ratio = single / level[:, None]
+    # A run that is quieter than most doesn't count for more: what a law misses doesn't ask how quiet the sensor was.
+    per_sample = level * loops.samples / cycles
+    level = level * np.maximum(1.0, np.mean(per_sample) / per_sample)
     frequency = np.arange(count) * loops.frequency_Hz[:, None]
     octave = np.where(np.arange(count) > 0, np.floor(np.log2(np.maximum(frequency, 1e-9))), -np.inf)
     shape = np.ones_like(ratio)
@@ -104,6 +107,10 @@ class NoiseModel:
     damping: Array
     stiffness_scatter: float
     damping_scatter: float
+
+    def scatter(self) -> float:
+        """Give the scatter between runs in one number."""
+        return self.stiffness_scatter + self.damping_scatter
 
     def whitener(self) -> Array:
         """Give the matrices that make each run's residuals independent with variance one, shape (R, m, m)."""

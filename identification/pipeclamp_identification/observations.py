@@ -251,4 +251,9 @@ def data_scales(observations: Observations) -> Mapping[sp.Symbol, float]:
         symbols.T_lowest: float(np.min(T)),
         symbols.T_highest: float(np.max(T)),
         **{symbol: float(value) for symbol, value in symbols.REFERENCES.items()},
+        **{
+            sp.Symbol(f"{name}_size", positive=True): max(float(np.max(np.abs(values))), 1e-12)
+            for name, values in slow.items()
+            if name.startswith("u_") and np.all(np.isfinite(values))
+        },
     }

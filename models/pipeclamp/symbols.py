@@ -85,6 +85,11 @@ def condition_symbol(column: str) -> sp.Symbol:
     return sp.Symbol(CONDITION + re.sub(r"\W", "_", column), real=True)
 
 
+def condition_size(column: str) -> sp.Symbol:
+    """Give the data's scale of a further column: its largest absolute value."""
+    return sp.Symbol(f"{condition_symbol(column)}_size", positive=True)
+
+
 def signed_power(velocity: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     """|v/v0|^alpha sgn v, smooth at v = 0 within the velocity v_r.
 

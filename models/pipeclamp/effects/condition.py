@@ -5,7 +5,10 @@ import re
 import sympy as sp
 
 from pipeclamp.effect import Effect, Family, Parameter
-from pipeclamp.symbols import condition_symbol
+from pipeclamp.symbols import condition_size, condition_symbol
+
+MOST = 10.0
+"""A condition changes a coefficient by no more than a factor exp(10)."""
 
 
 def follow(argument: str) -> Effect:
@@ -16,14 +19,33 @@ def follow(argument: str) -> Effect:
     """
     if not re.fullmatch(r"\w[\w .%/()-]*", argument):
         raise ValueError("the name of a numeric column of runs.csv, for example condition:current_A")
-    u = condition_symbol(argument)
+    u, size = condition_symbol(argument), condition_size(argument)
     parameters: list[Parameter] = []
     scales: dict[str, sp.Expr] = {}
     for role, letter in (("stiffness", "k"), ("damping", "c"), ("slip", "z")):
         slope, bend = sp.symbols(f"{letter}_{u}1 {letter}_{u}2", real=True)
         parameters += [
-            Parameter(slope, f"1/[{argument}]", f"slope of the log of the {role}", 0.0, neutral=0.0, follows=(u,)),
-            Parameter(bend, f"1/[{argument}]^2", f"bend of the log of the {role}", 0.0, neutral=0.0, follows=(u,)),
+            Parameter(
+                slope,
+                f"1/[{argument}]",
+                f"slope of the log of the {role}",
+                0.0,
+                -MOST / size,
+                MOST / size,
+                neutral=0.0,
+                follows=(u,),
+            ),
+            Parameter(
+                bend,
+                f"1/[{argument}]^2",
+                f"bend of the log of the {role}",
+                0.0,
+                -MOST / size**2,
+                MOST / size**2,
+                neutral=0.0,
+                follows=(u,),
+                levels=3,
+            ),
         ]
         scales[role] = sp.exp(slope * u + bend * u**2)
     return Effect(

@@ -1,0 +1,139 @@
+"""A diagnosis's data, prepared once, and the evidence of each law that is held against it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp.law import Structure
+from pipeclamp.realise.arrays import Array
+from pipeclamp_identification.evidence import (
+    LackOfFit,
+    LeftOutScore,
+    drifts,
+    lack_of_fit,
+    left_out_score,
+    whitened,
+)
+from pipeclamp_identification.fit import Fit, fit
+from pipeclamp_identification.heldout import condition_groups
+from pipeclamp_identification.identify import fit_structure
+from pipeclamp_identification.loops import Loops, per_cycle
+from pipeclamp_identification.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
+from pipeclamp_identification.observations import LoopObservations, Rows, loop_observations
+
+CLOSELY = 1e-7
+"""Tolerance of a candidate's fit."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The data of a diagnosis.
+
+    Attributes:
+        loops: one row a run; one a run and cycle where stiffness drifts along the cycles.
+        observations: whitened by the noise model.
+        noise: the noise model.
+        smooth: smooth functions of the conditions, (R, q).
+        groups: (amplitude, frequency) group of each row.
+        samples: number of samples in all records.
+    """
+
+    loops: Loops
+    observations: WhitenedObservations
+    noise: NoiseModel
+    smooth: Array
+    groups: Rows
+    samples: float
+
+    @property
+    def harmonics(self) -> LoopObservations:
+        """The harmonics as they were measured."""
+        return self.observations.loops
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A law, refitted jointly, with its evidence.
+
+    Attributes:
+        effects: what was added to the law as it is.
+        result: the fit.
+        score: how it foretells groups that were left out.
+        lack: what it leaves over.
+        heldout_nrmse: error on left-out groups as a share of the force, scatter included.
+        objections: why it can't be named, in words; empty where nothing speaks against it.
+    """
+
+    effects: tuple[str, ...]
+    result: Fit
+    score: LeftOutScore
+    lack: LackOfFit
+    heldout_nrmse: float
+    objections: tuple[str, ...]
+
+    @property
+    def squares(self) -> float:
+        """Sum of squared whitened residuals on left-out groups."""
+        return float(self.score.squares.sum())
+
+
+def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
+    """Fit the law as it is, estimate the noise, and fit it again in the noise's units."""
+    loops = per_cycle(loops) if drifts(loops) else loops
+    harmonics = loop_observations(loops)
+    first = fit_structure(structure, loops, harmonics)
+    noise = noise_model(loops, harmonics.plain_residual(first.response))
+    observations = WhitenedObservations(harmonics, noise.whitener())
+    groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
+    samples = float(loops.samples.sum())
+    problem = Problem(loops, observations, noise, smooth_basis(loops), groups, samples)
+    return problem, judge((), structure, first.law.values, problem)
+
+
+def sharpened(problem: Problem, best: Fit) -> Problem:
+    """Estimate the noise once more, with a better law: less physics hides in its residuals."""
+    again = noise_model(problem.loops, problem.harmonics.plain_residual(best.response))
+    noise = replace(
+        again,
+        stiffness_scatter=min(again.stiffness_scatter, problem.noise.stiffness_scatter),
+        damping_scatter=min(again.damping_scatter, problem.noise.damping_scatter),
+    )
+    return replace(problem, observations=WhitenedObservations(problem.harmonics, noise.whitener()), noise=noise)
+
+
+def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, float], problem: Problem) -> Judged:
+    """Fit a structure to the problem and gather the evidence.
+
+    Args:
+        effects: what the structure has beyond the law as it is.
+        structure: what is fitted.
+        start: values to start from.
+        problem: the data.
+    """
+    result = fit(structure, problem.observations, start=start, tolerance=CLOSELY)
+    residual = whitened(result, problem.observations)
+    score = left_out_score(result, problem.observations, residual, problem.groups)
+    lack = lack_of_fit(residual, problem.smooth, problem.samples)
+    loops = problem.loops
+    error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
+    return Judged(effects, result, score, lack, float(np.sqrt(error)), _objections(effects, result))
+
+
+def _objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
+    """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing."""
+    objections: list[str] = []
+    errors = result.standard_errors()
+    added = {effect.name: effect for effect in result.equations.effects}
+    for name in effects:
+        parameters = [parameter.name for parameter in added[name].parameters]
+        objections += [
+            f"{parameter} ran into its bound ({result.law.values[parameter]:.4g})"
+            for parameter in parameters
+            if parameter in result.at_bound
+        ]
+        if not any(parameter in errors for parameter in parameters):
+            objections.append(f"the data determines no parameter of {name}")
+    return tuple(objections)
