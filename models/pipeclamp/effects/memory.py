@@ -3,7 +3,7 @@
 import sympy as sp
 
 from pipeclamp.effect import Coefficient, Effect, Family, Parameter, State
-from pipeclamp.symbols import A_highest, A_typical, F_typical, y, y_previous
+from pipeclamp.symbols import A_typical, F_typical, y, y_previous
 
 MOST_ELEMENTS = 6
 
@@ -24,36 +24,29 @@ def elements(argument: str) -> Effect:
     for index in range(1, count + 1):
         suffix = "" if count == 1 else str(index)
         k_s, z_s, z = sp.symbols(f"k_s{suffix} z_s{suffix} z{suffix}", real=True)
-        slip = sp.Symbol(f"slip{suffix}", real=True)
+        strength = sp.Symbol(f"slip{suffix}", real=True)
         trial = z + k_s * (y - y_previous)
-        coefficients.append(Coefficient(slip, "N", "slip", z_s))
-        # Elastic limits spread over the amplitudes, so that each element has its own place to start from.
-        limits = [spread * (index - 0.5) / count for spread in (0.3, 0.8, 1.6)]
-        stiffness = 0.2 * F_typical / A_typical / count
+        coefficients.append(Coefficient(strength, "N", "slip", z_s))
+        # Elastic limits from a small part of the amplitude to most of it, so that each element has its own place.
+        limits = [share * index * A_typical for share in (0.05, 0.2, 0.6)]
+        slips = [share * F_typical / count for share in (0.15, 0.12, 0.08)]
         parameters += [
             Parameter(
                 k_s,
                 "N/mm",
                 "stiffness of the element while it sticks",
-                (stiffness,) * 3,
+                tuple(slip / limit for slip, limit in zip(slips, limits, strict=True)),
                 lower=0.0,
-                upper=20 * F_typical / A_typical,
+                upper=200 * F_typical / A_typical,
             ),
-            Parameter(
-                z_s,
-                "N",
-                "slip force of the element",
-                tuple(stiffness * limit * A_highest for limit in limits),
-                lower=0.0,
-                upper=10 * F_typical,
-            ),
+            Parameter(z_s, "N", "slip force of the element", tuple(slips), lower=0.0, upper=10 * F_typical),
         ]
         states.append(
             State(
                 z,
                 "N",
                 "force of the element",
-                update=sp.Piecewise((slip, trial > slip), (-slip, trial < -slip), (trial, True)),
+                update=sp.Piecewise((strength, trial > strength), (-strength, trial < -strength), (trial, True)),
             )
         )
         energy += z**2 / (2 * k_s)
