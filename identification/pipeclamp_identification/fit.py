@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 import sympy as sp
 from scipy.optimize import least_squares
-from threadpoolctl import ThreadpoolController
 
 from pipeclamp.effect import Parameter
 from pipeclamp.errors import UserError
 from pipeclamp.law import Equations, Law, Structure, compose, smoothing
+from pipeclamp.one_thread import one_thread
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Response, refuse_unknown_conditions, respond
 from pipeclamp_identification.observations import Observations, data_scales
@@ -113,15 +112,6 @@ class _Evaluator:
         return np.nan_to_num(slopes.reshape(len(self.free), slopes.shape[1] * slopes.shape[2]).T)
 
 
-def _one_thread() -> AbstractContextManager[object]:
-    """Hold linear algebra to one thread: its matrices are tall and thin, and threads only wait for one another.
-
-    It also makes the last digits independent of the machine's number of cores.
-    """
-    limiter: AbstractContextManager[object] = ThreadpoolController().limit(limits=1, user_api="blas")
-    return limiter
-
-
 Progress = Callable[[str], None]
 
 
@@ -151,7 +141,13 @@ def _levels(signal: str, values: Array) -> int:
     if not varies(signal, values):
         return 1
     ordered = np.sort(values, axis=None)
-    return 1 + int(np.count_nonzero(np.diff(ordered) > LEVELS_APART * (ordered[-1] - ordered[0])))
+    apart = LEVELS_APART * (ordered[-1] - ordered[0])
+    count, begin = 1, ordered[0]
+    for value in ordered:
+        # From the level's own beginning, so that a condition that varies finely has many levels, not one.
+        if value > begin + apart:
+            count, begin = count + 1, value
+    return count
 
 
 def fit(
@@ -191,7 +187,7 @@ def fit(
     best: tuple[float, Array] | None = None
     evaluations = 0
     starts = _starts(equations, start or {}, scales)
-    with _one_thread():
+    with one_thread():
         for attempt, values in enumerate(starts):
             if progress and len(starts) > 1:
                 progress(f"fit from start {attempt + 1} of {len(starts)}")
@@ -233,7 +229,7 @@ def cost_after_one_step(structure: Structure, observations: Observations, values
     smooth = smoothing(float(np.min(A)), float(np.min(f)))
     begin = np.array([structure.held().get(name, values[name]) for name in equations.names])
     evaluator = _Evaluator(observations, equations, smooth, begin, free)
-    with _one_thread():
+    with one_thread():
         residual, jacobian = evaluator.residual(begin[free]), evaluator.jacobian(begin[free])
         norms = np.linalg.norm(jacobian, axis=0)
         basis = jacobian / np.where(norms > 0, norms, 1.0)

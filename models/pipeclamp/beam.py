@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from pipeclamp.one_thread import one_thread
+
 Array = NDArray[np.float64]
 
 ELEMENT_PHASE = 0.4
@@ -196,6 +198,7 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
     return Assembly(nodes, free, mass[kept], stiffness[kept], translation[free])
 
 
+@one_thread()
 def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
     """Give all natural frequencies and mode shapes of an assembly.
 

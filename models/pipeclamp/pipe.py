@@ -20,6 +20,7 @@ from scipy.linalg import eigh
 from pipeclamp.beam import ELEMENT_PHASE, Assembly, Attachment, Beam, assemble, mesh, modes, upright
 from pipeclamp.errors import UserError
 from pipeclamp.materials import find_fluid, find_material
+from pipeclamp.one_thread import one_thread
 from pipeclamp.pipe_description import Condition, PipeDescription, Springs
 from pipeclamp.pipe_response import ModalModel, ReductionErrors, reduction_errors
 
@@ -168,6 +169,7 @@ def finite_elements(description: PipeDescription) -> Assembly:
     return assemble(beam, nodes, attachments)
 
 
+@one_thread()
 def reduce(description: PipeDescription) -> ReducedPipe:
     """Reduce a pipe to its modes up to the stated frequency, with residual modes for its clamps and its excitation.
 
