@@ -68,6 +68,8 @@ class Loops:
     """R arrays (cycles, H + 1) mm, each cycle turned so that its own fundamental is real."""
     force_per_cycle: tuple[ComplexArray, ...]
     """R arrays (cycles, H + 1) N, turned likewise."""
+    phases: tuple[Array, ...] = ()
+    """R arrays (samples,) rad: where in the cycle each steady sample lies; none for rows that are single cycles."""
 
     @property
     def noise_nrmse(self) -> float:
@@ -87,6 +89,7 @@ class _RunLoop:
     noise_rms_N: float
     force_rms_N: float
     samples: int
+    phase: Array
 
 
 def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
@@ -122,6 +125,7 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
         cycles=tuple(loop.cycles for loop in loops),
         displacement_per_cycle=tuple(loop.displacement_per_cycle for loop in loops),
         force_per_cycle=tuple(loop.force_per_cycle for loop in loops),
+        phases=tuple(loop.phase for loop in loops),
     )
 
 
@@ -233,6 +237,7 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
         noise_rms_N=noise,
         force_rms_N=force_rms,
         samples=len(y),
+        phase=own_phase,
     )
 
 

@@ -24,8 +24,6 @@ DEGREE = 3
 """Highest total degree of the polynomials over the conditions that count as smooth."""
 FREE_RUNS = 0.35
 """At least this share of the runs must stay free of the polynomials, to show the scatter between runs."""
-KINK_DECAY = 1.4
-"""Power by which harmonics of a force c|v|^alpha sgn v fall with their order: 1 + alpha, alpha near 0.4."""
 UNSEEN = 1e15
 """Variance in N2 that stands for a harmonic which wasn't measured."""
 
@@ -62,22 +60,8 @@ def cycle_variance(loops: Loops) -> Array:
         if members.any():
             shape[octave == band] = max(1.0, float(np.mean(ratio[members])))
     floor = (1e-6 * loops.force_rms_N[:, None]) ** 2
-    variance = level[:, None] * shape / cycles[:, None] + _from_displacement(loops, cycles) + _folded(loops, cycles)
+    variance = level[:, None] * shape / cycles[:, None] + _from_displacement(loops, cycles)
     return np.where(unseen, UNSEEN, np.maximum(variance, floor))
-
-
-def _folded(loops: Loops, cycles: Array) -> Array:
-    """Give the variance by what folds down from beyond the sampling frequency, N2, shape (R, H + 1).
-
-    A force with a step or a steep rise at its reversals has harmonics far beyond those that are kept; with few samples
-    a cycle, harmonic (samples - n) shows up as n. Their size is told from the highest harmonics that are there.
-    """
-    count = loops.force.shape[1]
-    order = np.arange(count)
-    upper = order >= count // 2
-    level = np.sqrt(np.mean(np.abs(loops.force[:, upper]) ** 2, axis=1))
-    beyond = np.maximum((loops.samples / cycles)[:, None] - order, count)
-    return np.asarray((level[:, None] * (np.mean(order[upper]) / beyond) ** KINK_DECAY) ** 2 / 2)
 
 
 def _from_displacement(loops: Loops, cycles: Array) -> Array:

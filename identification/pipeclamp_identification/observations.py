@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 import sympy as sp
+from scipy import sparse
 
 from pipeclamp import symbols
 from pipeclamp.errors import UserError
@@ -16,7 +17,9 @@ from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response
 from pipeclamp_identification.loops import Loops, displacement_on_grid, on_grid
 
-SAMPLES = 256
+FEW_SAMPLES = 400
+"""Below so many samples a cycle, a law is seen through the record's own sampling."""
+SAMPLES = 512
 """Points of the cycle at which laws are evaluated: folds less than 1e-4 of the damping force into the fundamental."""
 
 
@@ -60,6 +63,51 @@ def harmonics_of(samples: Array, count: int) -> Array:
     return harmonics
 
 
+def sampled_transform(phase: Array, samples: int, count: int) -> Array:
+    """Give the matrix that turns a force on the grid into harmonics as a record's own sampling would show them.
+
+    A force with a step at its reversals has harmonics far beyond those that are kept; where a record has few samples a
+    cycle, always at the same phases, they fold down onto the low ones. A law must be seen through the same sampling.
+
+    Args:
+        phase: of each sample within the cycle, rad, shape (N,).
+        samples: points of the grid, n.
+        count: highest harmonic.
+
+    Returns:
+        shape (n, 2 count + 1), ordered as `harmonics_of`.
+    """
+    order = np.arange(1, count + 1)
+    basis = np.empty((len(phase), 2 * count + 1))
+    basis[:, 0] = 1.0
+    basis[:, 1::2] = np.cos(np.outer(phase, order))
+    basis[:, 2::2] = -np.sin(np.outer(phase, order))
+    place = (phase % (2 * np.pi)) * (samples / (2 * np.pi))
+    left = np.floor(place).astype(np.intp) % samples
+    share = place - np.floor(place)
+    points = np.concatenate([left, (left + 1) % samples])
+    weights = np.concatenate([1 - share, share])
+    rows = np.tile(np.arange(len(phase)), 2)
+    interpolation = sparse.csr_array((weights, (points, rows)), shape=(samples, len(phase)))
+    return np.asarray(np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T)
+
+
+def _transforms(loops: Loops) -> Array | None:
+    """Give each run's own transform, shape (R, n, m), where a run has few samples a cycle; None where none has."""
+    few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=False)]
+    if not any(few):
+        return None
+    count = loops.force.shape[1] - 1
+    plain = harmonics_of(np.eye(SAMPLES), count)
+    own = np.empty((len(loops.run), SAMPLES, 2 * count + 1))
+    for row, phase in enumerate(loops.phases):
+        carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
+        own[row] = plain
+        if few[row]:
+            own[row, :, : 2 * carried + 1] = sampled_transform(phase, SAMPLES, carried)
+    return own
+
+
 def _chosen(response: Response, parameters: Rows) -> Array:
     """Give the derivatives of the force by some of the parameters, shape (P, R, n)."""
     if response.jacobian is None:
@@ -76,12 +124,22 @@ class LoopObservations:
         harmonics: measured force in N as `harmonics_of` gives it, shape (R, 2 H + 1).
         standard_error: of each of them, same shape; infinite where there is none.
         force_amplitude: N, shape (R,).
+        transforms: how each record's sampling turns force into harmonics, shape (R, n, 2 H + 1); None where it is
+            fine enough for that not to matter.
     """
 
     motion: Motion
     harmonics: Array
     standard_error: Array
     force_amplitude: Array
+    transforms: Array | None = None
+
+    def transformed(self, force: Array) -> Array:
+        """Give the harmonics of force on the motion's grid, shape (..., R, n), as the records would show them."""
+        if self.transforms is None:
+            return harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
+        by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
+        return np.asarray(np.moveaxis(by_run @ self.transforms, 0, 1).reshape(*force.shape[:-1], -1))
 
     @property
     def seen(self) -> npt.NDArray[np.bool_]:
@@ -90,15 +148,13 @@ class LoopObservations:
 
     def plain_residual(self, response: Response) -> Array:
         """Give measured less law in N; the mean force of a row that is adrift is no evidence."""
-        count = (self.harmonics.shape[1] - 1) // 2
-        residual = self.harmonics - harmonics_of(response.force, count)
+        residual = self.harmonics - self.transformed(response.force)
         residual[response.adrift, 0] = 0.0
         return np.asarray(residual)
 
     def plain_slopes(self, response: Response, parameters: Rows) -> Array:
         """Give the derivatives of the plain residuals; the transform is linear."""
-        count = (self.harmonics.shape[1] - 1) // 2
-        slopes = -harmonics_of(_chosen(response, parameters), count)
+        slopes = -self.transformed(_chosen(response, parameters))
         slopes[:, response.adrift, 0] = 0.0
         return np.asarray(slopes)
 
@@ -113,7 +169,11 @@ class LoopObservations:
     def rows(self, chosen: Rows) -> LoopObservations:
         """Give the observations of some of the loops."""
         return LoopObservations(
-            self.motion.rows(chosen), self.harmonics[chosen], self.standard_error[chosen], self.force_amplitude[chosen]
+            self.motion.rows(chosen),
+            self.harmonics[chosen],
+            self.standard_error[chosen],
+            self.force_amplitude[chosen],
+            None if self.transforms is None else self.transforms[chosen],
         )
 
     def mean_squares(self, response: Response) -> Array:
@@ -226,7 +286,7 @@ def loop_observations(loops: Loops) -> LoopObservations:
     error = loops.force_standard_error
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
     force = on_grid(loops.force, SAMPLES)
-    return LoopObservations(loop_motion(loops), harmonics, both, np.ptp(force, axis=1) / 2)
+    return LoopObservations(loop_motion(loops), harmonics, both, np.ptp(force, axis=1) / 2, _transforms(loops))
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
