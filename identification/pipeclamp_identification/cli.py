@@ -417,8 +417,11 @@ def schema() -> None:
 @contextmanager
 def told(title: str) -> Iterator[Tell]:
     """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
+    from pipeclamp.one_thread import one_thread
+
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as progress:
+    shown = Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
+    with one_thread(), shown as progress:
         task = progress.add_task(title)
         yield lambda what: progress.update(task, description=f"{title}: {what}")
 

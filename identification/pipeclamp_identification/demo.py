@@ -12,6 +12,7 @@ import plotly.graph_objects as go
 
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
+from pipeclamp.one_thread import one_thread
 from pipeclamp.parameter_file import LawFile, law_text, read_law
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.response import law_response, sinusoids
@@ -35,6 +36,7 @@ HOT = 300.0
 Tell = Callable[[str], None]
 
 
+@one_thread()
 def run_demo(folder: Path, tell: Tell) -> list[Path]:
     """Run the story and write its results into a folder.
 

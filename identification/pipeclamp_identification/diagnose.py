@@ -279,7 +279,7 @@ def _distinct(judged: Sequence[Judged]) -> list[Judged]:
 
 
 def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, limit: float, law: Judged) -> list[Judged]:
-    """Find who can't be told from the best: within one standard error, or best in many resamplings of the conditions."""
+    """Find who can't be told from the best: one standard error away, or best in many resampled sets of conditions."""
     others = [candidate for candidate in sound if candidate is not best and _explains(candidate, law, limit)]
     if not others:
         return []

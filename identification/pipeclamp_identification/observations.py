@@ -13,6 +13,7 @@ from scipy import sparse
 
 from pipeclamp import symbols
 from pipeclamp.errors import UserError
+from pipeclamp.one_thread import one_thread
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response
 from pipeclamp_identification.loops import Loops, displacement_on_grid, on_grid
@@ -100,11 +101,12 @@ def _transforms(loops: Loops) -> Array | None:
     count = loops.force.shape[1] - 1
     plain = harmonics_of(np.eye(SAMPLES), count)
     own = np.empty((len(loops.run), SAMPLES, 2 * count + 1))
-    for row, phase in enumerate(loops.phases):
-        carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
-        own[row] = plain
-        if few[row]:
-            own[row, :, : 2 * carried + 1] = sampled_transform(phase, SAMPLES, carried)
+    with one_thread():
+        for row, phase in enumerate(loops.phases):
+            carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
+            own[row] = plain
+            if few[row]:
+                own[row, :, : 2 * carried + 1] = sampled_transform(phase, SAMPLES, carried)
     return own
 
 
