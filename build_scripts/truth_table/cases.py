@@ -181,10 +181,10 @@ def unimitated_rms(drawn: Drawn, sizes: Sequence[float], effects: tuple[str, ...
 
     It is counted in the harmonics that the loops keep: sample by sample, the steps of friction at reversals would
     count where a phase is off by part of a sample only. What no harmonic shows (hum, subharmonics, drift within a
-    record) counts sample by sample.
+    record) counts sample by sample. The force is sampled finely here: what coarse samples fold is no lack of the law.
     """
     forces = drawn.forces(drawn.runs, sizes, False)
-    channels = [recorded(batch, f) for batch, f in zip(drawn.runs, forces, strict=True)]
+    channels = [recorded(batch, f, FINELY) for batch, f in zip(drawn.runs, forces, strict=True)]
     campaign = campaign_of("noise-free", drawn.runs, channels, drawn.needs)
     loops = loops_of(campaign)
     structure = Structure("power", effects)
@@ -197,9 +197,13 @@ def unimitated_rms(drawn: Drawn, sizes: Sequence[float], effects: tuple[str, ...
     return float(np.sqrt(np.average(squares, weights=loops.samples)))
 
 
+FINELY = 2
+"""Fine steps between the samples of a noise-free record."""
 WITHIN = 0.07
 """A strength this near to the wanted one, as a share, is good enough."""
 MOST_STEPS = 8
+FINEST = 0.001
+"""No noise is less than this share of the rms force."""
 NOT_LOCKED = frozenset({"mains_hum", "subharmonic", "impact"})
 """Kinds that the harmonics of the loops don't show, or not in full."""
 
@@ -225,7 +229,10 @@ def sized(drawn: Drawn) -> tuple[tuple[float, ...], tuple[float, ...], float]:
             size = min(size * float(np.clip(wanted / max(rms, 1e-9), 0.1, 10.0)), most)
         sizes.append(size)
         left.append(rms)
-    noise = min([noise, *(rms / target for rms, target in zip(left, drawn.target, strict=True))])
+    # an effect that can't be larger is measured with less noise, as far as sensors go
+    most = [rms / target for rms, target in zip(left, drawn.target, strict=True)]
+    wanted = min([noise, *(level for level in most if level < noise * (1 - WITHIN))])
+    noise = max(wanted, min(noise, FINEST * drawn.force_rms))
     return tuple(sizes), tuple(rms / noise for rms in left), noise
 
 

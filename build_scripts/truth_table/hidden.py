@@ -197,9 +197,9 @@ def delay(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape)
 
 EFFECTS: dict[str, Kind] = {
     "memory": Kind(memory, most=0.8),
-    "coulomb": Kind(coulomb, most=0.3),
-    "viscous": Kind(viscous, most=0.3),
-    "quadratic_damping": Kind(quadratic_damping, most=0.3),
+    "coulomb": Kind(coulomb, most=0.15),
+    "viscous": Kind(viscous, most=0.15),
+    "quadratic_damping": Kind(quadratic_damping, most=0.08),
     "directional_damping": Kind(directional_damping, most=0.6),
     "asymmetry": Kind(asymmetry),
     "hardening": Kind(hardening),

@@ -21,13 +21,23 @@ COMMAND = "truth table"
 
 @dataclass(frozen=True)
 class Step:
-    """One diagnosis: its verdict, what it named, and the error on held-out conditions before it, over the floor."""
+    """One diagnosis.
+
+    Attributes:
+        verdict, effects: what was answered.
+        heldout_over_floor: error of the law, as it was diagnosed, on held-out conditions over that of the truth itself.
+        lack: lack of fit of the law over the noise.
+        candidates: effects, squares on left-out groups, lack of fit, objections; best first.
+        screened_out: what was not fitted, with its share of the best's promise.
+        reasons: given for the verdict.
+    """
 
     verdict: str
     effects: tuple[str, ...]
     heldout_over_floor: float
     lack: float
     candidates: tuple[tuple[str, float, float, str], ...]
+    screened_out: tuple[tuple[str, float], ...]
     reasons: tuple[str, ...]
 
 
@@ -108,7 +118,8 @@ def noted(answer: Answer, file: LawFile, data: Measured) -> Step:
     return Step(
         answer.verdict, tuple(diagnosis.effects) if answer.verdict in ("missing", "ambiguous") else (),
         round(heldout_over_floor(file, data.heldout, data.heldout_floor), 4), round(diagnosis.law.lack.share, 4),
-        candidates, tuple(diagnosis.reasons),
+        candidates, tuple((name, round(promise, 4)) for name, promise in diagnosis.screened_out.items()),
+        tuple(diagnosis.reasons),
     )  # fmt: skip
 
 

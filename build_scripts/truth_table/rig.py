@@ -120,10 +120,10 @@ def batches(design: Design, random: np.random.Generator, needs: frozenset[str]) 
     return result
 
 
-def recorded(batch: Batch, force: Array) -> tuple[Array, Array, Array]:
-    """Give time (n,), displacement and force (R, n) at the samples of the record."""
+def recorded(batch: Batch, force: Array, every: int = SUBSTEPS) -> tuple[Array, Array, Array]:
+    """Give time (n,), displacement and force (R, n) at the samples of the record, or at every so many fine steps."""
     first = int(np.searchsorted(batch.motion.time, -1e-9))
-    kept = slice(first, None, SUBSTEPS)
+    kept = slice(first, None, every)
     return batch.motion.time[kept], batch.motion.y[:, kept], force[:, kept]
 
 

@@ -1,0 +1,88 @@
+"""The truth table's rig: two implementations that share no code agree on the base law and on every effect."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
+AGREEMENT = 9e-4
+"""Rms of what may be left over, as a share of the force: samples see friction's reversals only so finely."""
+
+
+@pytest.fixture(autouse=True)
+def rig_on_path(monkeypatch):
+    monkeypatch.syspath_prepend(FOLDER)
+
+
+def drawn_case(effect, form="clean"):
+    from cases import Case, draw
+
+    hidden = (effect,) if effect else ()
+    return draw(Case("effect" if effect else "none", hidden, form, "middle" if effect else "", "low", "A"), seed=3)
+
+
+def test_the_rig_shares_no_physics_with_the_package():
+    from test_imports import imported
+
+    for module in ("truth", "hidden", "unlisted"):
+        names = {name.split(".")[0] for name in imported(FOLDER / f"{module}.py")}
+        assert not any(name.startswith("pipeclamp") for name in names), module
+
+
+def test_both_agree_on_the_base_law():
+    from cases import unimitated_rms
+
+    drawn = drawn_case(None)
+    assert unimitated_rms(drawn, ()) < AGREEMENT * drawn.force_rms
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "memory", "coulomb", "viscous", "quadratic_damping", "directional_damping", "asymmetry", "hardening",
+        "end_stop", "gap", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency", "loosening",
+        "density", "condition", "offset", "inertia", "delay",
+    ],
+)  # fmt: skip
+def test_both_agree_on_an_effect(effect):
+    """What the base law leaves over is real, and with the effect fitted next to nothing of it is left."""
+    from cases import unimitated_rms
+    from hidden import EFFECTS, effect_id
+
+    drawn = drawn_case(effect)
+    name = "memory:2" if effect == "memory" and drawn.shapes[0]["several"] > 0.5 else effect_id(effect)
+    sizes = (EFFECTS[effect].most / 2,)
+    without = unimitated_rms(drawn, sizes)
+    assert without > 1.5 * AGREEMENT * drawn.force_rms
+    assert unimitated_rms(drawn, sizes, (name,)) < max(0.02 * without, AGREEMENT * drawn.force_rms)
+
+
+def test_strengths_are_what_was_asked_for():
+    from cases import sized
+
+    drawn = drawn_case("asymmetry")
+    _, strengths, noise = sized(drawn)
+    assert strengths[0] == pytest.approx(drawn.target[0], rel=0.08)
+    assert noise == pytest.approx(drawn.noise_share * drawn.force_rms)
+
+
+def test_the_same_seed_gives_the_same_campaign():
+    from cases import measure
+
+    one, other = (measure(drawn_case("offset", "rough")) for _ in range(2))
+    assert one.sizes == other.sizes
+    for run, again in zip(one.campaign.runs, other.campaign.runs, strict=True):
+        assert np.array_equal(run.record.force_N, again.record.force_N)
+
+
+def test_every_case_has_a_name_of_its_own_and_a_share_is_spread():
+    from cases import all_cases, chosen
+
+    cases = all_cases()
+    assert len({case.name for case in cases}) == len(cases)
+    some = chosen(cases, 0.2, seed=0)
+    assert some == chosen(cases, 0.2, seed=0)
+    assert {case.hidden for case in some if case.kind == "effect"} == {
+        case.hidden for case in cases if case.kind == "effect"
+    }
