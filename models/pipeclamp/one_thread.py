@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
 
 from threadpoolctl import ThreadpoolController
-
-
-@cache
-def _controller() -> ThreadpoolController:
-    return ThreadpoolController()
 
 
 @contextmanager
@@ -21,5 +15,6 @@ def one_thread() -> Iterator[None]:
     Fits have tall and thin matrices, pipes small ones: on two busy cores an eigenvalue problem of 100 unknowns took 80
     times as long on two threads as on one. It also makes the last digits independent of the machine's number of cores.
     """
-    with _controller().limit(limits=1, user_api="blas"):
+    # Made anew each time, which takes 1 ms: libraries may have been loaded since.
+    with ThreadpoolController().limit(limits=1, user_api="blas"):
         yield
