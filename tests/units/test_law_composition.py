@@ -1,0 +1,157 @@
+"""Laws composed of a base and effects, and the catalogue that they come from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from pipeclamp import symbols
+from pipeclamp.catalogue import entries, find_effect
+from pipeclamp.errors import UserError
+from pipeclamp.law import BASES, Law, Structure, compose, find_base, smoothing
+from pipeclamp.response import law_response, sinusoids
+
+CONTRACT = [
+    "memory",
+    "coulomb",
+    "viscous",
+    "quadratic_damping",
+    "directional_damping",
+    "asymmetry",
+    "hardening",
+    "end_stop",
+    "gap",
+    "relaxation",
+    "damping_temperature",
+    "contact_growth",
+    "stiffness_frequency",
+    "loosening",
+    "density",
+    "condition",
+    "offset",
+    "inertia",
+    "delay",
+]
+RIG = {"offset", "inertia", "delay"}
+
+
+def test_every_effect_of_the_contract_is_there_and_in_its_part():
+    assert set(CONTRACT) <= set(entries())
+    for name in CONTRACT:
+        effect = find_effect("condition:x" if name == "condition" else name)
+        assert effect.part == ("rig" if name in RIG else "clamp")
+
+
+def test_no_two_effects_share_a_symbol():
+    seen: dict[str, str] = {}
+    for name in entries():
+        effect = find_effect("condition:x" if name == "condition" else name)
+        for parameter in effect.parameters:
+            assert parameter.name not in seen, f"{parameter.name} in {name} and {seen[parameter.name]}"
+            seen[parameter.name] = name
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("memroy", "did you mean memory"),
+        ("xyzzy", "not in the catalogue"),
+        ("viscous:2", "takes no argument"),
+        ("memory:0", "1 to 6"),
+        ("condition", "after a colon"),
+        ("condition:", "expected"),
+        ("memory:__import__('os')", "1 to 6"),
+    ],
+)
+def test_a_name_that_is_not_known_is_refused(name, words):
+    with pytest.raises(UserError, match=words):
+        find_effect(name)
+
+
+def test_bases():
+    assert set(BASES) == {"power", "memory", "series", "published"}
+    assert find_base("series:5:2").terms == ("elastic_series:5", "damping_series:2")
+    for name in ("powr", "power:2", "series:3", "series:3:2:1", ""):
+        with pytest.raises(UserError, match="expected one of"):
+            find_base(name)
+    assert Structure("memory", frozen=(("c_A", 0.1),)).held() == {
+        "alpha0": 1.0,
+        "alpha_A": 0.0,
+        "alpha_f": 0.0,
+        "c_A": 0.1,
+    }
+
+
+@pytest.mark.parametrize(
+    ("structure", "words"),
+    [
+        (Structure("power", ("viscous", "viscous")), "twice"),
+        (Structure("power", ("memory", "memory")), "twice"),
+        (Structure("memory", ("memory",)), "twice"),
+        (Structure("power", ("memory:2", "memory:3")), "both use the symbol"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused(structure, words):
+    with pytest.raises(UserError, match=words):
+        compose(structure)
+
+
+def test_a_modifier_reaches_every_term_of_its_role_whatever_the_order():
+    first, last = (
+        Structure("power", order) for order in (("contact_growth", "viscous"), ("viscous", "contact_growth"))
+    )
+    values = {parameter.name: 0.3 for parameter in compose(first).parameters} | {"T_c": 400.0, "k10": 100.0, "c0": 5.0}
+    motion = sinusoids([0.5, 0.5], 2.0, [300.0, 500.0])
+    one, other = (
+        law_response(Law(structure, values, *smoothing(0.5, 2.0)), motion).force for structure in (first, last)
+    )
+    np.testing.assert_allclose(one, other, rtol=1e-13)
+
+
+def test_rig_effects_stay_out_of_the_clamp():
+    structure = Structure("power", ("inertia", "offset", "delay"))
+    clamp, whole = compose(structure, ("base", "clamp")), compose(structure)
+    assert set(whole.names) - set(clamp.names) == {p.name for name in RIG for p in find_effect(name).parameters}
+    assert clamp.lag == 0
+    assert symbols.a not in clamp.force.free_symbols
+
+
+def test_the_base_law_is_the_equation():
+    """F = k1 y + k3 y^3 + c |v/v0|^alpha sgn v with power surfaces (EFFECTS.md), far from v = 0."""
+    values = {
+        "k10": 1500.0, "k1_A": -0.2, "k1_T": -0.1, "k30": 300.0, "k3_A": -1.0, "k3_T": 0.2,
+        "c0": 60.0, "c_A": 0.1, "c_f": -0.3, "alpha0": 0.5, "alpha_A": 0.4, "alpha_f": 0.05,
+    }  # fmt: skip
+    law = Law(Structure("power"), values, 1e-9, 1e-9)
+    A, f, T = 0.4, 3.0, 450.0
+    motion = sinusoids(A, f, T, 64)
+    y, v = motion.y[0], motion.v[0]
+    k1 = 1500 * A**-0.2 * (T / 293.15) ** -0.1
+    k3 = 300 * A**-1.0 * (T / 293.15) ** 0.2
+    c, alpha = 60 * A**0.1 * f**-0.3, 0.5 * A**0.4 * f**0.05
+    expected = k1 * y + k3 * y**3 + c * np.abs(v) ** alpha * np.sign(v)
+    moving = np.abs(v) > 1e-3
+    np.testing.assert_allclose(law_response(law, motion).force[0][moving], expected[moving], rtol=1e-12)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 0.2, 0.5, 1.0, 2.0])
+def test_smoothing_costs_less_than_a_thousandth_of_the_dissipation(alpha):
+    """At the smallest amplitude and lowest frequency of the range, where it is largest."""
+    values = dict.fromkeys(compose(Structure("power")).names, 0.0) | {"c0": 100.0, "alpha0": alpha}
+    motion = sinusoids(0.2, 1.0, 300.0, 8192)
+    lost = []
+    for smooth in (smoothing(0.2, 1.0), (1e-12, 1e-12)):
+        force = law_response(Law(Structure("power"), values, *smooth), motion).force
+        lost.append(np.sum(force * motion.v))
+    assert abs(lost[0] / lost[1] - 1) < 1e-3
+
+
+def test_composed_equations_are_sympy_and_complete():
+    for base in BASES:
+        equations = compose(Structure(base))
+        known = {p.symbol for p in equations.parameters} | {c.symbol for c in equations.coefficients}
+        known |= {state.symbol for state in equations.states} | {signal.symbol for signal in symbols.FAST}
+        left = equations.force.free_symbols - known - set(symbols.REFERENCES) - {symbols.v_r, symbols.y_r}
+        assert isinstance(equations.force, sp.Expr)
+        assert not left - {signal.symbol for signal in symbols.SLOW}

@@ -1,0 +1,115 @@
+"""Reports: one file that needs nothing from outside, and that says what was given, whatever it is."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from pipeclamp.errors import UserError
+from pipeclamp_identification.pictures import (
+    ConditionsMap,
+    LoopPanel,
+    conditions_picture,
+    curves_picture,
+    loops_picture,
+    overlay_picture,
+    surface_picture,
+    waterfall_picture,
+)
+from pipeclamp_identification.report import Section, Table, cell, render, write_report
+
+THETA = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+PANEL = LoopPanel("run", np.cos(THETA), np.sin(THETA), None)
+FIGURES = [
+    loops_picture([PANEL] * 5, "loops"),
+    overlay_picture([("one", np.cos(THETA), np.sin(THETA))] * 2, "overlay"),
+    curves_picture("x", "y", [("a", [1, 2], [3, 4], "lines"), ("published a", [1], [2], "markers")], "curves"),
+    surface_picture("x", "y", np.arange(4.0), np.arange(3.0), np.ones((3, 4)), "z", "surface"),
+    conditions_picture(
+        ConditionsMap(np.array([0.2, 0.5]), np.array([1.0, 1.0]), np.array([20.0, np.nan]), np.ones(2), "error"), "map"
+    ),
+    waterfall_picture([("base", 0.03), ("+ memory", 0.01)], 0.005, "error", "falling"),
+]
+
+
+class Outside(HTMLParser):
+    """Collects what a page would fetch, and its balance of tags."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+        self.depth = 0
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name in ("src", "href", "srcset", "data", "action") and value and not value.startswith("#"):
+                self.fetched.append(f"{tag} {name}={value}")
+        self.depth += tag == "div"
+
+    def handle_endtag(self, tag):
+        self.depth -= tag == "div"
+
+
+@pytest.fixture(scope="module")
+def page():
+    sections = [
+        Section("One", ["words"], [Table(("a", "b"), [(1.23456789, None), ("text", 2.0)], "caption")], FIGURES),
+        Section("Two"),
+    ]
+    return render("Title", "subtitle", sections)
+
+
+def test_nothing_is_fetched(page):
+    parser = Outside()
+    parser.feed(page)
+    assert parser.fetched == []
+    assert parser.depth == 0
+    styles = "".join(re.findall(r"<style>(.*?)</style>", page, re.S))
+    assert "url(" not in styles
+    assert "@import" not in styles
+    assert page.count("plotly.js v") >= 1, "the script must be inside"
+
+
+def test_every_picture_and_table_is_there(page):
+    for column in range(len(FIGURES)):
+        assert f"figure-0-{column}" in page
+    assert "<caption>caption</caption>" in page
+    assert "1.235" in page
+    assert "1.23456789" not in page
+
+
+def test_text_is_text():
+    nasty = "<script>alert('x')</script> & \"quotes\" {{ 7*7 }}"
+    page = render(nasty, nasty, [Section(nasty, [nasty], [Table((nasty,), [(nasty,)], nasty)])])
+    assert "<script>alert" not in page
+    assert "{{ 7*7 }}" in page
+    assert page.count("&lt;script&gt;") >= 6
+
+
+def test_without_pictures_there_is_no_script():
+    assert "<script" not in render("Title", "", [Section("One", ["words"])])
+
+
+def test_the_same_content_gives_the_same_page():
+    sections = [Section("One", (), (), FIGURES)]
+    assert render("a", "b", sections) == render("a", "b", sections)
+
+
+@pytest.mark.parametrize(("value", "text"), [(None, "–"), ("x", "x"), (0.000123456, "0.0001235"), (1e7, "1e+07")])
+def test_cells(value, text):
+    assert cell(value) == text
+
+
+def test_a_report_that_cannot_be_written_says_where(tmp_path):
+    with pytest.raises(UserError, match="nowhere"):
+        write_report(tmp_path / "nowhere" / "r.html", "", "", [])
+
+
+def test_wide_pictures_scroll_in_a_narrow_window(page):
+    widths = [int(width) for width in re.findall(r'style="min-width: (\d+)px"', page)]
+    assert len(widths) == len(FIGURES)
+    assert widths[0] > 800, "four loops side by side"
+    assert widths[1] == 0
