@@ -34,13 +34,15 @@ CLOSE = 0.1
 DRAWS = 2000
 SCREENED = 8
 """Candidates that the screen lets through to a full fit, at most."""
-WORTH_FITTING = 0.1
+WORTH_FITTING = 0.01
 """A candidate passes the screen when one step promises this share of what the best promises."""
 PAIRED = 3
 """Best candidates that are tried together with a second effect, where one alone doesn't explain."""
 FEWEST_RUNS = 4
 SHARPER = 0.8
 """The evidence is weighed again when the scatter between runs falls below this share of what it was."""
+ABOUT_AS_WELL = 10.0
+"""Difference in whitened squares that is no reason for a further slip element."""
 MEMORY_SIZES = ("memory", "memory:2", "memory:3")
 
 
@@ -166,13 +168,48 @@ def _candidates(
             promises[name] = promise
     ranked = sorted(promises, key=lambda name: -promises[name][0])
     top = promises[ranked[0]][0] if ranked else 0.0
-    chosen = [name for name in ranked[:SCREENED] if promises[name][0] >= WORTH_FITTING * top and promises[name][0] > 0]
+    ids = list(dict.fromkeys(_id(name) for name in ranked))[:SCREENED]
+    chosen = [name for name in ranked if _id(name) in ids and promises[name][0] >= max(WORTH_FITTING * top, 1e-300)]
     judged = []
     for name in chosen:
         tell(f"fit {name}")
-        judged.append(judge((name,), with_effect(structure, name), promises[name][1], problem))
+        judged.append(
+            _alive(judge((name,), with_effect(structure, name), promises[name][1], problem), structure, problem)
+        )
     left = {name: promises[name][0] / top if top > 0 else 0.0 for name in ranked if name not in chosen}
-    return _ranked(judged), left
+    return _ranked(_simplest(judged)), left
+
+
+def _simplest(judged: Sequence[Judged]) -> list[Judged]:
+    """Keep of each id, of several numbers of elements, the smallest that does about as well as the best."""
+    best: dict[str, float] = {}
+    for candidate in judged:
+        name = _id(candidate.effects[-1])
+        best[name] = min(best.get(name, np.inf), candidate.squares)
+    kept: dict[str, Judged] = {}
+    for candidate in sorted(judged, key=lambda candidate: len(candidate.result.fitted)):
+        name = _id(candidate.effects[-1])
+        if name not in kept and candidate.squares <= best[name] + ABOUT_AS_WELL:
+            kept[name] = candidate
+    return list(kept.values())
+
+
+def _alive(judged: Judged, structure: Structure, problem: Problem) -> Judged:
+    """Give a law of several slip elements without those that came out dead, refitted from the living ones."""
+    name = judged.effects[-1]
+    states = len(find_effect(name, dict(structure.declared)).states)
+    if _id(name) != "memory" or states < 2:
+        return judged
+    values = judged.result.law.values
+    living = [index for index in range(1, states + 1) if f"k_s{index}" not in judged.result.at_bound]
+    if len(living) in (0, states):
+        return judged
+    smaller = "memory" if len(living) == 1 else f"memory:{len(living)}"
+    start = dict(values)
+    for place, index in enumerate(living, 1):
+        suffix = "" if len(living) == 1 else str(place)
+        start |= {f"k_s{suffix}": values[f"k_s{index}"], f"z_s{suffix}": values[f"z_s{index}"]}
+    return judge((*judged.effects[:-1], smaller), with_effect(structure, smaller), start, problem)
 
 
 def _cost(judged: Judged, problem: Problem) -> float:

@@ -117,9 +117,28 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
     residual = whitened(result, problem.observations)
     score = left_out_score(result, problem.observations, residual, problem.groups)
     lack = lack_of_fit(residual, problem.smooth, problem.samples)
+    score = replace(score, squares=score.squares + _price_of_free_means(result, problem))
     loops = problem.loops
     error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
     return Judged(effects, result, score, lack, float(np.sqrt(error)), _objections(effects, result))
+
+
+def _price_of_free_means(result: Fit, problem: Problem) -> Array:
+    """Give what it costs each group that a law leaves the mean force of runs open, shape (groups,).
+
+    An element that never slips keeps whatever mean force it began with, so such a run's mean is no evidence against it.
+    But a law that could have any mean foretells none: the means count as random, of the size that they turn out to
+    have, and the logarithm of that size over the noise is the price, as it is in any likelihood.
+    """
+    adrift = result.response.adrift
+    price = np.zeros(len(problem.groups))
+    if adrift.any():
+        off = problem.harmonics.harmonics[:, 0] - result.response.force.mean(axis=1)
+        noise = problem.noise.variance[:, 0]
+        size = float(np.mean(off[adrift] ** 2))
+        price[adrift] = (np.log1p(size / noise) + off**2 / (size + noise))[adrift]
+    total = np.bincount(problem.groups, weights=price, minlength=int(problem.groups.max()) + 1)
+    return np.asarray(total, dtype=np.float64)
 
 
 def _objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
