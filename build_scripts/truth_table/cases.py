@@ -214,26 +214,30 @@ def sized(drawn: Drawn) -> tuple[tuple[float, ...], tuple[float, ...], float]:
     Returns:
         sizes; strengths reached; rms of the noise in N, less than drawn where an effect can't be large enough.
     """
-    noise = drawn.noise_share * drawn.force_rms
-    sizes: list[float] = []
-    left: list[float] = []
-    for place, kind in enumerate(drawn.case.hidden):
-        size, most = KINDS[kind].start, KINDS[kind].most
-        wanted = drawn.target[place] * noise
-        for _ in range(MOST_STEPS):
-            trial = [0.0] * len(drawn.case.hidden)
-            trial[place] = size
-            rms = unimitated_rms(drawn, trial)
-            if abs(rms / wanted - 1) < WITHIN or (size >= most and rms < wanted):
-                break
-            size = min(size * float(np.clip(wanted / max(rms, 1e-9), 0.1, 10.0)), most)
-        sizes.append(size)
-        left.append(rms)
-    # an effect that can't be larger is measured with less noise, as far as sensors go
-    most = [rms / target for rms, target in zip(left, drawn.target, strict=True)]
-    wanted = min([noise, *(level for level in most if level < noise * (1 - WITHIN))])
-    noise = max(wanted, min(noise, FINEST * drawn.force_rms))
-    return tuple(sizes), tuple(rms / noise for rms in left), noise
+    drawn_noise = drawn.noise_share * drawn.force_rms
+    noise = drawn_noise
+    for _ in drawn.case.hidden:
+        found = [_size(drawn, place, target * noise) for place, target in enumerate(drawn.target)]
+        # an effect that can't be larger is measured with less noise, as far as sensors go
+        most = min(rms / target for (_, rms), target in zip(found, drawn.target, strict=True))
+        if most > noise * (1 - WITHIN):
+            break
+        noise = max(most, min(drawn_noise, FINEST * drawn.force_rms))
+    else:
+        found = [_size(drawn, place, target * noise) for place, target in enumerate(drawn.target)]
+    return tuple(size for size, _ in found), tuple(rms / noise for _, rms in found), noise
+
+
+def _size(drawn: Drawn, place: int, wanted: float) -> tuple[float, float]:
+    """Find the size of one of the hidden kinds, alone, that leaves the base law with this rms in N; size and rms."""
+    kind = KINDS[drawn.case.hidden[place]]
+    size, rms = kind.start, 0.0
+    for _ in range(MOST_STEPS):
+        rms = unimitated_rms(drawn, [size if index == place else 0.0 for index in range(len(drawn.case.hidden))])
+        if abs(rms / wanted - 1) < WITHIN or (size >= kind.most and rms < wanted):
+            break
+        size = min(size * float(np.clip(wanted / max(rms, 1e-9), 0.1, 10.0)), kind.most)
+    return size, rms
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import random
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -58,6 +59,7 @@ def run(cases: list[Case], seed: int, jobs: int, journal: Path | None, verbose: 
             lines = journal.read_text(encoding="utf-8").splitlines()
             done = {row["name"]: row for row in map(json.loads, lines)}
     left = [case for case in cases if case.name not in done]
+    random.Random(seed).shuffle(left)  # so that what is done at any time stands for the whole
     begin = time.perf_counter()
     with ProcessPoolExecutor(max_workers=jobs) as pool:
         waiting = {pool.submit(judged, case, seed): case for case in left}
