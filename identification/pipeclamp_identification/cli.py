@@ -468,6 +468,9 @@ def _print_law(file: Any, output: Path) -> None:
     from pipeclamp_identification.identify_report import coefficient_table
 
     _print_table(coefficient_table(file))
+    for entry in file.correlations:
+        pair = " and ".join(entry.pair)
+        console.print(f"{pair} can hardly be told apart (correlation {entry.value:.3f})", highlight=False)
     if file.fit:
         noise = f" (scatter {file.fit.noise_nrmse:.2%})" if file.fit.noise_nrmse is not None else ""
         console.print(f"error {file.fit.nrmse:.2%} of the rms force{noise}", highlight=False)

@@ -1,0 +1,96 @@
+"""Diagnosis on virtual campaigns whose truth is known; the truth table in build_scripts does this at large."""
+
+import json
+
+import numpy as np
+import pytest
+
+from pipeclamp.law import Law, Structure
+from pipeclamp.parameter_file import law_text
+from pipeclamp_identification import rig
+from pipeclamp_identification.auto import add_until_settled
+from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.diagnose import diagnose
+from pipeclamp_identification.diagnosis_report import answer_for, answer_json, answer_sections
+from pipeclamp_identification.identify import identify, law_file
+from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.next_test import next_test, parse_limits
+from pipeclamp_identification.report import render
+
+BASE = {
+    "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
+    "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
+}  # fmt: skip
+PLAN = rig.TestPlan(rate=500.0, seed=3)
+ANSWER_FIELDS = {"verdict", "effects", "candidates", "nrmse", "next_test"}
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    """Give a virtual campaign of the base law with effects."""
+
+    def made(effects=(), **values):
+        folder = tmp_path_factory.mktemp("diagnose") / "campaign"
+        law = Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002)
+        rig.write_campaign(folder, rig.virtual_runs(law, PLAN), name="virtual", notes="")
+        return read_campaign(folder)
+
+    return made
+
+
+def test_scatter_alone_is_complete(campaign):
+    diagnosis = diagnose(Structure("power"), loops_of(campaign()))
+    assert (diagnosis.verdict, diagnosis.effects) == ("complete", ())
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"),
+    [
+        ("contact_growth", {"beta": 2e-4, "T_c": 450.0}),
+        ("offset", {"F_o": 5.0}),
+        ("relaxation", {"k_m": 100.0, "tau": 0.05}),
+        ("end_stop", {"k_e": 150.0, "y_e": 0.75}),
+    ],
+)
+def test_a_missing_effect_is_named(campaign, effect, values):
+    diagnosis = diagnose(Structure("power"), loops_of(campaign((effect,), **values)))
+    assert (diagnosis.verdict, diagnosis.effects) == ("missing", (effect,))
+    best = diagnosis.candidates[0]
+    assert best.squares < diagnosis.law.squares
+    assert best.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
+
+
+def test_answer_and_report(campaign):
+    tests = campaign(("asymmetry",), k2=20.0)
+    found = identify(tests)
+    file = law_file(found, tests, name="law", command="test", date=None)
+    answer = answer_for(file, tests)
+    content = json.loads(json.dumps(answer_json(answer), allow_nan=False))
+    assert content.keys() >= ANSWER_FIELDS
+    assert content["verdict"] == "missing"
+    assert content["effects"] == ["asymmetry"]
+    assert content["candidates"][0]["effect"] == "asymmetry"
+    assert content["nrmse"]["noise"] < content["nrmse"]["best"] < content["nrmse"]["law"]
+    page = render("t", "s", answer_sections(answer))
+    assert "asymmetry" in page
+    settled = add_until_settled(file, tests, command="test")
+    assert settled.answer.verdict == "complete"
+    assert settled.file.effects == ("asymmetry",)
+    assert [step.step for step in settled.file.history][-1] == "+ asymmetry"
+    assert law_text(settled.file)
+
+
+def test_no_next_test_without_rivals(campaign):
+    diagnosis = diagnose(Structure("power"), loops_of(campaign()))
+    assert next_test(diagnosis) is None
+
+
+@pytest.mark.parametrize("text", ["A=1", "A=2..1,f=1..2,T=0..1", "nonsense", "A=0..1,f=1..2,T=0..1"])
+def test_limits_that_cant_serve(text):
+    with pytest.raises(Exception, match="--limits"):
+        parse_limits(text)
+
+
+def test_limits():
+    limits = parse_limits("A=0.1..2,f=0.5..20,T=-20..300")
+    assert np.allclose([*limits.amplitude, *limits.frequency, *limits.temperature], [0.1, 2, 0.5, 20, -20, 300])
