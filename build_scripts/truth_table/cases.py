@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,7 +15,7 @@ from truth import Array, BaseLaw, Part, force
 from unlisted import UNLISTED
 
 from pipeclamp.law import Structure
-from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.campaign import Campaign, Run
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import loops_of, per_cycle
 from pipeclamp_identification.misfit import misfits
@@ -37,6 +37,10 @@ PAIRS = (
 SCATTER = (0.002, 0.004)
 """Run-to-run scatter of stiffness and damping in rough cases."""
 COLOURED = 0.3
+PROPOSED_REPEATS = 3
+"""Runs of a proposed test."""
+MOST_COARSE = 80.0
+"""A proposed test is sampled at least so many times a cycle."""
 
 
 @dataclass(frozen=True)
@@ -259,17 +263,50 @@ class Measured:
     noise_share: float
 
 
-def measure(drawn: Drawn) -> Measured:
-    """Size what is hidden and measure the campaigns."""
-    sizes, strengths, noise = sized(drawn)
-    random = np.random.default_rng(drawn.noise_seed)
-    quality = Quality(
+def quality_of(drawn: Drawn, noise: float) -> Quality:
+    """Give how well the rig of a case measures, at this rms of the force noise in N."""
+    return Quality(
         noise=noise,
         coloured=COLOURED if drawn.case.form == "rough" else 0.0,
         displacement_noise=1e-4,
         force_step=noise / 3,
         displacement_step=1e-5,
     )
+
+
+def further_runs(
+    drawn: Drawn, done: Measured, conditions: tuple[float, float, float], ridden: tuple[int, float] | None
+) -> Campaign:
+    """Run a proposed test a few times on the same clamp and rig; give the campaign with these runs at its end.
+
+    Args:
+        drawn: the case.
+        done: its campaign so far.
+        conditions: A mm, f Hz, T degC.
+        ridden: order and share of a tone that rides on the fundamental, or None.
+    """
+    A, f, T = conditions
+    random = np.random.default_rng([drawn.noise_seed, 1])
+    design = replace(DESIGNS[drawn.case.design], amplitudes=(A,), frequencies=(f,), temperatures=(T,))
+    design = replace(design, rate=max(design.rate, MOST_COARSE * f))
+    added: list[Run] = []
+    noise = done.noise_share * drawn.force_rms
+    for repeat in range(PROPOSED_REPEATS):
+        runs = batches(design, random, drawn.needs, ridden)
+        channels = []
+        for batch, true in zip(runs, drawn.forces(runs, done.sizes, True), strict=True):
+            time, y, shown = recorded(batch, true)
+            channels.append((time, *measured(time, y, shown, quality_of(drawn, noise), random)))
+        fresh = campaign_of("proposed", runs, channels, drawn.needs).runs
+        added += [replace(run, name=f"{run.name}_next{repeat}") for run in fresh]
+    return replace(done.campaign, fingerprint="sha256:extended", runs=(*done.campaign.runs, *added))
+
+
+def measure(drawn: Drawn) -> Measured:
+    """Size what is hidden and measure the campaigns."""
+    sizes, strengths, noise = sized(drawn)
+    random = np.random.default_rng(drawn.noise_seed)
+    quality = quality_of(drawn, noise)
     campaigns = []
     for name, runs in (("campaign", drawn.runs), ("heldout", drawn.heldout)):
         channels = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import asdict, dataclass
 
-from cases import Case, Measured, draw, measure
+from cases import Case, Drawn, Measured, draw, further_runs, measure
 
 from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp_identification.add import add_effect
@@ -15,6 +15,7 @@ from pipeclamp_identification.diagnosis_report import Answer, answer_for
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.loops import loops_of
 from pipeclamp_identification.misfit import misfits, overall_nrmse
+from pipeclamp_identification.next_test import RIDING, RIDING_ORDER
 
 COMMAND = "truth table"
 
@@ -53,6 +54,8 @@ class Outcome:
         steps: every diagnosis, in order.
         counted: the first diagnosis, in a word: see `counted`.
         added: what was added until settled.
+        settled: for an ambiguous end with the truth inside, how the proposed test ended it: "right", "wrong",
+            a verdict, or "none proposed"; else "".
         seconds: what it took.
         error: the message, where the package failed.
     """
@@ -69,6 +72,7 @@ class Outcome:
     steps: tuple[Step, ...]
     counted: str
     added: tuple[str, ...]
+    settled: str
     seconds: float
     error: str = ""
 
@@ -76,36 +80,54 @@ class Outcome:
 def judged(case: Case, seed: int) -> Outcome:
     """Run one case."""
     begin = time.perf_counter()
-    data = measure(draw(case, seed))
+    drawn = draw(case, seed)
+    data = measure(drawn)
     steps: list[Step] = []
     added: list[str] = []
-    error = ""
+    error = settled = ""
     try:
-        follow(data, steps, added)
+        file, answer = follow(data, steps, added)
+        if answer.verdict == "ambiguous" and set(answer.diagnosis.effects) & case.truth:
+            settled = after_proposed(drawn, data, file, answer)
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
     return Outcome(
         case.name, case.kind, case.form, case.strength, case.noise, case.design, tuple(sorted(case.truth)),
         tuple(round(one, 3) for one in data.strengths), data.noise_share, tuple(steps),
-        "failed" if error else counted(case, steps, added), tuple(added), round(time.perf_counter() - begin, 1), error,
+        "failed" if error else counted(case, steps, added), tuple(added), settled,
+        round(time.perf_counter() - begin, 1), error,
     )  # fmt: skip
 
 
-def follow(data: Measured, steps: list[Step], added: list[str]) -> None:
-    """Diagnose and add as `pipeclamp diagnose --auto` does, and note every step."""
+def follow(data: Measured, steps: list[Step], added: list[str]) -> tuple[LawFile, Answer]:
+    """Diagnose and add as `pipeclamp diagnose --auto` does, note every step, and give where it ended."""
     campaign = data.campaign
     file = law_file(identify(campaign), campaign, name="base", command=COMMAND, date=None)
     while True:
         answer = answer_for(file, campaign)
         steps.append(noted(answer, file, data))
         if answer.verdict != "missing" or len(added) == MOST_EFFECTS:
-            return
+            return file, answer
         effect = named(answer)
         addition = add_effect(file, effect, campaign, command=COMMAND, date=None)
         if addition.heldout[1] >= addition.heldout[0]:
-            return
+            return file, answer
         added.append(effect)
         file = addition.after
+
+
+def after_proposed(drawn: Drawn, data: Measured, file: LawFile, answer: Answer) -> str:
+    """Run the test that an ambiguous answer proposes and say how the next diagnosis ends."""
+    proposal = answer.proposal
+    if proposal is None:
+        return "none proposed"
+    ridden = None if proposal.profile == "sine" else (RIDING_ORDER, RIDING)
+    conditions = (proposal.amplitude_mm, proposal.frequency_Hz, proposal.temperature_C)
+    campaign = further_runs(drawn, data, conditions, ridden)
+    again = answer_for(file, campaign)
+    if again.verdict != "missing":
+        return again.verdict
+    return "right" if set(again.diagnosis.effects) <= drawn.case.truth else "wrong"
 
 
 def noted(answer: Answer, file: LawFile, data: Measured) -> Step:

@@ -70,13 +70,16 @@ class Batch:
     rows: tuple[Mapping[str, float], ...]
 
 
-def batches(design: Design, random: np.random.Generator, needs: frozenset[str]) -> list[Batch]:
+def batches(
+    design: Design, random: np.random.Generator, needs: frozenset[str], ridden: tuple[int, float] | None = None
+) -> list[Batch]:
     """Drive all runs of a design.
 
     Args:
         design: the plan.
         random: generator of the rig's errors: amplitude, temperature, start in the cycle, distortion.
         needs: what varies besides: "density", "condition", "cycles".
+        ridden: order and share of a tone that rides on the fundamental, or None.
     """
     extra = random.uniform(0.0, 0.4)
     count = len(design.amplitudes) * len(design.frequencies) * len(design.temperatures)
@@ -96,6 +99,9 @@ def batches(design: Design, random: np.random.Generator, needs: frozenset[str]) 
             wander = 1 + 0.1 * random.standard_normal(R)
             turned = np.exp(1j * ((index + 2) * start + angles[index]))
             tones[index + 2] = A * share * wander * turned
+        if ridden:
+            order_ridden, share_ridden = ridden
+            tones[order_ridden] = A * share_ridden * np.exp(1j * order_ridden * start)
         samples = round((design.cycles + extra) * design.rate / f)
         time, y, v, a = drive(tones, f, design.rate, samples)
         level = np.array([(i + j + k) % 3 for (i, _), (j, _) in pairs])

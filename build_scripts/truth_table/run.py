@@ -20,7 +20,7 @@ for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "POLARS_MAX_THREADS")
 
 from cases import Case, all_cases, chosen  # noqa: E402
 from judge import as_row, judged  # noqa: E402
-from table import Row, markdown, reached  # noqa: E402
+from table import Row, markdown, reached, sound  # noqa: E402
 
 
 def main() -> None:
@@ -32,6 +32,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--verbose", action="store_true", help="print every diagnosis with its evidence")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder for the table; else print only")
+    parser.add_argument("--check", action="store_true", help="end with status 1 when something was named wrongly")
     given = parser.parse_args()
     cases = chosen(all_cases(), given.share, given.seed)
     if given.cases:
@@ -48,6 +49,8 @@ def main() -> None:
         content = {"command": command, "targets": reached(rows), "cases": rows}
         (given.output / "truth_table.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
     print(text)
+    if given.check and not sound(rows):
+        sys.exit("truth table: something was named wrongly, alarmed, failed, or too little was found")
 
 
 def run(cases: list[Case], seed: int, jobs: int, journal: Path | None, verbose: bool) -> list[Row]:

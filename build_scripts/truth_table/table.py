@@ -68,6 +68,11 @@ TARGETS = (
 )  # fmt: skip
 
 
+def settled_rows(rows: Sequence[Row]) -> list[Row]:
+    """Give the rows that ended ambiguous with the truth inside, for which a test was proposed and run."""
+    return [row for row in rows if row.get("settled")]
+
+
 def strong_enough(row: Row) -> bool:
     """Tell whether what is hidden is of a strength that the targets speak of; nothing always is."""
     return all(strength >= WEAKEST for strength in row["strengths"])
@@ -82,7 +87,18 @@ def reached(rows: Sequence[Row]) -> list[dict[str, Any]]:
         met = bool(value >= target.bound if target.at_least else value <= target.bound)
         found.append({"target": target.words, "cases": len(mine), "value": value, "bound": target.bound,
                       "at_least": target.at_least, "met": met})  # fmt: skip
+    open_rows = settled_rows(rows)
+    value = sum(row["settled"] == "right" for row in open_rows) / len(open_rows) if open_rows else float("nan")
+    found.append({"target": "ambiguous: settled by running the proposed test", "cases": len(open_rows),
+                  "value": value, "bound": 0.9, "at_least": True, "met": bool(value >= 0.9)})  # fmt: skip
     return found
+
+
+def sound(rows: Sequence[Row]) -> bool:
+    """Tell whether a small share is as it should be: nothing named wrongly, no alarm, nothing failed, most found."""
+    bad = sum(row["counted"] in ("wrong", "false_alarm", "failed") for row in rows)
+    good = sum(row["counted"] in ("right", "ambiguous3") for row in rows if strong_enough(row))
+    return bad == 0 and good >= 0.8 * sum(strong_enough(row) for row in rows)
 
 
 def markdown(rows: Sequence[Row], command: str) -> str:
@@ -113,13 +129,14 @@ def markdown(rows: Sequence[Row], command: str) -> str:
             counts = Counter(row["counted"] for row in chosen if label(row) == name)
             cells = " | ".join(str(counts[column] or "") for column in COLUMNS)
             lines.append(f"| {name} | {sum(counts.values())} | {cells} |")
-    lines += ["", "## Cases that were not right", "", "| case | strength | counted | diagnoses | error |",
+    lines += ["", "## Cases that were not right", "", "| case | strength | counted | diagnoses | |",
               "|---|---|---|---|---|"]  # fmt: skip
     for row in rows:
         if row["counted"] != "right":
             story = "; ".join(f"{step['verdict']} {', '.join(step['effects'])}".strip() for step in row["steps"])
             strengths = ", ".join(f"{one:.2f}" for one in row["strengths"])
-            lines.append(f"| {row['name']} | {strengths} | {row['counted']} | {story} | {row['error'][:80]} |")
+            ended = row["error"][:80] or (f"proposed test: {row['settled']}" if row.get("settled") else "")
+            lines.append(f"| {row['name']} | {strengths} | {row['counted']} | {story} | {ended} |")
     return "\n".join(lines) + "\n"
 
 
