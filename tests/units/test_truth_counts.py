@@ -1,0 +1,77 @@
+"""The truth table counts what a diagnosis said in the words that the issue's targets use."""
+
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
+
+
+@pytest.fixture(autouse=True)
+def rig_on_path(monkeypatch):
+    monkeypatch.syspath_prepend(FOLDER)
+
+
+def step(verdict, *effects):
+    from judge import Step
+
+    return Step(verdict, effects, 1.0, 0.0, (), (), ())
+
+
+def case(kind, *hidden):
+    from cases import Case
+
+    return Case(kind, hidden, "clean", "middle", "low", "A")
+
+
+@pytest.mark.parametrize(
+    ("kind", "hidden", "verdict", "effects", "added", "expected"),
+    [
+        ("effect", ("gap",), "missing", ("gap",), ["gap"], "right"),
+        ("effect", ("memory",), "missing", ("memory",), ["memory:3"], "right"),
+        ("effect", ("condition",), "missing", ("condition:bolt_torque_Nm",), [], "right"),
+        ("effect", ("gap",), "missing", ("memory",), ["memory"], "wrong"),
+        ("effect", ("gap",), "ambiguous", ("memory", "gap"), [], "ambiguous3"),
+        ("effect", ("gap",), "ambiguous", ("memory", "viscous", "delay", "gap"), [], "ambiguous"),
+        ("effect", ("gap",), "ambiguous", ("memory", "viscous"), [], "ambiguous_wrong"),
+        ("effect", ("gap",), "unknown", (), [], "unknown"),
+        ("effect", ("gap",), "complete", (), [], "complete"),
+        ("none", (), "complete", (), [], "right"),
+        ("none", (), "unknown", (), [], "false_alarm"),
+        ("unlisted", ("mains_hum",), "unknown", (), [], "right"),
+        ("unlisted", ("mains_hum",), "missing", ("gap",), ["gap"], "wrong"),
+        ("unlisted", ("mains_hum",), "complete", (), [], "complete"),
+        ("two", ("gap", "viscous"), "complete", (), ["viscous", "gap"], "right"),
+        ("two", ("gap", "viscous"), "complete", (), ["viscous"], "one"),
+        ("two", ("gap", "viscous"), "complete", (), ["viscous", "delay"], "wrong"),
+        ("two", ("gap", "viscous"), "ambiguous", ("gap", "memory"), ["viscous"], "ambiguous3"),
+    ],
+)
+def test_how_a_case_came_out(kind, hidden, verdict, effects, added, expected):
+    from judge import counted
+
+    assert counted(case(kind, *hidden), [step(verdict, *effects)], added) == expected
+
+
+def row(counted, strength=1.0):
+    return {
+        "name": f"effect/gap/clean/middle/low/A/{counted}", "kind": "effect", "form": "clean", "noise": "low",
+        "strength": "middle", "strengths": [strength], "counted": counted, "added": ["gap"], "settled": "", "error": "",
+        "steps": [{"verdict": "missing", "effects": ["gap"], "heldout_over_floor": 1.01}],
+    }  # fmt: skip
+
+
+def test_targets_leave_weak_cases_aside_and_say_what_was_missed():
+    from table import markdown, reached, sound
+
+    rows = [row("right"), row("right"), row("wrong"), row("unknown", strength=0.2)]
+    targets = {entry["target"]: entry for entry in reached(rows)}
+    right = targets["one effect, clean: right"]
+    assert right["cases"] == 3
+    assert right["value"] == pytest.approx(2 / 3)
+    assert not right["met"]
+    assert not sound(rows)
+    assert sound(rows[:2])
+    text = markdown(rows, "the command")
+    assert "| one effect, clean: right | 3 | 66.7% | >= 98% | **missed** |" in text
+    assert "effect/gap/clean/middle/low/A/wrong" in text
