@@ -57,5 +57,7 @@ if __name__ == "__main__":
         identifying = seconds(whole)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20 if sys.platform == "linux" else float("nan")
     print(f"{count} runs, {rows / 1e6:.2f} million rows")
-    print(f"polars reads them in {reading:.2f} s, identify takes {identifying:.2f} s: {identifying / reading:.1f} times")
+    print(
+        f"polars reads them in {reading:.2f} s, identify takes {identifying:.2f} s: {identifying / reading:.1f} times"
+    )
     print(f"peak memory {peak:.2f} GiB")
