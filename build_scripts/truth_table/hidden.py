@@ -58,8 +58,8 @@ def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shap
     F_c = size * typical(base)
     if not rough:
         return Part(force=F_c * np.sign(motion.v))
-    level = 1 + 0.25 * np.exp(-np.abs(motion.v) / (2 * shape["speed"]))
-    return Part(force=F_c * level * np.tanh(motion.v / (0.1 * shape["speed"])))
+    level = 1 + 0.1 * np.exp(-np.abs(motion.v) / (2 * shape["speed"]))
+    return Part(force=F_c * level * np.tanh(motion.v / (0.03 * shape["speed"])))
 
 
 def viscous(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
