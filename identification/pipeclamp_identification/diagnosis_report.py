@@ -49,8 +49,8 @@ class Answer:
 
     @property
     def verdict(self) -> str:
-        """The verdict; what is locked to time, not to motion, is no scatter, so a law with it isn't complete."""
-        if self.diagnosis.verdict == "complete" and self.leftover.time_locked_Hz:
+        """The verdict; what is locked to time, or to several cycles, is no scatter: a law with it isn't complete."""
+        if self.diagnosis.verdict == "complete" and self.leftover.not_periodic:
             return "unknown"
         return self.diagnosis.verdict
 

@@ -14,7 +14,7 @@ from scipy import stats
 from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.fit import Fit
 from pipeclamp_identification.loops import Loops
-from pipeclamp_identification.noise import WhitenedObservations
+from pipeclamp_identification.noise import UNSEEN, NoiseModel, WhitenedObservations
 from pipeclamp_identification.observations import Rows
 
 LOW_HARMONICS = 7
@@ -113,36 +113,48 @@ class LackOfFit:
     """What of the residuals follows the conditions, against what noise alone would make of it.
 
     Attributes:
-        excess: sum of squared whitened residuals that follow the conditions smoothly, less its expectation.
         p_value: chance that noise alone makes so much, over all or the low harmonics, whichever is smaller (twice).
-        share: the excess as rms, as a share of the force noise per sample.
-        by_channel: excess of each whitened harmonic part, shape (m,).
+        share: force that follows the conditions, rms in N, as a share of the force noise per sample.
+        by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
+            small.
     """
 
-    excess: float
     p_value: float
     share: float
     by_channel: Array
 
+    @property
+    def excess(self) -> float:
+        """Mean square of what follows the conditions, N2."""
+        return float(self.by_channel.sum())
 
-def lack_of_fit(fitted: Whitened, smooth: Array, samples: float) -> LackOfFit:
-    """Test whether residuals follow the conditions.
+
+def lack_of_fit(fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, noise_rms: Array) -> LackOfFit:
+    """Test whether residuals follow the conditions: significance in units of the noise, size in newtons.
 
     Args:
-        fitted: residuals (R, m) and derivatives (R, m, P).
+        fitted: whitened residuals (R, m) and derivatives (R, m, P).
+        plain: the residuals in N, shape (R, m).
+        noise: the noise model.
         smooth: orthonormal functions of the conditions, shape (R, q).
-        samples: number of samples in all records.
+        noise_rms: force noise per sample of each run, N, shape (R,).
     """
     runs, channels, count = fitted.jacobian.shape
     explained = np.sum((smooth.T @ fitted.residual) ** 2, axis=0)
     flat = np.linalg.qr(_scaled(fitted.jacobian.reshape(runs * channels, count)))[0]
     taken = np.sum(np.einsum("rq,rmp->qmp", smooth, flat.reshape(runs, channels, -1)) ** 2, axis=(0, 2))
     freedoms = smooth.shape[1] - taken
-    by_channel = explained - freedoms
     low = 2 * LOW_HARMONICS + 1
     p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
-    excess = float(by_channel.sum())
-    return LackOfFit(excess, min(1.0, 2 * min(p_values)), float(np.sqrt(max(excess, 0.0) / samples)), by_channel)
+    leverage = np.sum(smooth**2, axis=1)
+    seen = noise.variance < UNSEEN
+    variance = np.where(seen, noise.total_variance(), 0.0)
+    expected = (leverage @ variance) * freedoms / smooth.shape[1]
+    by_channel = (np.sum((smooth.T @ np.where(seen, plain, 0.0)) ** 2, axis=0) - expected) / runs
+    # A harmonic's mean square is half its squared amplitude.
+    by_channel[1:] /= 2
+    share = np.sqrt(max(float(by_channel.sum()), 0.0) / float(np.mean(noise_rms**2)))
+    return LackOfFit(min(1.0, 2 * min(p_values)), float(share), by_channel)
 
 
 def _scaled(jacobian: Array) -> Array:

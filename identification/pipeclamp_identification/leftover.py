@@ -14,10 +14,12 @@ from pipeclamp_identification.problem import Judged, Problem
 
 POINTS = 360
 STRONGEST = 3
-LINE = 25.0
-"""A spectral line counts when its power is this many times the median around it, in at least half of the runs."""
-LINE_SHARE = 0.25
-"""Lines together below this share of the noise (rms) are left unmentioned."""
+KEPT_HARMONICS = 20
+NEIGHBOURS = 20
+FEWEST_NEIGHBOURS = 4
+"""Bins on either side from which a line's neighbouring level is told."""
+SURELY = 12.0
+"""Standard errors by which the pooled power of a line must exceed its neighbours': hundreds of bins are looked at."""
 
 
 @dataclass(frozen=True)
@@ -29,12 +31,19 @@ class Leftover:
         phase: degrees of the cycle after the largest displacement, shape (n,).
         shape: rms over runs of the residual force along the cycle, N, shape (n,).
         time_locked_Hz: frequencies of lines that are the same in every run, whatever the drive's frequency.
+        fractions: multiples of the drive's frequency, not whole, at which there are lines.
     """
 
     words: tuple[str, ...]
     phase: Array
     shape: Array
     time_locked_Hz: tuple[float, ...]
+    fractions: tuple[float, ...]
+
+    @property
+    def not_periodic(self) -> bool:
+        """Whether something is left that is neither scatter nor repeats with each cycle."""
+        return bool(self.time_locked_Hz or self.fractions)
 
 
 def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> Leftover:
@@ -58,7 +67,13 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
         words.append(
             f"a force at {named} is there in most runs whatever the drive's frequency: locked to time, not motion"
         )
-    return Leftover(tuple(words), phase, shape, lines)
+    fractions = fractional_lines(campaign, misfits)
+    if fractions:
+        named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
+        words.append(
+            f"a force at {named} times the drive's frequency: it follows the motion, but not every cycle alike"
+        )
+    return Leftover(tuple(words), phase, shape, lines, fractions)
 
 
 def _along_cycle(residual: Array) -> Array:
@@ -120,41 +135,72 @@ def _ranks(values: Array) -> Array:
     return np.argsort(np.argsort(values)).astype(float)
 
 
-def time_locked_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tuple[float, ...]:
-    """Find lines at one absolute frequency in what isn't periodic with the motion, in at least half of the runs."""
-    found: list[float] = []
-    power_in, power_all, resolution = 0.0, 0.0, []
-    for run, misfit in zip(campaign.runs, misfits, strict=True):
-        error = misfit.measured - misfit.computed
+def pooled_lines(
+    campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates: Array, *, of_drive: bool
+) -> tuple[float, ...]:
+    """Find lines that stand out of their neighbouring spectrum in all runs together.
+
+    Args:
+        campaign: the tests.
+        misfits: the law's error on each sample.
+        candidates: where to look: Hz, or multiples of the drive's frequency.
+        of_drive: whether the candidates are multiples of the drive's frequency.
+
+    Returns:
+        candidates whose power, over the local median and averaged over runs, is beyond what noise would make.
+    """
+    level = np.full((len(misfits), len(candidates)), np.nan)
+    for row, (run, misfit) in enumerate(zip(campaign.runs, misfits, strict=True)):
         time = run.record.time_s[run.cycles.steady]
-        step = (time[-1] - time[0]) / (len(time) - 1)
-        drive = run.cycles.frequency_Hz
+        length = time[-1] - time[0]
+        error = misfit.measured - misfit.computed
         spectrum = np.abs(np.fft.rfft((error - error.mean()) * np.hanning(len(error)))) ** 2
-        frequency = np.fft.rfftfreq(len(error), step)
-        order = frequency / drive
-        # What repeats with the motion is the law's own lack, not a line of its own.
-        own = np.abs(order - np.round(order)) * drive < 2.5 / (len(error) * step)
-        usable = ~own & (frequency > 2.0 / (len(error) * step))
-        if np.count_nonzero(usable) < 20:
-            continue
-        median = float(np.median(spectrum[usable]))
-        lines = usable & (spectrum > LINE * median)
-        found += frequency[lines].tolist()
-        power_in += float(spectrum[lines].sum())
-        power_all += float(spectrum[usable].sum())
-        resolution.append(1.0 / (len(error) * step))
-    if not resolution or power_in < LINE_SHARE**2 * power_all:
-        return ()
-    width = 2.0 * float(np.max(resolution))
-    return _common(found, width, 0.5 * len(resolution))
+        width = 1.0 / (length * (1 + 1 / (len(error) - 1)))
+        drive = run.cycles.frequency_Hz
+        place = candidates * (drive if of_drive else 1.0) / width
+        line = np.round(place).astype(np.intp)
+        order = np.arange(len(spectrum)) * width / drive
+        # What repeats with the motion up to the harmonics that are kept is the law's own lack, not a line of its own.
+        own = (np.abs(order - np.round(order)) * drive < 1.6 * width) & (np.round(order) <= KEPT_HARMONICS)
+        for index in np.flatnonzero((line >= 2) & (line < len(spectrum) - 2)):
+            around = np.arange(max(line[index] - NEIGHBOURS, 1), min(line[index] + NEIGHBOURS + 1, len(spectrum)))
+            around = around[(np.abs(around - line[index]) > 2) & ~own[around]]
+            if own[line[index]] or len(around) < FEWEST_NEIGHBOURS:
+                continue
+            level[row, index] = spectrum[line[index]] / (np.median(spectrum[around]) / np.log(2))
+    drives = np.array([round(float(np.log2(run.cycles.frequency_Hz)) * 8) for run in campaign.runs])
+    seen = np.isfinite(level)
+    count = seen.sum(axis=0)
+    mean = np.where(seen, level, 0.0).sum(axis=0) / np.maximum(count, 1)
+    beyond = (count >= 3) & (mean > 1 + SURELY / np.sqrt(np.maximum(count, 1)))
+    if not of_drive:
+        # One line in runs of one drive's frequency may be the motion's own; it takes two to tell.
+        shown = np.zeros(len(candidates))
+        for drive in np.unique(drives):
+            part = seen[drives == drive]
+            several = part.sum(axis=0)
+            own_mean = np.where(part, level[drives == drive], 0.0).sum(axis=0) / np.maximum(several, 1)
+            shown += (several > 0) & (own_mean > 1 + SURELY / 3 / np.sqrt(np.maximum(several, 1)))
+        beyond &= shown >= 2
+    return tuple(
+        float(candidates[index]) for index in np.flatnonzero(beyond) if mean[index] == _largest_near(mean, int(index))
+    )
 
 
-def _common(frequencies: list[float], width: float, least: float) -> tuple[float, ...]:
-    """Give the centres of clusters of frequencies that come from at least so many runs."""
-    lines, rest = [], np.sort(frequencies)
-    while len(rest):
-        cluster = rest[rest < rest[0] + width]
-        if len(cluster) >= least:
-            lines.append(float(np.mean(cluster)))
-        rest = rest[len(cluster) :]
-    return tuple(lines)
+def _largest_near(mean: Array, index: int) -> float:
+    """Give the largest of the values within so many places: a line shows in its neighbours too."""
+    return float(mean[max(index - NEIGHBOURS, 0) : index + NEIGHBOURS + 1].max())
+
+
+def time_locked_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tuple[float, ...]:
+    """Find lines at one absolute frequency, Hz, in all runs together: mains hum, say."""
+    longest = max(float(run.record.time_s[-1] - run.record.time_s[0]) for run in campaign.runs)
+    rate = min(len(run.record.time_s) / float(run.record.time_s[-1] - run.record.time_s[0]) for run in campaign.runs)
+    slowest = min(run.cycles.frequency_Hz for run in campaign.runs)
+    candidates = np.arange(2.5 * slowest, 0.45 * rate, 0.5 / longest)
+    return pooled_lines(campaign, misfits, candidates, of_drive=False)
+
+
+def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tuple[float, ...]:
+    """Find lines at fractions of the drive's frequency in all runs together: subharmonics of the motion."""
+    return pooled_lines(campaign, misfits, np.array([0.5, 1.5, 2.5]), of_drive=True)

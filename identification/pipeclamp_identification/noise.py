@@ -92,6 +92,11 @@ class NoiseModel:
     stiffness_scatter: float
     damping_scatter: float
 
+    def total_variance(self) -> Array:
+        """Give the variance of each harmonic part, scatter between runs included, N2, shape (R, 2 H + 1)."""
+        elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping
+        return np.asarray(self.variance + elastic**2 + damping**2)
+
     def scatter(self) -> float:
         """Give the scatter between runs in one number."""
         return self.stiffness_scatter + self.damping_scatter

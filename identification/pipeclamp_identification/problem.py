@@ -38,7 +38,6 @@ class Problem:
         noise: the noise model.
         smooth: smooth functions of the conditions, (R, q).
         groups: (amplitude, frequency) group of each row.
-        samples: number of samples in all records.
     """
 
     loops: Loops
@@ -46,7 +45,6 @@ class Problem:
     noise: NoiseModel
     smooth: Array
     groups: Rows
-    samples: float
 
     @property
     def harmonics(self) -> LoopObservations:
@@ -88,8 +86,7 @@ def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
     noise = noise_model(loops, harmonics.plain_residual(first.response))
     observations = WhitenedObservations(harmonics, noise.whitener())
     groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
-    samples = float(loops.samples.sum())
-    problem = Problem(loops, observations, noise, smooth_basis(loops), groups, samples)
+    problem = Problem(loops, observations, noise, smooth_basis(loops), groups)
     return problem, judge((), structure, first.law.values, problem)
 
 
@@ -116,7 +113,8 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
     result = fit(structure, problem.observations, start=start, tolerance=CLOSELY)
     residual = whitened(result, problem.observations)
     score = left_out_score(result, problem.observations, residual, problem.groups)
-    lack = lack_of_fit(residual, problem.smooth, problem.samples)
+    plain = problem.harmonics.plain_residual(result.response)
+    lack = lack_of_fit(residual, plain, problem.noise, problem.smooth, problem.loops.noise_rms_N)
     score = replace(score, squares=score.squares + _price_of_free_means(result, problem))
     loops = problem.loops
     error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
