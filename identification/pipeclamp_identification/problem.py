@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp.law import Structure
+from pipeclamp.law import Structure, compose
 from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.evidence import (
     LackOfFit,
@@ -33,7 +33,7 @@ class Problem:
     """The data of a diagnosis.
 
     Attributes:
-        loops: one row a run; one a run and cycle where stiffness drifts along the cycles.
+        loops: one row a run; one a run and cycle where the law, or the stiffness, changes along the cycles.
         observations: whitened by the noise model.
         noise: the noise model.
         smooth: smooth functions of the conditions, (R, q).
@@ -80,7 +80,8 @@ class Judged:
 
 def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
     """Fit the law as it is, estimate the noise, and fit it again in the noise's units."""
-    loops = per_cycle(loops) if drifts(loops) else loops
+    ages = "N" in {str(symbol) for symbol in compose(structure).slow_signals}
+    loops = per_cycle(loops) if ages or drifts(loops) else loops
     harmonics = loop_observations(loops)
     first = fit_structure(structure, loops, harmonics)
     noise = noise_model(loops, harmonics.plain_residual(first.response))

@@ -14,6 +14,8 @@ EFFECT = Effect(
     looks_like="a step of force at each reversal, the same at every A and f: quadrature of all odd harmonics",
     imitated_by=("power_damping", "memory"),
     told_apart_by="a very slow test at small amplitude: the step stays where a power of v dies out",
-    parameters=(Parameter(F_c, "N", "friction force", 0.03 * F_typical, lower=0.0),),
+    parameters=(
+        Parameter(F_c, "N", "friction force", tuple(share * F_typical for share in (0.02, 0.08, 0.2)), lower=0.0),
+    ),
     force=F_c * smooth_sign(v, v_r),
 )
