@@ -15,7 +15,7 @@ EFFECT = Effect(
     imitated_by=("power_damping", "memory"),
     told_apart_by="a very slow test at small amplitude: the step stays where a power of v dies out",
     parameters=(
-        Parameter(F_c, "N", "friction force", tuple(share * F_typical for share in (0.02, 0.08, 0.2)), lower=0.0),
+        Parameter(F_c, "N", "friction force", 0.03 * F_typical, lower=0.0),
     ),
     force=F_c * smooth_sign(v, v_r),
 )
