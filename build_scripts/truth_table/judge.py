@@ -141,7 +141,7 @@ def noted(answer: Answer, file: LawFile, data: Measured) -> Step:
         answer.verdict, tuple(diagnosis.effects) if answer.verdict in ("missing", "ambiguous") else (),
         round(heldout_over_floor(file, data.heldout, data.heldout_floor), 4), round(diagnosis.law.lack.share, 4),
         candidates, tuple((name, round(promise, 4)) for name, promise in diagnosis.screened_out.items()),
-        tuple(diagnosis.reasons),
+        (*diagnosis.reasons, f"not locked to the motion, Hz: {list(answer.leftover.time_locked_Hz)}"),
     )  # fmt: skip
 
 

@@ -20,10 +20,8 @@ from pipeclamp_identification.loops import Loops, displacement_on_grid, on_grid
 
 FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
-SAMPLES = 256
-"""Points of the cycle at which laws are evaluated: folds less than 1e-4 of the damping force into the fundamental."""
-SAMPLES_FOR_FEW = 512
-"""The same where samples are few: steps at reversals must be placed between them."""
+SAMPLES = 512
+"""Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
 
 
 Rows = npt.NDArray[np.intp]
@@ -95,25 +93,20 @@ def sampled_transform(phase: Array, samples: int, count: int) -> Array:
     return np.asarray(np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T)
 
 
-def _few_samples(loops: Loops) -> list[bool]:
-    """Tell of each run whether it has few samples a cycle."""
-    return [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=False)]
-
-
 def _transforms(loops: Loops) -> Array | None:
     """Give each run's own transform, shape (R, n, m), where a run has few samples a cycle; None where none has."""
-    few = _few_samples(loops)
+    few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=False)]
     if not any(few):
         return None
     count = loops.force.shape[1] - 1
-    plain = harmonics_of(np.eye(SAMPLES_FOR_FEW), count)
-    own = np.empty((len(loops.run), SAMPLES_FOR_FEW, 2 * count + 1))
+    plain = harmonics_of(np.eye(SAMPLES), count)
+    own = np.empty((len(loops.run), SAMPLES, 2 * count + 1))
     with one_thread():
         for row, phase in enumerate(loops.phases):
             carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
             own[row] = plain
             if few[row]:
-                own[row, :, : 2 * carried + 1] = sampled_transform(phase, SAMPLES_FOR_FEW, carried)
+                own[row, :, : 2 * carried + 1] = sampled_transform(phase, SAMPLES, carried)
     return own
 
 
@@ -295,8 +288,7 @@ def loop_observations(loops: Loops) -> LoopObservations:
     error = loops.force_standard_error
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES), axis=1) / 2
-    motion = loop_motion(loops, SAMPLES_FOR_FEW if any(_few_samples(loops)) else SAMPLES)
-    return LoopObservations(motion, harmonics, both, amplitude, _transforms(loops))
+    return LoopObservations(loop_motion(loops), harmonics, both, amplitude, _transforms(loops))
 
 
 def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:

@@ -14,8 +14,6 @@ EFFECT = Effect(
     looks_like="a step of force at each reversal, the same at every A and f: quadrature of all odd harmonics",
     imitated_by=("power_damping", "memory"),
     told_apart_by="a very slow test at small amplitude: the step stays where a power of v dies out",
-    parameters=(
-        Parameter(F_c, "N", "friction force", 0.03 * F_typical, lower=0.0),
-    ),
+    parameters=(Parameter(F_c, "N", "friction force", 0.03 * F_typical, lower=0.0),),
     force=F_c * smooth_sign(v, v_r),
 )
