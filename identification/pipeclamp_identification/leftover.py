@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.campaign import Campaign
@@ -14,7 +15,6 @@ from pipeclamp_identification.problem import Judged, Problem
 
 POINTS = 360
 STRONGEST = 3
-KEPT_HARMONICS = 20
 NEIGHBOURS = 20
 FEWEST_NEIGHBOURS = 4
 """Bins on either side from which a line's neighbouring level is told."""
@@ -30,7 +30,7 @@ class Leftover:
         words: sentences, most important first.
         phase: degrees of the cycle after the largest displacement, shape (n,).
         shape: rms over runs of the residual force along the cycle, N, shape (n,).
-        time_locked_Hz: frequencies of lines that are the same in every run, whatever the drive's frequency.
+        time_locked_Hz: frequencies of lines that don't repeat with the motion.
         fractions: multiples of the drive's frequency, not whole, at which there are lines.
     """
 
@@ -64,9 +64,7 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     words = [_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem)]
     if lines:
         named = ", ".join(f"{line:.2f} Hz" for line in lines)
-        words.append(
-            f"a force at {named} is there in most runs whatever the drive's frequency: locked to time, not motion"
-        )
+        words.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
     fractions = fractional_lines(campaign, misfits)
     if fractions:
         named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
@@ -160,31 +158,32 @@ def pooled_lines(
         place = candidates * (drive if of_drive else 1.0) / width
         line = np.round(place).astype(np.intp)
         order = np.arange(len(spectrum)) * width / drive
-        # What repeats with the motion up to the harmonics that are kept is the law's own lack, not a line of its own.
-        own = (np.abs(order - np.round(order)) * drive < 1.6 * width) & (np.round(order) <= KEPT_HARMONICS)
+        # What repeats with the motion is the law's own lack, not a line of its own.
+        own = np.abs(order - np.round(order)) * drive < 1.6 * width
         for index in np.flatnonzero((line >= 2) & (line < len(spectrum) - 2)):
-            around = np.arange(max(line[index] - NEIGHBOURS, 1), min(line[index] + NEIGHBOURS + 1, len(spectrum)))
-            around = around[(np.abs(around - line[index]) > 2) & ~own[around]]
-            if own[line[index]] or len(around) < FEWEST_NEIGHBOURS:
-                continue
-            level[row, index] = spectrum[line[index]] / (np.median(spectrum[around]) / np.log(2))
-    drives = np.array([round(float(np.log2(run.cycles.frequency_Hz)) * 8) for run in campaign.runs])
+            background = _background(spectrum, ~own, int(line[index]))
+            if not own[line[index]] and background is not None:
+                level[row, index] = spectrum[line[index]] / background
     seen = np.isfinite(level)
     count = seen.sum(axis=0)
     mean = np.where(seen, level, 0.0).sum(axis=0) / np.maximum(count, 1)
     beyond = (count >= 3) & (mean > 1 + SURELY / np.sqrt(np.maximum(count, 1)))
-    if not of_drive:
-        # One line in runs of one drive's frequency may be the motion's own; it takes two to tell.
-        shown = np.zeros(len(candidates))
-        for drive in np.unique(drives):
-            part = seen[drives == drive]
-            several = part.sum(axis=0)
-            own_mean = np.where(part, level[drives == drive], 0.0).sum(axis=0) / np.maximum(several, 1)
-            shown += (several > 0) & (own_mean > 1 + SURELY / 3 / np.sqrt(np.maximum(several, 1)))
-        beyond &= shown >= 2
     return tuple(
         float(candidates[index]) for index in np.flatnonzero(beyond) if mean[index] == _largest_near(mean, int(index))
     )
+
+
+def _background(spectrum: Array, usable: npt.NDArray[np.bool_], line: int) -> float | None:
+    """Give the mean power that noise has at a line, from its neighbours on both sides; None where there are too few.
+
+    Coloured noise falls with frequency: the geometric mean of the medians on either side follows the slope.
+    """
+    below = np.arange(max(line - NEIGHBOURS, 1), max(line - 2, 1))
+    above = np.arange(line + 3, min(line + NEIGHBOURS + 1, len(spectrum)))
+    sides = [spectrum[side[usable[side]]] for side in (below, above)]
+    if min(len(side) for side in sides) < FEWEST_NEIGHBOURS:
+        return None
+    return float(np.sqrt(np.median(sides[0]) * np.median(sides[1])) / np.log(2))
 
 
 def _largest_near(mean: Array, index: int) -> float:
