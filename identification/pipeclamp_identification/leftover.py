@@ -15,9 +15,11 @@ from pipeclamp_identification.problem import Judged, Problem
 
 POINTS = 360
 STRONGEST = 3
-NEIGHBOURS = 20
-FEWEST_NEIGHBOURS = 4
+NEIGHBOURS = 30
+FEWEST_NEIGHBOURS = 8
 """Bins on either side from which a line's neighbouring level is told."""
+FEWEST_SHARE = 0.3
+"""A line must be looked for in this share of the runs: a few spectra have outliers of their own."""
 SURELY = 12.0
 """Standard errors by which the pooled power of a line must exceed its neighbours': hundreds of bins are looked at."""
 
@@ -167,7 +169,7 @@ def pooled_lines(
     seen = np.isfinite(level)
     count = seen.sum(axis=0)
     mean = np.where(seen, level, 0.0).sum(axis=0) / np.maximum(count, 1)
-    beyond = (count >= 3) & (mean > 1 + SURELY / np.sqrt(np.maximum(count, 1)))
+    beyond = (count >= max(4.0, FEWEST_SHARE * len(misfits))) & (mean > 1 + SURELY / np.sqrt(np.maximum(count, 1)))
     return tuple(
         float(candidates[index]) for index in np.flatnonzero(beyond) if mean[index] == _largest_near(mean, int(index))
     )
