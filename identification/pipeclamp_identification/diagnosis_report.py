@@ -202,9 +202,7 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
     for candidate in diagnosis.candidates[:4]:
         name = candidate.effects[0]
         effect = next(effect for effect in candidate.result.equations.effects if effect.name == name)
-        against = "; ".join(candidate.objections) or (
-            f"if not: {effect.told_apart_by}" if effect.told_apart_by else "nothing seen"
-        )
+        against = "; ".join(candidate.objections) or "nothing in this data"
         words.append(
             f"{name}: look for {effect.looks_like}. It takes the error on left-out conditions from "
             f"{diagnosis.law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and explains "
