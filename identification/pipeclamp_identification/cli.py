@@ -9,7 +9,7 @@ import datetime
 import json
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
@@ -24,6 +24,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 
 if TYPE_CHECKING:
+    from pipeclamp_identification.add import Addition
     from pipeclamp_identification.campaign import Campaign
     from pipeclamp_identification.fit import Progress as Tell
     from pipeclamp_identification.report import Section, Table
@@ -237,18 +238,9 @@ def remove(
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Take an effect out of a law, refit the rest, and say what the error did."""
-    from pipeclamp.bundled import open_law
-    from pipeclamp.parameter_file import law_text
-    from pipeclamp_identification import add as adding
+    from pipeclamp_identification.add import remove_effect
 
-    with told("remove") as tell:
-        file = open_law(law)
-        tests = _read(campaign, strict, tell)
-        date = None if reproducible else _now()
-        change = adding.remove_effect(file, effect, tests, command=_command(), date=date, progress=tell)
-    write_whole(output, law_text(change.after))
-    _print_table(adding.addition_table(change))
-    _print_law(change.after, output)
+    _change(remove_effect, "remove", law, effect, campaign, output, strict=strict, reproducible=reproducible)
 
 
 @app.command(epilog="Example: pipeclamp add law.json memory my_campaign -o law2.json")
@@ -261,19 +253,9 @@ def add(
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Add an effect to a law, refit everything, and say what the error did."""
-    from pipeclamp.bundled import open_law
-    from pipeclamp.parameter_file import law_text
-    from pipeclamp_identification import add as adding
+    from pipeclamp_identification.add import add_effect
 
-    with told("add") as tell:
-        file = open_law(law)
-        tests = _read(campaign, strict, tell)
-        addition = adding.add_effect(
-            file, effect, tests, command=_command(), date=None if reproducible else _now(), progress=tell
-        )
-    write_whole(output, law_text(addition.after))
-    _print_table(adding.addition_table(addition))
-    _print_law(addition.after, output)
+    _change(add_effect, "add", law, effect, campaign, output, strict=strict, reproducible=reproducible)
 
 
 @app.command(epilog="Example: pipeclamp effects")
@@ -434,6 +416,32 @@ def _read(folder: Path, strict: bool, tell: Tell) -> Campaign:
     for entry in tests.left_out:
         errors.print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
     return tests
+
+
+def _change(
+    change: Callable[..., Addition],
+    title: str,
+    law: str,
+    effect: str,
+    campaign: Path,
+    output: Path,
+    *,
+    strict: bool,
+    reproducible: bool,
+) -> None:
+    """Change a law by an effect, refit it, write it, and print what that did."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp.parameter_file import law_text
+    from pipeclamp_identification.add import addition_table
+
+    with told(title) as tell:
+        file = open_law(law)
+        tests = _read(campaign, strict, tell)
+        date = None if reproducible else _now()
+        changed = change(file, effect, tests, command=_command(), date=date, progress=tell)
+    write_whole(output, law_text(changed.after))
+    _print_table(addition_table(changed))
+    _print_law(changed.after, output)
 
 
 def _write(

@@ -57,9 +57,7 @@ class Whitened:
 
 def whitened(result: Fit, observations: WhitenedObservations) -> Whitened:
     """Give the whitened residuals of a fit at its solution."""
-    index = {name: place for place, name in enumerate(result.equations.names)}
-    free = np.array([index[name] for name in result.fitted], dtype=np.intp)
-    slopes = observations.residual_slopes(result.response, free)
+    slopes = observations.residual_slopes(result.response, result.places)
     return Whitened(observations.residual(result.response), np.moveaxis(slopes, 0, -1))
 
 
@@ -85,13 +83,11 @@ def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whit
         fitted: its whitened residuals and derivatives.
         groups: the group of each run, shape (R,).
     """
-    index = {name: place for place, name in enumerate(result.equations.names)}
-    free = np.array([index[name] for name in result.fitted], dtype=np.intp)
     scale = np.linalg.norm(fitted.jacobian, axis=(0, 1))
     scale = np.where(scale > 0, scale, 1.0)
     jacobian = fitted.jacobian / scale
     plain = observations.loops.plain_residual(result.response)
-    plain_slopes = np.moveaxis(observations.loops.plain_slopes(result.response, free), 0, -1) / scale
+    plain_slopes = np.moveaxis(observations.loops.plain_slopes(result.response, result.places), 0, -1) / scale
     mean_squares = np.empty(len(groups))
     normal = np.einsum("rmp,rmq->pq", jacobian, jacobian)
     squares = []

@@ -62,6 +62,12 @@ class Fit:
     cost: float
     evaluations: int
 
+    @property
+    def places(self) -> npt.NDArray[np.intp]:
+        """Places of the fitted parameters among all of the law's."""
+        place = {name: index for index, name in enumerate(self.equations.names)}
+        return np.array([place[name] for name in self.fitted], dtype=np.intp)
+
     def standard_errors(self) -> dict[str, float]:
         """Give the standard error of each fitted parameter by name."""
         return dict(zip(self.fitted, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))

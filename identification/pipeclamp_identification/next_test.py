@@ -183,9 +183,7 @@ def _separation(rivals: Sequence[Judged], responses: Sequence[Response], motion:
             covariance += scatter**2 * np.outer(direction, direction)
         for rival, response in zip(rivals, responses, strict=True):
             assert response.jacobian is not None
-            index = {name: place for place, name in enumerate(rival.result.equations.names)}
-            free = [index[name] for name in rival.result.fitted]
-            slopes = harmonics_of(response.jacobian[free, row], HARMONICS)
+            slopes = harmonics_of(response.jacobian[rival.result.places, row], HARMONICS)
             covariance += slopes.T @ rival.result.covariance @ slopes
         distances[row] = np.sqrt(difference[row] @ np.linalg.solve(covariance, difference[row]))
     return np.nan_to_num(distances)

@@ -16,14 +16,5 @@ def equation_lines(structure: Structure) -> list[str]:
     return lines
 
 
-def latex_lines(structure: Structure) -> list[str]:
-    """Give the same equations as LaTeX."""
-    equations = compose(structure)
-    lines = [sp.latex(sp.Eq(sp.Symbol("F"), equations.force))]
-    lines += [sp.latex(sp.Eq(entry.symbol, entry.expression)) for entry in equations.coefficients]
-    lines += [rf"{sp.latex(state.symbol)} \leftarrow {sp.latex(state.update)}" for state in equations.states]
-    return lines
-
-
 def _text(expression: sp.Expr) -> str:
     return str(expression).replace("**", "^").replace("*", " ").replace("Piecewise", "cases")
