@@ -132,8 +132,13 @@ def _adequate(lack: LackOfFit, limit: float) -> bool:
     return lack.p_value > SIGNIFICANT or lack.share < limit
 
 
-def candidate_names(structure: Structure, loops: Loops) -> list[str]:
-    """Give the effects that could be missing: those of the catalogue and the user's that the law hasn't got yet."""
+def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str]:
+    """Give the effects that could be missing: those of the catalogue and the user's that the law hasn't got yet.
+
+    Args:
+        structure: the law's structure.
+        conditions: further columns of the tests.
+    """
     present = {effect.id for effect in structure.all_effects()}
     names = []
     for name, entry in entries().items():
@@ -143,7 +148,7 @@ def candidate_names(structure: Structure, loops: Loops) -> list[str]:
             names += [size for size in MEMORY_SIZES if _elements(size) > _elements_present(structure)]
         elif name not in present:
             names.append(name)
-    further = [*(f"condition:{column}" for column in loops.conditions), *(name for name, _ in structure.declared)]
+    further = [*(f"condition:{column}" for column in conditions), *(name for name, _ in structure.declared)]
     return names + [name for name in further if name not in structure.effects]
 
 
@@ -161,15 +166,15 @@ def _candidates(
     """Screen every effect by one step, fit those that promise something; best first, and what was screened out."""
     promises: dict[str, tuple[float, dict[str, float]]] = {}
     own = _cost(law, problem)
-    for name in candidate_names(structure, problem.loops):
+    for name in candidate_names(structure, problem.loops.conditions):
         tell(f"screen {name}")
         promise = _promise(structure, name, problem, law, own)
         if promise is not None:
             promises[name] = promise
     ranked = sorted(promises, key=lambda name: -promises[name][0])
     top = promises[ranked[0]][0] if ranked else 0.0
-    ids = list(dict.fromkeys(_id(name) for name in ranked))[:SCREENED]
-    chosen = [name for name in ranked if _id(name) in ids and promises[name][0] >= max(WORTH_FITTING * top, 1e-300)]
+    ids = list(dict.fromkeys(effect_id(name) for name in ranked))[:SCREENED]
+    chosen = [name for name in ranked if effect_id(name) in ids and promises[name][0] >= max(WORTH_FITTING * top, 1e-300)]
     judged = []
     for name in chosen:
         tell(f"fit {name}")
@@ -184,11 +189,11 @@ def _simplest(judged: Sequence[Judged]) -> list[Judged]:
     """Keep of each id, of several numbers of elements, the smallest that does about as well as the best."""
     best: dict[str, float] = {}
     for candidate in judged:
-        name = _id(candidate.effects[-1])
+        name = effect_id(candidate.effects[-1])
         best[name] = min(best.get(name, np.inf), candidate.squares)
     kept: dict[str, Judged] = {}
     for candidate in sorted(judged, key=lambda candidate: len(candidate.result.fitted)):
-        name = _id(candidate.effects[-1])
+        name = effect_id(candidate.effects[-1])
         if name not in kept and candidate.squares <= best[name] + ABOUT_AS_WELL:
             kept[name] = candidate
     return list(kept.values())
@@ -198,7 +203,7 @@ def _alive(judged: Judged, structure: Structure, problem: Problem) -> Judged:
     """Give a law of several slip elements without those that came out dead, refitted from the living ones."""
     name = judged.effects[-1]
     states = len(find_effect(name, dict(structure.declared)).states)
-    if _id(name) != "memory" or states < 2:
+    if effect_id(name) != "memory" or states < 2:
         return judged
     values = judged.result.law.values
     living = [index for index in range(1, states + 1) if f"k_s{index}" not in judged.result.at_bound]
@@ -243,7 +248,7 @@ def _verdict(
     sound = [candidate for candidate in candidates if not candidate.objections and candidate.squares < law.squares]
 
     def answer(verdict: Verdict, effects: Iterable[str], pair: Judged | None, *reasons: str) -> Diagnosis:
-        names = tuple(dict.fromkeys(_id(name) for name in effects))
+        names = tuple(dict.fromkeys(effect_id(name) for name in effects))
         return Diagnosis(verdict, names, law, tuple(candidates), screened_out, pair, problem, limit, reasons)
 
     if not sound:
@@ -261,13 +266,13 @@ def _verdict(
         )
     rivals = _rivals(best, sound, problem, limit, law)
     names = [best.effects[0], *(rival.effects[0] for rival in rivals)]
-    distinct = list(dict.fromkeys(_id(name) for name in names))
+    distinct = list(dict.fromkeys(effect_id(name) for name in names))
     if len(distinct) > 1:
         return answer("ambiguous", distinct, None, f"this data can't tell {' from '.join(distinct)}")
     return answer("missing", distinct, None, f"{best.effects[0]} explains it and no rival comes near")
 
 
-def _id(name: str) -> str:
+def effect_id(name: str) -> str:
     """Give the name that stays: with its argument for a condition, without for the number of memory elements."""
     identifier = name.partition(":")[0]
     return name if identifier == "condition" else identifier
@@ -290,8 +295,8 @@ def _best_pair(
     for first in _distinct(sound)[:PAIRED]:
         larger = with_effect(structure, first.effects[0])
         promises = {}
-        for name in candidate_names(larger, problem.loops):
-            both = frozenset((_id(first.effects[0]), _id(name)))
+        for name in candidate_names(larger, problem.loops.conditions):
+            both = frozenset((effect_id(first.effects[0]), effect_id(name)))
             if (
                 len(both) == 2
                 and both not in seen
@@ -299,7 +304,7 @@ def _best_pair(
             ):
                 promises[name] = promise
         for name in sorted(promises, key=lambda name: -promises[name][0])[:PAIRED]:
-            seen.add(frozenset((_id(first.effects[0]), _id(name))))
+            seen.add(frozenset((effect_id(first.effects[0]), effect_id(name))))
             tell(f"fit {first.effects[0]} and {name}")
             both_effects = (first.effects[0], name)
             pairs.append(judge(both_effects, with_effect(larger, name), promises[name][1], problem))
@@ -311,7 +316,7 @@ def _distinct(judged: Sequence[Judged]) -> list[Judged]:
     """Give the best of each id: numbers of memory elements don't rival one another."""
     best: dict[str, Judged] = {}
     for candidate in judged:
-        best.setdefault(_id(candidate.effects[0]), candidate)
+        best.setdefault(effect_id(candidate.effects[0]), candidate)
     return list(best.values())
 
 

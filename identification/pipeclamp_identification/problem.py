@@ -119,7 +119,7 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
     score = replace(score, squares=score.squares + _price_of_free_means(result, problem))
     loops = problem.loops
     error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
-    return Judged(effects, result, score, lack, float(np.sqrt(error)), _objections(effects, result))
+    return Judged(effects, result, score, lack, float(np.sqrt(error)), objections(effects, result))
 
 
 def _price_of_free_means(result: Fit, problem: Problem) -> Array:
@@ -140,18 +140,18 @@ def _price_of_free_means(result: Fit, problem: Problem) -> Array:
     return np.asarray(total, dtype=np.float64)
 
 
-def _objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
+def objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
     """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing."""
-    objections: list[str] = []
+    against: list[str] = []
     errors = result.standard_errors()
     added = {effect.name: effect for effect in result.equations.effects}
     for name in effects:
         parameters = [parameter.name for parameter in added[name].parameters]
-        objections += [
+        against += [
             f"{parameter} ran into its bound ({result.law.values[parameter]:.4g})"
             for parameter in parameters
             if parameter in result.at_bound
         ]
         if not any(parameter in errors for parameter in parameters):
-            objections.append(f"the data determines no parameter of {name}")
-    return tuple(objections)
+            against.append(f"the data determines no parameter of {name}")
+    return tuple(against)
