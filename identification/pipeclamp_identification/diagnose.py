@@ -174,7 +174,9 @@ def _candidates(
     ranked = sorted(promises, key=lambda name: -promises[name][0])
     top = promises[ranked[0]][0] if ranked else 0.0
     ids = list(dict.fromkeys(effect_id(name) for name in ranked))[:SCREENED]
-    chosen = [name for name in ranked if effect_id(name) in ids and promises[name][0] >= max(WORTH_FITTING * top, 1e-300)]
+    chosen = [
+        name for name in ranked if effect_id(name) in ids and promises[name][0] >= max(WORTH_FITTING * top, 1e-300)
+    ]
     judged = []
     for name in chosen:
         tell(f"fit {name}")
