@@ -1,8 +1,11 @@
 """What every effect of the folder owes: parametrised over it, so that a new file is tested by being there."""
 
+import ctypes
 import math
 import random
 import re
+import shutil
+import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +17,7 @@ from pipeclamp.catalogue import entries, find_effect
 from pipeclamp.effect import Effect, Family
 from pipeclamp.law import BASES, Law, Structure, compose
 from pipeclamp.realise.arrays import realise
+from pipeclamp.realise.c import c_source, conditions_of
 from pipeclamp.realise.scalar import python_source
 from pipeclamp.response import Motion, respond, sinusoids
 
@@ -55,6 +59,36 @@ def executed(source):
     scope = {"math": math}
     exec(source, scope)
     return scope
+
+
+C_CALLS = """#include <math.h>
+{law}
+void call_coefficients(const double *p, const double *u, double *k) {{ law_coefficients(p, u, k); }}
+void call_step(const double *p, const double *k, const double *z, const double *m, double *result, double *z_new)
+{{ law_step(p, k, z, m[0], m[1], m[2], m[3], result, z_new); }}
+void call_slopes(const double *p, const double *u, const double *k, const double *z, const double *m, double *slope)
+{{ law_slopes(p, u, k, z, m[0], m[1], m[2], m[3], slope); }}
+"""
+
+
+def compiled_c(structure, folder):
+    """Compile a law's C source; give functions that take lists of numbers and the counts of what they return."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
+    source, library = folder / "law.c", folder / "law.so"
+    source.write_text(C_CALLS.format(law=c_source(structure)), encoding="utf-8")
+    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unused-const-variable", "-shared", "-fPIC"]
+    subprocess.run([compiler, *flags, str(source), "-o", str(library), "-lm"], check=True)
+    loaded = ctypes.CDLL(str(library))
+
+    def call(name, *arguments, results):
+        outputs = [(ctypes.c_double * max(count, 1))() for count in results]
+        given = [(ctypes.c_double * max(len(argument), 1))(*argument) for argument in arguments]
+        getattr(loaded, f"call_{name}")(*given, *outputs)
+        return [list(output)[:count] for output, count in zip(outputs, results, strict=True)]
+
+    return call
 
 
 def name_of(structure):
@@ -129,6 +163,42 @@ def test_realisations_agree(structure):
         np.testing.assert_allclose(after, [float(entry) for entry in new], rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(force, float(compiled.force(*arguments)[0]), rtol=1e-12, atol=1e-10)
         np.testing.assert_allclose(energy, float(compiled.energy(*arguments)[0]), rtol=1e-12, atol=1e-10)
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_c_agrees_with_the_scalar_source(structure, tmp_path):
+    """C gives the same force, energy and states to 1e-12, over random states, and their derivatives by y, v and T."""
+    equations = compose(structure, ("base", "clamp"))
+    law = Law(structure, sound_values(structure), *SMOOTHING)
+    call = compiled_c(structure, tmp_path)
+    scalar = executed(python_source(law))
+    p = [*law.vector(equations), *SMOOTHING]
+    rng = random.Random(2)
+    for _ in range(50):
+        slow = {"A": rng.uniform(0.1, 1.5), "f": rng.uniform(0.5, 8), "T": rng.uniform(300, 600), **FURTHER}
+        u = [slow[name] for name in conditions_of(equations)]
+        z = [rng.uniform(-100, 100) for _ in equations.states]
+        y_previous, y, v = rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-30, 30)
+        motion = [y_previous, y, v, 0.001]
+        (k,) = call("coefficients", p, u, results=(len(equations.coefficients),))
+        np.testing.assert_allclose(k, scalar["coefficients"](*u), rtol=1e-12)
+        result, after = call("step", p, k, z, motion, results=(2, len(z)))
+        force, energy, expected = scalar["step"](tuple(k), tuple(z), *motion)
+        np.testing.assert_allclose(after, expected, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(result, [force, energy], rtol=1e-12, atol=1e-10)
+
+        def force_at(y, v, T, u=u, z=z, y_previous=y_previous):
+            k = scalar["coefficients"](*u[:2], T, *u[3:])
+            return scalar["step"](k, tuple(z), y_previous, y, v, 0.001)[0]
+
+        (slopes,) = call("slopes", p, u, k, z, motion, results=(3,))
+        place = np.array([y, v, u[2]])
+        for index, width in enumerate((1e-6, 1e-5, 1e-4)):
+            aside = width * np.eye(3)[index]
+            ahead, here, behind = (force_at(*(place + sign * aside).tolist()) for sign in (1, 0, -1))
+            numeric = (ahead - behind) / (2 * width)
+            one_sided = abs(ahead - 2 * here + behind) / width  # large across a kink, where either side will do
+            assert slopes[index] == pytest.approx(numeric, rel=1e-5, abs=1e-5 + one_sided)
 
 
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)

@@ -1,1 +1,1 @@
-"""Realisations: the equations as arrays, as plain Python, as mathematics to read."""
+"""Realisations: the equations as arrays, as plain Python, as C, as mathematics to read."""

@@ -1,0 +1,198 @@
+"""Equations as C source on the standard mathematics library alone: what the native FMU runs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+from sympy.printing.c import C99CodePrinter
+
+from pipeclamp import symbols
+from pipeclamp.law import Equations, Structure, compose
+
+EXACT_POWERS = range(2, 9)
+"""Whole powers that are written as products, which is many times cheaper than `pow`."""
+
+CONDITIONS_FIRST = ("A", "f", "T")
+"""Slow signals that every law has, in this order; further conditions follow by name."""
+
+
+class CPrinter(C99CodePrinter):  # type: ignore[misc]
+    """Print sign, steps and whole powers as C evaluates them best."""
+
+    def _print_sign(self, expression: sp.Expr) -> str:
+        argument = self._print(expression.args[0])
+        return f"(double)((({argument}) > 0) - (({argument}) < 0))"
+
+    def _print_Piecewise(self, expression: sp.Piecewise) -> str:
+        *branches, (last, _) = expression.args
+        text = self._print(last)
+        for value, condition in reversed(branches):
+            text = f"(({self._print(condition)}) ? ({self._print(value)}) : ({text}))"
+        return str(text)
+
+    def _print_Heaviside(self, expression: sp.Expr) -> str:
+        return f"(double)(({self._print(expression.args[0])}) > 0)"
+
+    def _print_Pow(self, expression: sp.Pow) -> str:
+        base, exponent = expression.base, expression.exp
+        if base.is_Atom and exponent.is_Integer and abs(int(exponent)) in EXACT_POWERS:
+            product = "*".join([self._print(base)] * abs(int(exponent)))
+            return f"({product})" if exponent > 0 else f"1.0/({product})"
+        return str(super()._print_Pow(expression))
+
+
+@dataclass(frozen=True)
+class Names:
+    """A C array and the symbols that stand for its entries."""
+
+    array: str
+    symbols: tuple[sp.Symbol, ...]
+
+    def local(self, index: int) -> sp.Symbol:
+        """Give the C name of an entry: the symbol behind the array's name, so that no symbol meets a word of C."""
+        name = str(self.symbols[index])
+        return sp.Symbol(f"{self.array}_{name if re.fullmatch(r'[A-Za-z0-9_]+', name) else index}", real=True)
+
+    def declarations(self, used: set[sp.Symbol]) -> list[str]:
+        """Give the declarations of those entries that are used."""
+        return [
+            f"const double {self.local(index)} = {self.array}[{index}];"
+            for index in range(len(self.symbols))
+            if self.local(index) in used
+        ]
+
+
+def conditions_of(equations: Equations) -> tuple[str, ...]:
+    """Give the names of the slow signals that the C functions take: A, f, T, then further conditions by name."""
+    further = sorted({str(symbol) for symbol in equations.slow_signals} - set(CONDITIONS_FIRST))
+    return (*CONDITIONS_FIRST, *further)
+
+
+def parameters_of(equations: Equations) -> tuple[str, ...]:
+    """Give the names of the parameters that the C functions take: the law's, then v_r and y_r."""
+    return (*equations.names, str(symbols.v_r), str(symbols.y_r))
+
+
+def c_source(structure: Structure) -> str:
+    """Give a law's structure as C functions; its parameters are arguments, so that no value is compiled in.
+
+    It defines the counts `LAW_PARAMETERS`, `LAW_CONDITIONS`, `LAW_COEFFICIENTS`, `LAW_STATES`, the states before
+    anything has moved, `law_rest`, and
+
+    - `law_coefficients(p, u, k)`: from parameters p (`parameters_of`) and conditions u (`conditions_of`; mm, Hz, K)
+      what depends on slow signals only,
+    - `law_step(p, k, z, y_previous, y, v, h, result, z_new)`: force (N) and stored energy (N mm) and the new states
+      after a straight move from `y_previous` to `y` (mm) in `h` seconds,
+    - `law_slopes(p, u, k, z, y_previous, y, v, h, slope)`: derivatives of that force by y, v and T, memory included.
+    """
+    equations = compose(structure, ("base", "clamp"))
+    exact = {symbol: sp.Float(repr(float(value)), 17) for symbol, value in symbols.REFERENCES.items()}
+    exact |= {symbol: sp.Integer(value) for symbol, value in symbols.REFERENCES.items() if value == int(value)}
+    slow = {str(symbol): symbol for symbol in equations.slow_signals}
+    p = Names("p", (*(entry.symbol for entry in equations.parameters), symbols.v_r, symbols.y_r))
+    u = Names("u", tuple(slow.get(name, sp.Symbol(name)) for name in conditions_of(equations)))
+    k = Names("k", tuple(entry.symbol for entry in equations.coefficients))
+    z = Names("z", tuple(state.symbol for state in equations.states))
+    arrays = (p, u, k, z)
+    local = {symbol: names.local(index) for names in arrays for index, symbol in enumerate(names.symbols)}
+    after = {symbol: sp.Symbol(f"new_{local[symbol]}", real=True) for symbol in z.symbols}
+
+    def written(expression: sp.Expr) -> sp.Expr:
+        return sp.sympify(expression).xreplace(exact).xreplace(local)
+
+    coefficients = [written(entry.expression) for entry in equations.coefficients]
+    updates = [written(state.update) for state in equations.states]
+    results = [written(expression.xreplace(after)) for expression in (equations.force, equations.energy)]
+    force_slopes = [written(slope) for slope in total_slopes(equations)]
+    rest = ", ".join(repr(float(state.start)) for state in equations.states) or "0.0"
+    motion = "double y_previous, double y, double v, double h"
+    return "\n".join(
+        [
+            f"enum {{ LAW_PARAMETERS = {len(p.symbols)}, LAW_CONDITIONS = {len(u.symbols)},"
+            f" LAW_COEFFICIENTS = {len(k.symbols)}, LAW_STATES = {len(z.symbols)} }};",
+            "",
+            f"static const double law_rest[] = {{{rest}}};",
+            "",
+            *_function(
+                "static void law_coefficients(const double p[], const double u[], double k[])",
+                arrays,
+                [([f"k[{index}]" for index in range(len(coefficients))], coefficients)],
+                unused=("p", "u", "k"),
+            ),
+            *_function(
+                f"static void law_step(const double p[], const double k[], const double z[], {motion}, "
+                "double result[2], double z_new[])",
+                arrays,
+                [
+                    ([f"const double {symbol}" for symbol in after.values()], updates),
+                    ([f"z_new[{index}]" for index in range(len(after))], list(after.values())),
+                    (["result[0]", "result[1]"], results),
+                ],
+                unused=("p", "k", "z", "y_previous", "v", "h", "z_new"),
+            ),
+            *_function(
+                "static void law_slopes(const double p[], const double u[], const double k[], const double z[], "
+                f"{motion}, double slope[3])",
+                arrays,
+                [([f"slope[{index}]" for index in range(len(force_slopes))], force_slopes)],
+                unused=("p", "u", "k", "z", "y_previous", "y", "v", "h"),
+            ),
+        ]
+    )
+
+
+def total_slopes(equations: Equations) -> list[sp.Expr]:
+    """Give the derivatives of the force by y, v and T, through the states' update and the coefficients."""
+    update = {state.symbol: state.update for state in equations.states}
+
+    def through_states(symbol: sp.Symbol) -> sp.Expr:
+        """Derive the force after the step by a symbol that is no state."""
+        inner = sp.diff(equations.force, symbol)
+        return inner.xreplace(update) + sum(
+            sp.diff(equations.force, state).xreplace(update) * sp.diff(after, symbol) for state, after in update.items()
+        )
+
+    by_temperature = sp.Add(
+        *(
+            through_states(entry.symbol) * sp.diff(entry.expression, symbols.T)
+            for entry in equations.coefficients
+            if symbols.T in entry.expression.free_symbols
+        )
+    )
+    # At a step of the force the slope is that of the sides.
+    return [
+        slope.replace(sp.DiracDelta, lambda *_: sp.Integer(0))
+        for slope in (through_states(symbols.y), through_states(symbols.v), by_temperature)
+    ]
+
+
+def _function(
+    head: str,
+    arrays: Iterable[Names],
+    blocks: Sequence[tuple[Sequence[str], Sequence[sp.Expr]]],
+    unused: Sequence[str],
+) -> list[str]:
+    """Give a C function: the entries that it uses, then blocks of assignments, common parts computed once.
+
+    Args:
+        head: return type, name and arguments.
+        arrays: the arrays that symbols are entries of.
+        blocks: targets and their expressions; a block may use the targets of those before it.
+        unused: arguments that a law may leave unused, named so that a compiler doesn't warn of them.
+    """
+    printer = CPrinter()
+    names = sp.numbered_symbols("part_", real=True)
+    used: set[sp.Symbol] = set()
+    body: list[str] = []
+    for targets, expressions in blocks:
+        parts, reduced = sp.cse(list(expressions), symbols=names)
+        body += [f"const double {symbol} = {printer.doprint(expression)};" for symbol, expression in parts]
+        body += [f"{target} = {printer.doprint(part)};" for target, part in zip(targets, reduced, strict=True)]
+        used = used.union(*(expression.free_symbols for expression in expressions))
+    declared = [line for array in arrays for line in array.declarations(used)]
+    text = "\n".join((*declared, *body))
+    silent = [f"(void){name};" for name in unused if not re.search(rf"\b{name}\b", text)]
+    return [head, "{", *(f"    {line}" for line in (*declared, *silent, *body)), "}", ""]
