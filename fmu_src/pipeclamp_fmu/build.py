@@ -5,15 +5,13 @@ from __future__ import annotations
 import importlib.metadata
 from pathlib import Path
 
-import sympy as sp
-
 from pipeclamp import symbols
 from pipeclamp.errors import UserError
-from pipeclamp.law import Equations
 from pipeclamp.parameter_file import Interval, LawFile, law_of
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import PipeDescription
 from pipeclamp.realise.scalar import clamp_equations, python_source
+from pipeclamp.realise.text import equation_lines
 from pipeclamp_fmu.clamp import ClampModel, clamp_content
 from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_fmu.passivity import require_dissipation
@@ -101,14 +99,6 @@ def clamp_model(file: LawFile) -> ClampModel:
 
 def _ends(interval: Interval) -> tuple[float, float]:
     return (interval.minimum, interval.maximum)
-
-
-def equation_lines(equations: Equations) -> list[str]:
-    """Give a law's equations as lines of plain text."""
-    lines = [f"F = {sp.sstr(equations.force)}"]
-    lines += [f"{entry.symbol} = {sp.sstr(entry.expression)}" for entry in equations.coefficients]
-    lines += [f"{state.symbol} after a step = {sp.sstr(state.update)}" for state in equations.states]
-    return lines
 
 
 def _notes(file: LawFile) -> list[str]:

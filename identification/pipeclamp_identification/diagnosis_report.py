@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp.parameter_file import LawFile, law_of, structure_of
+from pipeclamp.parameter_file import LawFile, structure_of
 from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.compare import Comparison, comparison_sections
+from pipeclamp_identification.compare import Comparison, compare, comparison_sections
 from pipeclamp_identification.diagnose import Diagnosis, diagnose
 from pipeclamp_identification.fit import Progress
 from pipeclamp_identification.leftover import Leftover, describe
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.misfit import RunMisfit, misfits, overall_nrmse
 from pipeclamp_identification.next_test import Limits, Proposal, next_test
 from pipeclamp_identification.pictures import LoopPanel, curves_picture, loops_picture, waterfall_picture
 from pipeclamp_identification.problem import Judged
@@ -34,15 +33,14 @@ class Answer:
 
     Attributes:
         diagnosis: the verdict and its evidence.
-        campaign: the tests.
-        law, best: error on every run of the law as it is in its file, and of the best law found.
+        comparison: the law as it is in its file, held against the tests.
+        best: error on every run of the best law found.
         leftover: what the best law leaves over.
         proposal: the test to run next, where rivals are left.
     """
 
     diagnosis: Diagnosis
-    campaign: Campaign
-    law: tuple[RunMisfit, ...]
+    comparison: Comparison
     best: tuple[RunMisfit, ...]
     leftover: Leftover
     proposal: Proposal | None
@@ -67,14 +65,13 @@ def answer_for(
     Raises:
         UserError: the data can't serve the law.
     """
-    loops = loops_of(campaign)
-    diagnosis = diagnose(structure_of(file), loops, progress=progress)
+    comparison = compare(file, campaign)
+    diagnosis = diagnose(structure_of(file), comparison.loops, progress=progress)
     if progress:
         progress("what is left over")
-    law = misfits(law_of(file), campaign, loops)
-    best = misfits(diagnosis.best.result.law, campaign, loops)
+    best = misfits(diagnosis.best.result.law, campaign, comparison.loops)
     leftover = describe(diagnosis.best, diagnosis.problem, campaign, best)
-    return Answer(diagnosis, campaign, law, best, leftover, next_test(diagnosis, limits))
+    return Answer(diagnosis, comparison, best, leftover, next_test(diagnosis, limits))
 
 
 def answer_json(answer: Answer) -> dict[str, Any]:
@@ -87,9 +84,9 @@ def answer_json(answer: Answer) -> dict[str, Any]:
         "pair": _candidate_json(diagnosis.pair, diagnosis) if diagnosis.pair else None,
         "screened_out": dict(diagnosis.screened_out),
         "nrmse": {
-            "law": overall_nrmse(answer.law),
+            "law": answer.comparison.nrmse,
             "best": overall_nrmse(answer.best),
-            "noise": overall_noise(answer.law),
+            "noise": answer.comparison.noise_nrmse,
         },
         "heldout_nrmse": {"law": diagnosis.law.heldout_nrmse, "best": diagnosis.best.heldout_nrmse},
         "lack_of_fit": {
@@ -115,7 +112,7 @@ def answer_json(answer: Answer) -> dict[str, Any]:
         },
         "left_over": list(answer.leftover.words),
         "reasons": list(diagnosis.reasons),
-        "left_out": [{"run": entry.run, "reason": entry.reason} for entry in answer.campaign.left_out],
+        "left_out": [{"run": entry.run, "reason": entry.reason} for entry in answer.comparison.campaign.left_out],
     }
 
 
@@ -168,9 +165,8 @@ def answer_sections(answer: Answer) -> list[Section]:
         ("law as it is", diagnosis.law.heldout_nrmse),
         *((f"+ {' + '.join(judged.effects)}", judged.heldout_nrmse) for judged in _steps(diagnosis)),
     ]
-    noise = overall_noise(answer.law)
+    noise = answer.comparison.noise_nrmse
     falling = waterfall_picture(steps, noise, "error on left-out conditions", "What the best effects would do")
-    before = Comparison(diagnosis.law.result.law, answer.campaign, loops_of(answer.campaign), answer.law, {})
     sections = [
         Section("Verdict", words, [candidate_table(diagnosis)], [falling]),
         Section("Evidence", _evidence(diagnosis), _screened(diagnosis)),
@@ -184,7 +180,7 @@ def answer_sections(answer: Answer) -> list[Section]:
     ]  # fmt: skip
     if answer.proposal:
         sections.append(_proposal_section(answer.proposal))
-    return [*sections, *comparison_sections(before)]
+    return [*sections, *comparison_sections(answer.comparison)]
 
 
 def _sentence(words: str) -> str:

@@ -35,7 +35,7 @@ def identification_sections(file: LawFile, comparison: Comparison) -> list[Secti
         for entry in file.correlations
     ]
     return [
-        Section("Law", equation_lines(law.structure)),
+        Section("Law", equation_lines(compose(law.structure))),
         Section("Parameters", correlations, [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
         *comparison_sections(comparison),
