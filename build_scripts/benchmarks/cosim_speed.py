@@ -40,7 +40,7 @@ def prepare(folder: Path, law: str) -> str:
     """Build the example's FMUs in a folder and give the text of its system, with {scheme}, {step}, {stop} in it."""
     examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
     (folder / "pipe.toml").write_text(examples.joinpath("pipe.toml").read_text(encoding="utf-8"), encoding="utf-8")
-    build_pipe(read_pipe(folder / "pipe.toml"), folder / "pipe.fmu")
+    build_pipe(reduce(read_pipe(folder / "pipe.toml")), folder / "pipe.fmu")
     build_clamp(open_law(law), folder / "clamp.fmu")
     return (
         '[pipe]\nfmu = "pipe.fmu"\n[[clamps]]\nat = "clamp1"\nfmu = "clamp.fmu"\ntemperature_C = 20\n'

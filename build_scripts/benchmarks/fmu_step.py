@@ -155,7 +155,7 @@ def main(names: list[str]) -> None:
             measures[f"clamp {path.stem}"] = drive_clamp(path)
         pipe = Path(folder) / "pipe.fmu"
         description = parse_pipe(PIPE)
-        build_pipe(description, pipe)
+        build_pipe(reduce(description), pipe)
         modes = len(reduce(description).omega)
         measures[f"pipe of {modes} modes + clamp {path.stem}"] = drive_pair(pipe, path)
         # One after the other in each round, so that what the machine does besides hits all alike.

@@ -8,8 +8,7 @@ from pathlib import Path
 from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import Interval, LawFile, law_of
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import PipeDescription
+from pipeclamp.pipe import ReducedPipe
 from pipeclamp.realise.scalar import clamp_equations, python_source
 from pipeclamp.realise.text import equation_lines
 from pipeclamp_fmu.clamp import ClampModel, clamp_content
@@ -45,11 +44,11 @@ def build_clamp(file: LawFile, output: Path) -> str:
     return write_fmu(clamp_content(model, version()), output)
 
 
-def build_pipe(description: PipeDescription, output: Path) -> str:
-    """Build a pipe FMU (FMI 2.0 co-simulation, Python) from a description.
+def build_pipe(pipe: ReducedPipe, output: Path) -> str:
+    """Build a pipe FMU (FMI 2.0 co-simulation, Python) from a reduced pipe.
 
     Args:
-        description: the pipe.
+        pipe: what `pipeclamp.pipe.reduce` makes of a description.
         output: the FMU to write, whole or not at all.
 
     Returns:
@@ -58,7 +57,7 @@ def build_pipe(description: PipeDescription, output: Path) -> str:
     Raises:
         UserError: the description can't serve, or the FMU can't be written.
     """
-    return write_fmu(pipe_content(reduce(description), version()), output)
+    return write_fmu(pipe_content(pipe, version()), output)
 
 
 def clamp_model(file: LawFile) -> ClampModel:

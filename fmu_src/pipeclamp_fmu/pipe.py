@@ -27,6 +27,8 @@ def pipe_module(pipe: ReducedPipe) -> str:
         "PIPE_NAME": pipe.name,
         "OMEGA": pipe.omega,
         "DAMPING": pipe.damping,
+        "COUPLING_STIFFNESS": pipe.coupling_stiffness,
+        "COUPLING_DAMPING": pipe.coupling_damping,
         "EXCITATION": pipe.excitation,
         "PARTICIPATION": pipe.excitation_participation,
         "CLAMP_NAMES": pipe.clamp_names,
@@ -34,11 +36,14 @@ def pipe_module(pipe: ReducedPipe) -> str:
         "PROBE_NAMES": pipe.probe_names,
         "PROBE_SHAPES": pipe.probe_shapes,
     }
-    stepping = resources.files("pipeclamp").joinpath("pipe_step.py").read_text(encoding="utf-8")
+    stepping = {
+        name: resources.files("pipeclamp").joinpath(f"{name}.py").read_text(encoding="utf-8")
+        for name in ("pipe_step", "pipe_coupled_step")
+    }
     return with_inlined(
         source_text("pipe_slave"),
         {
-            "pipeclamp.pipe_step": stepping,
+            **{f"pipeclamp.{name}": text for name, text in stepping.items()},
             "pipeclamp_fmu.plain_slave": source_text("plain_slave"),
             "pipeclamp_fmu.stand_in_pipe": "\n".join(f"{name} = {value!r}" for name, value in numbers.items()),
         },
@@ -89,8 +94,8 @@ def quantities(pipe: ReducedPipe) -> Mapping[str, Quantity]:
         described[f"{name}.s"] = displacement(f" at probe {name}")
         described[f"{name}.v"] = velocity(f" at probe {name}")
         described[f"{name}.a"] = acceleration(f"absolute acceleration at probe {name}")
-    described["energyPipe"] = energy("kinetic and strain energy of the pipe")
-    described["energyDissipated"] = energy("what the pipe's own damping has taken")
+    described["energyPipe"] = energy("kinetic and strain energy of the pipe, with that of its axial force")
+    described["energyDissipated"] = energy("what the pipe's own damping and a flow through its ends have taken")
     described["workExcitation"] = energy("work of the excitation on the pipe (of the inertia forces, for a base)")
     described["workClamps"] = energy("work that the pipe has done on the clamps")
     described["inputsAtStepEnd"] = Quantity(
@@ -136,6 +141,7 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity]) -> Sequence[
                 "s = sum over modes of shape q",
             ),
         ),
+        *([_coupling_section(pipe)] if pipe.coupling_stiffness else []),
         Section(
             "Modes",
             ("Those after the kept ones stand for the static flexibility of the modes left out.",),
@@ -164,3 +170,15 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity]) -> Sequence[
             ),
         ),
     ]
+
+
+def _coupling_section(pipe: ReducedPipe) -> Section:
+    return Section(
+        "Axial force and flow",
+        (
+            "They couple the modes of the pipe at rest: full matrices K and C are added to omega^2 and 2 zeta omega, "
+            "and steps are exact for the coupled equations. Without clamps the pipe then has these natural "
+            "frequencies, in Hz: " + ", ".join(f"{frequency:.6g}" for frequency in pipe.frequencies) + ".",
+        ),
+        ("q'' + (2 zeta omega + C) q' + (omega^2 + K) q = participation u - sum over clamps of shape f",),
+    )

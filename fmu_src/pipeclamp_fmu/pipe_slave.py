@@ -4,7 +4,8 @@ The builder makes one module of this file, `plain_slave`, `pipeclamp.pipe_step` 
 `stand_in_pipe`, and gives the class a name of its own.
 
 q'' + damping q' + omega^2 q = participation u - sum over clamps of shape f, stepped exactly for inputs that are held
-over the step, or linear from the last communication point's to those set (inputsAtStepEnd).
+over the step, or linear from the last communication point's to those set (inputsAtStepEnd). Axial force and flow add
+matrices to omega^2 and damping that couple the modes.
 """
 
 from __future__ import annotations
@@ -13,11 +14,14 @@ import math
 from operator import mul
 from typing import Any
 
+from pipeclamp.pipe_coupled_step import Rows, step_coupled, transition
 from pipeclamp.pipe_step import Coefficients, coefficients, step, work
 from pipeclamp_fmu.plain_slave import Fmi2Slave
 from pipeclamp_fmu.stand_in_pipe import (
     CLAMP_NAMES,
     CLAMP_SHAPES,
+    COUPLING_DAMPING,
+    COUPLING_STIFFNESS,
     DAMPING,
     EXCITATION,
     OMEGA,
@@ -39,6 +43,21 @@ ENERGY_OUTPUTS = ("energyPipe", "energyDissipated", "workExcitation", "workClamp
 BOOLEAN_PARAMETERS = ("inputsAtStepEnd",)
 
 STIFFNESS = tuple(omega * omega for omega in OMEGA)
+DAMPING_ROWS: Rows = tuple(
+    [
+        tuple([entry + DAMPING[row] * (row == column) for column, entry in enumerate(entries)])
+        for row, entries in enumerate(COUPLING_DAMPING)
+    ]
+)
+STIFFNESS_ROWS: Rows = tuple(
+    [
+        tuple([entry + STIFFNESS[row] * (row == column) for column, entry in enumerate(entries)])
+        for row, entries in enumerate(COUPLING_STIFFNESS)
+    ]
+)
+"""Full matrices; empty where the modes aren't coupled."""
+MOST_LENGTHS = 8
+"""Lengths of step whose matrices are remembered: a master that varies its step comes back to some."""
 BY_MODE = tuple(zip(PARTICIPATION, *[[-entry for entry in shape] for shape in CLAMP_SHAPES], strict=True))
 """Modal load per unit of each input, mode by mode: clamps' forces act on the pipe with the opposite sign."""
 MOVED = (PARTICIPATION, *CLAMP_SHAPES)
@@ -50,6 +69,22 @@ CARRIED = 1.0 if EXCITATION == "base" else 0.0
 def seen(shapes: tuple[Values, ...], modal: Values) -> list[float]:
     """Give the values at the shapes' points of something that is given per mode."""
     return [sum(map(mul, shape, modal)) for shape in shapes]
+
+
+def stiffness_forces(q: Values) -> list[float]:
+    """Give the modal stiffness times q."""
+    return seen(STIFFNESS_ROWS, q) if STIFFNESS_ROWS else list(map(mul, STIFFNESS, q))
+
+
+def damping_forces(p: Values) -> list[float]:
+    """Give the modal damping times q'."""
+    return seen(DAMPING_ROWS, p) if DAMPING_ROWS else list(map(mul, DAMPING, p))
+
+
+def stored(q: Values, p: Values) -> float:
+    """Give the kinetic and strain energy, J."""
+    doubled: float = sum(map(mul, p, p)) + sum(map(mul, q, stiffness_forces(q)))
+    return doubled / 2
 
 
 class PipeSlave(Fmi2Slave):
@@ -72,6 +107,7 @@ class PipeSlave(Fmi2Slave):
         # Not part of a saved state: what steps of one length are made of.
         self._length = 0.0
         self._k: list[Coefficients] = []
+        self._transitions: dict[float, Rows] = {}
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Move through the step; refuse what can't be, the state untouched."""
@@ -79,15 +115,11 @@ class PipeSlave(Fmi2Slave):
         total = sum(loads) + step_size
         if self._lost or not (step_size > 0.0 and total - total == 0.0):
             return self._refuse(current_time, step_size, self._what_is_wrong(step_size))
-        if step_size != self._length:
-            self._k = [coefficients(omega, damping, step_size) for omega, damping in zip(OMEGA, DAMPING, strict=True)]
-            self._length = step_size
         modal_loads = tuple([sum(map(mul, row, loads)) for row in BY_MODE])
         loads_before, modal_loads_before = self._loads if self._flags[0] else (loads, modal_loads)
         q_before, p_before = self._modes
-        moved = map(step, self._k, q_before, p_before, modal_loads_before, modal_loads)
-        q, p, integral = zip(*moved, strict=True)
-        energy = sum(map(mul, p, p)) + sum(map(mul, STIFFNESS, map(mul, q, q)))
+        q, p, integral = self._moved(step_size, q_before, p_before, modal_loads_before, modal_loads)
+        energy = stored(q, p)
         if energy - energy != 0.0:
             return self._refuse(current_time, step_size, "the motion would not be finite")
         excited, *on_clamps = [
@@ -101,6 +133,21 @@ class PipeSlave(Fmi2Slave):
         self._works = (self._works[0] + excited, self._works[1] + sum(on_clamps))
         self._show()
         return True
+
+    def _moved(self, h: float, q: Values, p: Values, g0: Values, g1: Values) -> tuple[Values, Values, Values]:
+        """Give q, q' and the integral of q after a step."""
+        if STIFFNESS_ROWS:
+            rows = self._transitions.get(h)
+            if rows is None:
+                if len(self._transitions) == MOST_LENGTHS:
+                    self._transitions.clear()
+                rows = self._transitions[h] = transition(STIFFNESS_ROWS, DAMPING_ROWS, h)
+            return step_coupled(rows, q, p, g0, g1)
+        if h != self._length:
+            self._k = [coefficients(omega, damping, h) for omega, damping in zip(OMEGA, DAMPING, strict=True)]
+            self._length = h
+        after, speed, integral = zip(*map(step, self._k, q, p, g0, g1), strict=True)
+        return after, speed, integral
 
     def _what_is_wrong(self, step_size: float) -> str:
         if self._lost:
@@ -117,10 +164,10 @@ class PipeSlave(Fmi2Slave):
         q, p = self._modes
         loads, modal_loads = self._loads
         acceleration = tuple(
-            [g - d * b - k * a for g, d, b, k, a in zip(modal_loads, DAMPING, p, STIFFNESS, q, strict=True)]
+            [g - b - a for g, b, a in zip(modal_loads, damping_forces(p), stiffness_forces(q), strict=True)]
         )
         carried = CARRIED * loads[0]
-        energy = (sum(map(mul, p, p)) + sum(map(mul, STIFFNESS, map(mul, q, q)))) / 2
+        energy = stored(q, p)
         excited, on_clamps = self._works
         self._reals[len(INPUTS) :] = [
             *seen(CLAMP_SHAPES, q),

@@ -9,6 +9,8 @@ from __future__ import annotations
 PIPE_NAME = "stand-in"
 OMEGA: tuple[float, ...] = (62.83185307179586,)
 DAMPING: tuple[float, ...] = (0.6283185307179586,)
+COUPLING_STIFFNESS: tuple[tuple[float, ...], ...] = ()
+COUPLING_DAMPING: tuple[tuple[float, ...], ...] = ()
 EXCITATION = "base"
 PARTICIPATION: tuple[float, ...] = (-1.0,)
 CLAMP_NAMES: tuple[str, ...] = ("clamp1",)

@@ -348,11 +348,15 @@ def build_pipe(
     kind: Annotated[FmuKind, typer.Option(help="python: needs a Python in the importing tool.")] = FmuKind.python,
 ) -> None:
     """Package a pipe as an FMU with a port for each of its clamps."""
+    from pipeclamp.pipe import reduce
     from pipeclamp.pipe_description import read_pipe
     from pipeclamp_fmu.build import build_pipe as build
 
     with told("build-pipe"):
-        build(read_pipe(pipe), output)
+        reduced = reduce(read_pipe(pipe))
+        build(reduced, output)
+    for line in reduced.summary().splitlines():
+        console.print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
     console.print(f"{output}: FMI 2.0 co-simulation, {kind.value}")
 
 

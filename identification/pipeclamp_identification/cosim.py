@@ -17,6 +17,7 @@ from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 from pipeclamp.parameter_file import LawFile, read_law
+from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import build_clamp, build_pipe
@@ -190,7 +191,7 @@ def _built(description: SystemDescription, folder: Path, built: Path) -> Iterato
         yield folder / description.pipe.fmu, "pipe"
     else:
         output = built / "pipe.fmu"
-        build_pipe(read_pipe(folder / str(description.pipe.file)), output)
+        build_pipe(reduce(read_pipe(folder / str(description.pipe.file))), output)
         yield output, "pipe"
     for index, clamp in enumerate(description.clamps):
         if clamp.fmu is not None:

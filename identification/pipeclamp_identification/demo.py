@@ -14,6 +14,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 from pipeclamp.one_thread import one_thread
 from pipeclamp.parameter_file import LawFile, law_text, read_law
+from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.response import law_response, sinusoids
 from pipeclamp_fmu.build import build_clamp, build_pipe
@@ -187,7 +188,7 @@ def _pipe_and_clamp(folder: Path, tell: Tell) -> Iterator[Path]:
     hot = (folder / "system.toml").read_text(encoding="utf-8").replace("temperature_C = 20.0", f"temperature_C = {HOT}")
     write_whole(folder / "system_hot.toml", hot)
     build_clamp(read_law(folder / "clamp_a.json"), folder / "clamp_a.fmu")
-    build_pipe(read_pipe(folder / "pipe.toml"), folder / "pipe.fmu")
+    build_pipe(reduce(read_pipe(folder / "pipe.toml")), folder / "pipe.fmu")
     tell(f"   built {folder / 'clamp_a.fmu'} and {folder / 'pipe.fmu'}")
     for number, name, temperature in ((4, "system", "20 degC"), (5, "system_hot", f"{HOT:g} degC")):
         result = run_system(folder / f"{name}.toml")

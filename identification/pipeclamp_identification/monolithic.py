@@ -93,10 +93,10 @@ def solve_monolithic(
     Raises:
         ArithmeticError: the integration fails.
     """
-    omega_squared, damping = np.array(pipe.omega) ** 2, np.array(pipe.damping)
+    stiffness, damping = pipe.stiffness_matrix, pipe.damping_matrix
     participation = np.array(pipe.excitation_participation)
-    shapes = np.array(pipe.clamp_shapes).reshape(len(clamps), omega_squared.size)
-    count = omega_squared.size
+    shapes = np.array(pipe.clamp_shapes).reshape(len(clamps), len(pipe.omega))
+    count = len(pipe.omega)
     ends = 2 * count + np.cumsum([0] + [len(clamp.start) for clamp in clamps])
 
     def clamp_forces(state: Array, y: Array, v: Array) -> list[float]:
@@ -109,7 +109,7 @@ def solve_monolithic(
         y, v = shapes @ q, shapes @ p
         change = np.empty_like(state)
         change[:count] = p
-        change[count : 2 * count] = participation * excitation(t) - damping * p - omega_squared * q
+        change[count : 2 * count] = participation * excitation(t) - damping @ p - stiffness @ q
         change[count : 2 * count] -= clamp_forces(state, y, v) @ shapes
         for i, clamp in enumerate(clamps):
             own = slice(ends[i], ends[i + 1])

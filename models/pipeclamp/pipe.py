@@ -5,7 +5,11 @@ all displacements are then relative to the base) or a force (N), and f the force
 
 The modes up to the stated frequency are kept as they are. What the modes above it give statically at the clamps and at
 the excitation is kept too, by residual vectors (MacNeal's residual flexibility, Computers & Structures 1 (1971) 581, as
-further modes): without them a clamp that is stiff beside the pipe would feel a pipe that is too stiff.
+further modes): without them a clamp that is stiff beside the pipe would feel a pipe that is too stiff. Where that
+leaves a larger error than the stated one, further modes are kept.
+
+The modes are those of the pipe at rest and without axial force, and damping is theirs. Axial force and flow couple
+them: full matrices are added to omega^2 and 2 zeta omega, and the motions that the pipe then has are complex modes.
 """
 
 from __future__ import annotations
@@ -17,17 +21,25 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from pipeclamp.beam import ELEMENT_PHASE, Assembly, Attachment, Beam, assemble, mesh, modes, upright
+from pipeclamp.beam import ELEMENT_PHASE, Assembly, Attachment, assemble, mesh, modes, upright
 from pipeclamp.errors import UserError
-from pipeclamp.materials import find_fluid, find_material
+from pipeclamp.materials import find_fluid
 from pipeclamp.one_thread import one_thread
 from pipeclamp.pipe_description import Condition, PipeDescription, Springs
-from pipeclamp.pipe_response import ModalModel, ReductionErrors, reduction_errors
+from pipeclamp.pipe_response import ModalModel, ReductionErrors, Reference
+from pipeclamp.pipe_section import beam_of, shear_error
+from pipeclamp.pipe_stability import Onset, Stability, buckling_load, natural_frequencies, onset, stability
 
 Array = NDArray[np.float64]
 
 MOST_NODES = 1000
 """A finer mesh than this takes minutes and hints at a wrong unit."""
+
+FASTEST = 15.0
+"""Dimensionless flow velocity u = U L sqrt(M/(E I)) up to which the onset of instability is looked for."""
+
+WARM = 50.0
+"""K by which a pipe may be hotter than its fluid's table reaches, before it is said."""
 
 RIGID: dict[str, tuple[float, float]] = {
     "free": (0.0, 0.0),
@@ -46,6 +58,8 @@ class ReducedPipe:
         name: of the pipe.
         omega: rad/s per mode; 0 for rigid body modes. The residual modes come last.
         damping: 2 zeta omega, 1/s, per mode.
+        coupling_stiffness: [mode][mode], 1/s2, added to omega^2 by axial force and flow; () without.
+        coupling_damping: [mode][mode], 1/s, added to damping by the flow; () without.
         kept: how many of the modes are the pipe's own; those after them are residual.
         clamp_names: of the clamps, in the description's order.
         clamp_shapes: [clamp][mode], 1/sqrt(kg): displacement per modal displacement.
@@ -57,14 +71,22 @@ class ReducedPipe:
         mass: all that moves, kg.
         mass_per_length: kg/m, with fluid.
         bending_stiffness: E I, N m2.
+        compression: axial force that keeps its direction, N; below 0 for tension.
+        buckling_load: compression at which the pipe at rest buckles, N; None where it can move as a rigid body.
+        velocity: of the flow, m/s.
+        stability: what the pipe without clamps does by itself.
+        onset: where a growing flow makes it unstable; None without flow, or where it doesn't.
         errors: what the reduction costs.
         shear_error: estimated share by which beam theory without shear and rotary inertia overstates the frequency of
-            a mode at `up_to_Hz`.
+            a mode at `up_to_Hz`; 0 where they count.
+        notes: what else a user should know.
     """
 
     name: str
     omega: tuple[float, ...]
     damping: tuple[float, ...]
+    coupling_stiffness: tuple[tuple[float, ...], ...]
+    coupling_damping: tuple[tuple[float, ...], ...]
     kept: int
     clamp_names: tuple[str, ...]
     clamp_shapes: tuple[tuple[float, ...], ...]
@@ -76,8 +98,14 @@ class ReducedPipe:
     mass: float
     mass_per_length: float
     bending_stiffness: float
+    compression: float
+    buckling_load: float | None
+    velocity: float
+    stability: Stability
+    onset: Onset | None
     errors: ReductionErrors
     shear_error: float
+    notes: tuple[str, ...]
 
     @property
     def zeta(self) -> tuple[float, ...]:
@@ -85,8 +113,22 @@ class ReducedPipe:
         return tuple(d / (2 * w) if w else 0.0 for w, d in zip(self.omega, self.damping, strict=True))
 
     @property
+    def stiffness_matrix(self) -> Array:
+        """Modal stiffness with axial force and flow, 1/s2, (n, n)."""
+        stiffness = np.diag(np.square(self.omega))
+        return stiffness + np.array(self.coupling_stiffness) if self.coupling_stiffness else stiffness
+
+    @property
+    def damping_matrix(self) -> Array:
+        """Modal damping with flow, 1/s, (n, n)."""
+        damping = np.diag(self.damping)
+        return damping + np.array(self.coupling_damping) if self.coupling_damping else damping
+
+    @property
     def frequencies(self) -> tuple[float, ...]:
-        """Natural frequencies of the kept modes, Hz."""
+        """Natural frequencies without clamps, with axial force and flow, Hz; as many as were kept at most."""
+        if self.coupling_stiffness:
+            return natural_frequencies(self.stiffness_matrix, self.damping_matrix)[: self.kept]
         return tuple(w / (2 * pi) for w in self.omega[: self.kept])
 
     def summary(self) -> str:
@@ -94,33 +136,44 @@ class ReducedPipe:
         first = ", ".join(f"{frequency:.4g}" for frequency in self.frequencies[:6])
         more = ", ..." if self.kept > 6 else ""
         lines = [
-            f"pipe {self.name!r}: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m2",
-            f"{self.kept} modes up to {self.up_to_Hz:g} Hz: {first}{more} Hz; "
+            f"pipe {self.name!r}, straight: {self.mass:.4g} kg, E I = {self.bending_stiffness:.4g} N m2",
+            f"{self.kept} modes kept for {self.up_to_Hz:g} Hz: {first}{more} Hz; "
             f"{len(self.omega) - self.kept} residual modes",
             f"static compliance: {self.errors.static_truncated:.1%} lies in the modes left out; "
             f"with the residual modes the error is {self.errors.static:.1e}",
             f"frequency response up to {self.up_to_Hz:g} Hz: largest error {self.errors.response:.1e}",
+            *self._about_stability(),
         ]
         if self.shear_error > 0.02:
             lines.append(
                 f"shear and rotary inertia, which are neglected, would lower a mode at {self.up_to_Hz:g} Hz "
-                f"by about {self.shear_error:.0%}"
+                f"by about {self.shear_error:.0%}; pipe.theory = 'timoshenko' takes them in"
             )
-        return "\n".join(lines)
+        return "\n".join((*lines, *self.notes))
 
-
-def beam_of(description: PipeDescription) -> Beam:
-    """Give the beam that a pipe with its fluid is."""
-    table = description.pipe
-    outer, inner = 1e-3 * table.outer_diameter_mm, 1e-3 * (table.outer_diameter_mm - 2 * table.wall_mm)
-    if isinstance(table.material, str):
-        material = find_material(table.material)
-        modulus, density = material.youngs_modulus(table.temperature_C), material.density
-    else:
-        modulus, density = 1e9 * table.material.E_GPa, table.material.density_kg_m3
-    fluid = find_fluid(table.fluid) if isinstance(table.fluid, str) else table.fluid.density_kg_m3
-    mass_per_length = pi / 4 * (density * (outer**2 - inner**2) + fluid * inner**2) + table.added_mass_kg_m
-    return Beam(table.length_m, modulus * pi / 64 * (outer**4 - inner**4), mass_per_length)
+    def _about_stability(self) -> list[str]:
+        """Say what axial force and flow do."""
+        lines = []
+        if self.compression:
+            kind, load = ("compression", self.compression) if self.compression > 0 else ("tension", -self.compression)
+            share = f", {load / self.buckling_load:.0%} of its buckling load" if self.buckling_load else ""
+            lines.append(f"axial {kind} {load:.4g} N{share if kind == 'compression' else ''}")
+        if self.velocity:
+            begins = "stable at any flow that was tried"
+            if self.onset:
+                begins = f"{self.onset.kind} from {self.onset.velocity:.4g} m/s on"
+            lines.append(f"flow {self.velocity:g} m/s; without clamps: {begins}")
+        if self.stability.kind == "divergence":
+            lines.append(
+                f"UNSTABLE without clamps: it diverges (buckles), growing with {self.stability.growth:.3g} 1/s; only "
+                "clamps that hold it make a result of this pipe worth anything"
+            )
+        if self.stability.kind == "flutter":
+            lines.append(
+                f"UNSTABLE without clamps: it flutters at {self.stability.frequency:.4g} Hz, growing with "
+                f"{self.stability.growth:.3g} 1/s"
+            )
+        return lines
 
 
 def attachments_of(description: PipeDescription) -> tuple[Attachment, ...]:
@@ -179,43 +232,88 @@ def reduce(description: PipeDescription) -> ReducedPipe:
     assembly = finite_elements(description)
     beam = beam_of(description)
     omega, shapes = modes(beam, assembly)
-    loads = _load_vectors(description, assembly)
+    inputs = _load_vectors(description, assembly)
     up_to = 2 * pi * description.modes.up_to_Hz
-    kept = int(np.count_nonzero(omega <= up_to))
-    if kept == 0:
+    in_band = int(np.count_nonzero(omega <= up_to))
+    if in_band == 0:
         raise UserError(
             f"pipe {description.name!r}: no mode lies below modes.up_to_Hz = {description.modes.up_to_Hz:g}; "
             f"the lowest is at {omega[0] / (2 * pi):.4g} Hz: raise it"
         )
-    above = omega[kept:]
-    residual = shapes[:, kept:] @ ((shapes[:, kept:].T @ loads) / above[:, None] ** 2)
-    residual_omega, residual_shapes = _residual_modes(assembly, residual)
-    all_omega = np.concatenate([omega[:kept], residual_omega])
-    all_shapes = np.hstack([shapes[:, :kept], residual_shapes])
-
+    loaded = bool(beam.compression or beam.velocity)
     clamp_rows = _rows(assembly, [entry.position_m for entry in description.clamps])
     probe_rows = _rows(assembly, [entry.position_m for entry in description.probes])
     rows = np.vstack([clamp_rows, probe_rows])
-    damping = _damping(description, all_omega)
-    reduced = ModalModel(all_omega, damping, all_shapes.T @ loads, rows @ all_shapes)
-    full = ModalModel(omega, _damping(description, omega), shapes.T @ loads, rows @ shapes)
+
+    def modal(omega: Array, shapes: Array) -> ModalModel:
+        coupling = assembly.loads.over(shapes).matrices(beam) if loaded else None
+        return ModalModel(omega, _damping(description, omega), shapes.T @ inputs, rows @ shapes, coupling)
+
+    reference = Reference(modal(omega, shapes), in_band, up_to)
+    for kept in range(in_band, reference.most + 1):
+        all_omega, all_shapes = _with_residual_modes(assembly, omega, shapes, kept, inputs)
+        reduced = modal(all_omega, all_shapes)
+        errors = reference.errors(reduced, kept)
+        if max(errors.response, errors.static) <= description.modes.error:
+            break
+    over_modes = assembly.loads.over(all_shapes)
+    stiffness, damping = reduced.matrices(all_omega.size)
+
+    def at_velocity(velocity: float) -> tuple[Array, Array]:
+        flow = description.flow.model_copy(update={"velocity_m_s": velocity})
+        added = over_modes.matrices(beam_of(description.model_copy(update={"flow": flow})))
+        return np.diag(all_omega**2) + added[0], np.diag(reduced.damping) + added[1]
+
+    fastest = FASTEST / beam.length * float(np.sqrt(beam.bending_stiffness / beam.fluid_mass)) if beam.velocity else 0.0
     return ReducedPipe(
         name=description.name,
         omega=_floats(all_omega),
-        damping=_floats(damping),
+        damping=_floats(reduced.damping),
+        coupling_stiffness=tuple(map(_floats, reduced.coupling[0])) if reduced.coupling else (),
+        coupling_damping=tuple(map(_floats, reduced.coupling[1])) if reduced.coupling else (),
         kept=kept,
         clamp_names=tuple(entry.name for entry in description.clamps),
         clamp_shapes=tuple(_floats(row) for row in clamp_rows @ all_shapes),
         probe_names=tuple(entry.name for entry in description.probes),
         probe_shapes=tuple(_floats(row) for row in probe_rows @ all_shapes),
         excitation=description.excitation.kind,
-        excitation_participation=_floats(all_shapes.T @ loads[:, -1]),
+        excitation_participation=_floats(reduced.loads[:, -1]),
         up_to_Hz=description.modes.up_to_Hz,
         mass=beam.mass_per_length * beam.length + sum(entry.mass_kg for entry in description.masses),
         mass_per_length=beam.mass_per_length,
         bending_stiffness=beam.bending_stiffness,
-        errors=reduction_errors(full, reduced, kept, up_to),
-        shear_error=_shear_error(description, beam, up_to),
+        compression=beam.compression,
+        buckling_load=buckling_load(all_omega, over_modes.straightening),
+        velocity=beam.velocity,
+        stability=stability(stiffness, damping) if loaded else Stability("stable", 0.0, 0.0),
+        onset=onset(at_velocity, max(2 * beam.velocity, fastest)) if beam.velocity else None,
+        errors=errors,
+        shear_error=shear_error(description, up_to),
+        notes=_notes(description),
+    )
+
+
+def _with_residual_modes(
+    assembly: Assembly, omega: Array, shapes: Array, kept: int, inputs: Array
+) -> tuple[Array, Array]:
+    """Give the kept modes and, after them, the residual ones of those left out: omega (n,) and shapes (d, n)."""
+    above = omega[kept:]
+    residual = shapes[:, kept:] @ ((shapes[:, kept:].T @ inputs) / above[:, None] ** 2)
+    residual_omega, residual_shapes = _residual_modes(assembly, residual)
+    return np.concatenate([omega[:kept], residual_omega]), np.hstack([shapes[:, :kept], residual_shapes])
+
+
+def _notes(description: PipeDescription) -> tuple[str, ...]:
+    """Say what the description leaves open."""
+    table = description.pipe
+    if not isinstance(table.fluid, str) or table.fluid == "empty":
+        return ()
+    fluid = find_fluid(table.fluid)
+    if table.temperature_C <= fluid.hottest + WARM:
+        return ()
+    return (
+        f"{table.fluid} is taken with its density at {fluid.hottest:g} degC, the pipe is at "
+        f"{table.temperature_C:g} degC; give fluid = {{ density_kg_m3 = ... }} where that matters",
     )
 
 
@@ -262,6 +360,8 @@ def _residual_modes(assembly: Assembly, residual: Array) -> tuple[Array, Array]:
     Returns:
         omega (r,), rad/s, and shapes (d, r); r is smaller than the number of loads where they give the same shapes.
     """
+    if not residual.any():
+        return np.zeros(0), np.zeros((residual.shape[0], 0))
     norms = np.sqrt(np.einsum("ij,ij->j", residual, assembly.mass @ residual))
     present = residual[:, norms > 1e-12 * norms.max(initial=0.0)] / norms[norms > 1e-12 * norms.max(initial=0.0)]
     weight, mix = eigh(present.T @ assembly.mass @ present)
@@ -277,16 +377,3 @@ def _damping(description: PipeDescription, omega: Array) -> Array:
     if table.ratio is not None:
         return 2 * table.ratio * omega
     return (table.rayleigh_alpha_1_s or 0.0) + (table.rayleigh_beta_s or 0.0) * omega**2
-
-
-def _shear_error(description: PipeDescription, beam: Beam, omega: float) -> float:
-    """Estimate by how much beam theory overstates a mode's frequency at omega (rad/s).
-
-    (beta r)^2 (1 + E/(kappa G))/2 with r the section's radius of gyration (Timoshenko's first correction of a pinned
-    beam), kappa = 2 (1 + nu)/(4 + 3 nu) of a thin tube (Cowper 1966).
-    """
-    table = description.pipe
-    outer, inner = 1e-3 * table.outer_diameter_mm, 1e-3 * (table.outer_diameter_mm - 2 * table.wall_mm)
-    nu = find_material(table.material).poisson if isinstance(table.material, str) else 0.3
-    gyration_squared = (outer**2 + inner**2) / 16
-    return beam.wave_number(omega) ** 2 * gyration_squared / 2 * (1 + (4 + 3 * nu))

@@ -33,10 +33,12 @@ slope), or a table of springs."""
 
 
 class MaterialTable(Table):
-    """A material by its values."""
+    """A material by its values at the pipe's temperature; the expansion is the mean one from where it was installed."""
 
     E_GPa: Positive
     density_kg_m3: Positive
+    expansion_1e6_K: NotNegative = 0.0
+    poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.3
 
 
 class FluidTable(Table):
@@ -45,8 +47,18 @@ class FluidTable(Table):
     density_kg_m3: NotNegative
 
 
+class Insulation(Table):
+    """Insulation around the pipe; it adds mass, no stiffness."""
+
+    thickness_mm: Positive
+    density_kg_m3: Positive
+
+
 class PipeTable(Table):
-    """The pipe itself; `added_mass_kg_m` is insulation, cladding or cables that move with it."""
+    """The pipe itself, its dimensions as bought (at 20 degC).
+
+    `added_mass_kg_m` is cladding or cables that move with it. With theory "timoshenko" shear and rotary inertia count.
+    """
 
     outer_diameter_mm: Positive
     wall_mm: Positive
@@ -60,8 +72,10 @@ class PipeTable(Table):
         Annotated[str, AfterValidator(looked_up(find_fluid)), Tag("(name)")] | Annotated[FluidTable, Tag("(table)")],
         Discriminator(_variant),
     ] = "empty"
+    insulation: Insulation | None = None
     added_mass_kg_m: NotNegative = 0.0
     temperature_C: Annotated[Number, Field(ge=-273.15)] = 20.0
+    theory: Literal["euler", "timoshenko"] = "euler"
 
     @model_validator(mode="after")
     def _has_a_bore(self) -> Self:
@@ -134,14 +148,45 @@ class Damping(Table):
         return self
 
 
+class Flow(Table):
+    """The flow in the pipe, from the left end to the right, and its pressure above the surroundings'."""
+
+    velocity_m_s: NotNegative = 0.0
+    pressure_bar: NotNegative = 0.0
+
+
+class Axial(Table):
+    """What holds the pipe along its axis, and so what axial force it carries.
+
+    Attributes:
+        anchors: "none" (an end slides), "rigid", or the stiffness in N/mm of both anchors together.
+        end_thrust: what takes the end thrust of pressure and flow: "outside" (bellows, slip joints, open ends), or
+            "pipe" (elbows, caps: the pipe's own wall).
+        installed_at_C: temperature at which the anchored pipe had no axial force.
+        tension_N: axial force besides, above 0 for tension.
+    """
+
+    anchors: Annotated[
+        Annotated[Literal["none", "rigid"], Tag("(name)")] | Annotated[Positive, Tag("(number)")],
+        Discriminator(lambda value: "(name)" if isinstance(value, str) else "(number)"),
+    ] = "none"
+    end_thrust: Literal["outside", "pipe"] = "outside"
+    installed_at_C: Annotated[Number, Field(ge=-273.15)] = 20.0
+    tension_N: Number = 0.0
+
+
 class Modes(Table):
-    """The modes that are kept: all up to this frequency."""
+    """The modes that are kept: all up to this frequency, and further ones until the reduction errs by at most `error`.
+
+    `error` is that of the frequency response up to the frequency and of the static compliance, as a share.
+    """
 
     up_to_Hz: Positive
+    error: Annotated[Positive, Field(ge=1e-6, lt=0.5)] = 0.01
 
 
 class PipeDescription(Table):
-    """A straight pipe: section, ends, supports, masses, clamps, probes, excitation, damping, modes."""
+    """A straight pipe: section, ends, supports, masses, clamps, probes, excitation, flow, axial force, modes."""
 
     name: Annotated[str, Field(min_length=1, max_length=80)]
     notes: str = ""
@@ -152,6 +197,8 @@ class PipeDescription(Table):
     clamps: tuple[Place, ...] = ()
     probes: tuple[Place, ...] = ()
     excitation: Excitation = Excitation()
+    flow: Flow = Flow()
+    axial: Axial = Axial()
     damping: Damping
     modes: Modes
 
@@ -176,7 +223,23 @@ class PipeDescription(Table):
                     f"the name {entry.name!r} is taken; expected a name of its own for each clamp and probe"
                 )
             seen.add(entry.name)
+        self._refuse_impossible_ends()
         return self
+
+    def _refuse_impossible_ends(self) -> None:
+        """Refuse ends that can't carry what flow and anchors put on them."""
+        free = [side for side, held in (("left", self.ends.left), ("right", self.ends.right)) if held == "free"]
+        if "left" in free and self.flow.velocity_m_s:
+            raise ValueError("flow.velocity_m_s needs something that the fluid comes from; ends.left is 'free'")
+        if free and self.axial.anchors != "none":
+            raise ValueError(f"axial.anchors need both ends held; ends.{free[0]} is 'free'")
+        if free and self.flow.pressure_bar and self.axial.end_thrust == "outside":
+            raise ValueError(
+                f"flow.pressure_bar is 0 at an open end; ends.{free[0]} is 'free': leave the pressure out, or say "
+                "axial.end_thrust = 'pipe' for a capped end"
+            )
+        if "right" in free and self.flow.velocity_m_s and self.axial.end_thrust == "pipe":
+            raise ValueError("axial.end_thrust = 'pipe' needs an elbow or a cap, and ends.right is 'free'")
 
 
 def read_pipe(path: Path) -> PipeDescription:

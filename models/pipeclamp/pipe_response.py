@@ -19,21 +19,31 @@ MOST_MODES = 60
 
 @dataclass(frozen=True, eq=False)
 class ModalModel:
-    """Vibration modes with their loads and their points of observation.
+    """Modes with their loads and their points of observation.
 
-    q'' + damping q' + omega^2 q = loads u, s = shapes q.
+    q'' + (damping + coupling_damping) q' + (omega^2 + coupling_stiffness) q = loads u, s = shapes q.
 
     Attributes:
         omega: rad/s, (m,).
         damping: 2 zeta omega, 1/s, (m,).
         loads: modal load per unit input, (m, inputs).
         shapes: displacement per unit modal displacement, (outputs, m).
+        coupling: stiffness, 1/s2, and damping, 1/s, by which axial force and flow couple the modes, each (m, m);
+            None without.
     """
 
     omega: Array
     damping: Array
     loads: Array
     shapes: Array
+    coupling: tuple[Array, Array] | None = None
+
+    def matrices(self, count: int) -> tuple[Array, Array]:
+        """Give stiffness and damping of the first modes, each (count, count)."""
+        stiffness, damping = np.diag(self.omega[:count] ** 2), np.diag(self.damping[:count])
+        if self.coupling is None:
+            return stiffness, damping
+        return stiffness + self.coupling[0][:count, :count], damping + self.coupling[1][:count, :count]
 
 
 @dataclass(frozen=True)
@@ -52,57 +62,66 @@ class ReductionErrors:
 
 
 def state_space(model: ModalModel, moving: int | None = None) -> control.StateSpace:
-    """Give the state space of modes, states (q1, q1', q2, q2', ...), inputs the loads, outputs the displacements.
+    """Give the state space of modes, states (q, q'), inputs the loads, outputs the displacements.
 
     Args:
         model: the modes.
         moving: how many of them have states; the others add their static compliance. All of them unless told.
     """
     count = model.omega.size if moving is None else min(moving, model.omega.size)
-    A = np.zeros((2 * count, 2 * count))
-    position = np.arange(count) * 2
-    A[position, position + 1] = 1.0
-    A[position + 1, position] = -(model.omega[:count] ** 2)
-    A[position + 1, position + 1] = -model.damping[:count]
-    B = np.zeros((2 * count, model.loads.shape[1]))
-    B[1::2] = model.loads[:count]
-    C = np.zeros((model.shapes.shape[0], 2 * count))
-    C[:, 0::2] = model.shapes[:, :count]
+    stiffness, damping = model.matrices(count)
+    none = np.zeros((count, count))
+    A = np.block([[none, np.eye(count)], [-stiffness, -damping]])
+    B = np.vstack([np.zeros((count, model.loads.shape[1])), model.loads[:count]])
+    C = np.hstack([model.shapes[:, :count], np.zeros((model.shapes.shape[0], count))])
     D = (model.shapes[:, count:] / model.omega[count:] ** 2) @ model.loads[count:]
     return control.ss(A, B, C, D)
 
 
 def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
     """Give the state space with the first `kept` modes and nothing in place of the others."""
-    left_out = list(range(2 * kept, full.nstates))
+    modes = full.nstates // 2
+    left_out = [*range(kept, modes), *range(modes + kept, 2 * modes)]
     moving = control.ss(full.A, full.B, full.C, 0.0)
     return control.model_reduction(moving, left_out, method="truncate", warn_unstable=False) if left_out else moving
 
 
-def reduction_errors(full: ModalModel, reduced: ModalModel, kept: int, omega_up_to: float) -> ReductionErrors:
-    """Compare a reduced model with the full one.
+class Reference:
+    """The full model's response over the band, against which reductions are judged."""
 
-    Args:
-        full: all modes of the finite element model, ascending.
-        reduced: the modes that stand for them.
-        kept: how many of the full model's modes the reduced one holds unchanged.
-        omega_up_to: the stated frequency, rad/s.
-    """
-    if not full.loads.size or not full.shapes.size:
-        return ReductionErrors(0.0, 0.0, 0.0)
-    whole, replacement = state_space(full, kept + MOST_MODES), state_space(reduced)
-    truncated = truncate(whole, kept)
-    # Rigid body modes have no static compliance: there, "static" is far below the stated frequency.
-    low = 1e-3 * omega_up_to if full.omega[0] == 0 else 0.0
-    band = np.concatenate([[low], np.linspace(omega_up_to / BAND_POINTS, omega_up_to, BAND_POINTS)])
-    exact = _frequency_response(whole, band)
-    error = np.abs(_frequency_response(replacement, band) - exact)
-    lost = np.abs(_frequency_response(truncated, band[:1]) - exact[:, :, :1])
-    return ReductionErrors(
-        static_truncated=_largest_share(lost, exact[:, :, :1]),
-        static=_largest_share(error[:, :, :1], exact[:, :, :1]),
-        response=_largest_share(error, exact),
-    )
+    def __init__(self, full: ModalModel, kept: int, omega_up_to: float) -> None:
+        """Compute the response once.
+
+        Args:
+            full: all modes of the finite element model, ascending.
+            kept: how many of them lie in the band.
+            omega_up_to: end of the band, rad/s.
+        """
+        self.most = min(kept + MOST_MODES, full.omega.size)
+        self._whole = state_space(full, self.most)
+        # Rigid body modes have no static compliance: there, "static" is far below the stated frequency.
+        low = 1e-3 * omega_up_to if full.omega[0] == 0 else 0.0
+        self._band = np.concatenate([[low], np.linspace(omega_up_to / BAND_POINTS, omega_up_to, BAND_POINTS)])
+        compared = bool(full.loads.size and full.shapes.size)
+        self._exact = _frequency_response(self._whole, self._band) if compared else None
+
+    def errors(self, reduced: ModalModel, kept: int) -> ReductionErrors:
+        """Judge a reduced model.
+
+        Args:
+            reduced: the modes that stand for the full ones.
+            kept: how many of the full model's modes it holds unchanged.
+        """
+        if self._exact is None:
+            return ReductionErrors(0.0, 0.0, 0.0)
+        error = np.abs(_frequency_response(state_space(reduced), self._band) - self._exact)
+        truncated = truncate(self._whole, kept)
+        lost = np.abs(_frequency_response(truncated, self._band[:1]) - self._exact[:, :, :1])
+        return ReductionErrors(
+            static_truncated=_largest_share(lost, self._exact[:, :, :1]),
+            static=_largest_share(error[:, :, :1], self._exact[:, :, :1]),
+            response=_largest_share(error, self._exact),
+        )
 
 
 def _largest_share(error: Array, response: NDArray[np.complex128]) -> float:

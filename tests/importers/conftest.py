@@ -13,6 +13,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from pipeclamp.bundled import open_law
+from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_fmu.clamp import ClampModel, clamp_content, source_text
@@ -40,14 +41,19 @@ position_m = 5.0
 [[probes]]
 name = "middle"
 position_m = 3.0
-{excitation}
+{tables}
 [damping]
 ratio = 0.01
 [modes]
 up_to_Hz = 100
 """
 
-FORCED = '[excitation]\nkind = "force"\nposition_m = 1.0'
+PIPES = {
+    "pipe": "",
+    "forced_pipe": '[excitation]\nkind = "force"\nposition_m = 1.0',
+    "loaded_pipe": "[flow]\nvelocity_m_s = 8.0\npressure_bar = 20.0\n[axial]\ntension_N = 4000.0",
+}
+"""Test pipes: shaken by the base, shaken by a force, and with axial force and flow."""
 
 
 class Driver:
@@ -136,13 +142,13 @@ def stand_in() -> ClampModel:
 def fmus(tmp_path_factory: pytest.TempPathFactory, stand_in: ClampModel) -> dict[str, Path]:
     """Give built FMUs by name."""
     folder = tmp_path_factory.mktemp("fmus")
-    paths = {name: folder / f"{name}.fmu" for name in ("memory", "stiffer", "emwm2", "pipe", "forced_pipe")}
+    paths = {name: folder / f"{name}.fmu" for name in ("memory", "stiffer", "emwm2", *PIPES)}
     write_fmu(clamp_content(stand_in, "0"), paths["memory"])
     stiffer = replace(stand_in, source=stand_in.source.replace("1200.0", "2400.0"))
     write_fmu(clamp_content(stiffer, "0"), paths["stiffer"])
     build_clamp(open_law("emwm2"), paths["emwm2"])
-    build_pipe(parse_pipe(PIPE.format(excitation="")), paths["pipe"])
-    build_pipe(parse_pipe(PIPE.format(excitation=FORCED)), paths["forced_pipe"])
+    for name, tables in PIPES.items():
+        build_pipe(reduce(parse_pipe(PIPE.format(tables=tables))), paths[name])
     return paths
 
 
@@ -166,6 +172,6 @@ def shaken() -> Callable[..., list[float]]:
 
 
 @pytest.fixture(scope="session")
-def pipe_text() -> Callable[[bool], str]:
-    """Give a function that gives the test pipe's TOML, shaken by its base or by a force."""
-    return lambda forced=False: PIPE.format(excitation=FORCED if forced else "")
+def pipe_text() -> Callable[..., str]:
+    """Give a function that gives the TOML of one of the test pipes."""
+    return lambda name="pipe": PIPE.format(tables=PIPES[name])

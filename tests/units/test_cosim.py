@@ -124,7 +124,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     swapped = PIPE.replace("[[clamps]]", SECOND + "[[clamps]]")
     for name, text in (("pipe", PIPE), ("pipe2", PIPE + SECOND), ("pipe2_swapped", swapped)):
         (folder / f"{name}.toml").write_text(text, encoding="utf-8")
-        build_pipe(read_pipe(folder / f"{name}.toml"), folder / f"{name}.fmu")
+        build_pipe(reduce(read_pipe(folder / f"{name}.toml")), folder / f"{name}.fmu")
     laws = {
         "smooth": (SMOOTH, "power", ()),
         "soft": (SOFT, "power", ("damping_temperature",)),

@@ -9,6 +9,7 @@ import pytest
 
 from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
+from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_fmu.model_description import ModelText, completed
@@ -58,7 +59,7 @@ def builders():
     law = open_law("emwm2")
     return {
         "clamp": lambda path: build_clamp(law, path),
-        "pipe": lambda path: build_pipe(parse_pipe(PIPE), path),
+        "pipe": lambda path: build_pipe(reduce(parse_pipe(PIPE)), path),
     }
 
 
