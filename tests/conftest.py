@@ -12,6 +12,8 @@ import pytest
 from pipeclamp_identification.campaign import Campaign, Run
 from pipeclamp_identification.clipping import check_clipping
 from pipeclamp_identification.cycles import find_cycles
+from pipeclamp_identification.harmonics import cycle_harmonics
+from pipeclamp_identification.misfit import RunMisfit
 from pipeclamp_identification.records import Record, check_samples
 
 
@@ -62,6 +64,24 @@ def harmonic_record() -> Callable[..., Record]:
 def run_of() -> Callable[..., Run]:
     """Give a function that makes a run of a record, checked as the campaign's reader does."""
     return _run
+
+
+def _misfit(run: Run, error: Callable[[np.ndarray, np.ndarray], np.ndarray], noise: float = 0.0) -> RunMisfit:
+    """Give the misfit of a law that errs by error(phase, cycle), N, on a run whose displacement is nearly a cosine."""
+    cycles, steady = run.cycles, run.cycles.steady
+    phase, bounds = cycles.phase(run.record), cycles.bounds - cycles.bounds[0]
+    lag = np.angle(cycle_harmonics(phase, bounds, [run.record.displacement_mm[steady]], 1)[0, 0, 1])
+    # a hair above zero, where rounding would else decide on which side of a reversal a sample lies
+    within = (phase + lag + 1e-9) % (2 * np.pi)
+    measured = run.record.force_N[steady]
+    off = error(within, np.repeat(np.arange(cycles.count), np.diff(bounds)))
+    return RunMisfit(run.name, within, measured, measured - off, noise)
+
+
+@pytest.fixture(scope="session")
+def misfit_of() -> Callable[..., RunMisfit]:
+    """Give a function that makes the misfit of a law whose error is known."""
+    return _misfit
 
 
 @pytest.fixture(scope="session")

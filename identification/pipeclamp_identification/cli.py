@@ -162,12 +162,14 @@ def compare(
     """Hold a law against measurements: how much it errs, and where."""
     from pipeclamp.bundled import open_law
     from pipeclamp_identification import compare as comparing
+    from pipeclamp_identification.comparison_report import comparison_sections, how_much, worst_table
 
     with told("compare") as tell:
         file = open_law(law)
         tests = _read(campaign, strict, tell)
         comparison = comparing.compare(file, tests)
-        answer, sections = comparing.comparison_json(comparison), comparing.comparison_sections(comparison)
+        answer = comparing.comparison_json(comparison)
+        sections = comparison_sections(comparison) if report else []
     _write(
         json,
         report,
@@ -176,8 +178,9 @@ def compare(
         f"base {file.base}, effects: {', '.join(file.effects) or 'none'}",
         sections,
     )
-    console.print(sections[0].paragraphs[0], highlight=False)
-    _print_table(comparing.worst_table(comparison, most=8))
+    for sentence in (*how_much(comparison), *comparing.where_words(comparison)):
+        console.print(sentence, highlight=False)
+    _print_table(worst_table(comparison, most=8))
 
 
 @app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")

@@ -1,31 +1,22 @@
-"""Compare a law with a campaign: how much it errs, and where."""
+"""Compare a law with a campaign: how much it errs, and where (CONTRACT.md, compare)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
-
-import numpy as np
 
 from pipeclamp.law import Law
 from pipeclamp.parameter_file import LawFile, law_of
+from pipeclamp_identification import breakdown
+from pipeclamp_identification.breakdown import PLACES, Breakdown, Condition, Part, phase_edges, place_of
 from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.concentration import drift_sentence, harmonic_sentence, region, region_sentence
+from pipeclamp_identification.error_sums import RunSums, error_sums
 from pipeclamp_identification.loops import Loops, loops_of
-from pipeclamp_identification.misfit import (
-    DRAWN_SAMPLES,
-    RunMisfit,
-    force_of_rows,
-    loop_of_run,
-    misfits,
-    overall_noise,
-    overall_nrmse,
-)
-from pipeclamp_identification.pictures import ConditionsMap, LoopPanel, conditions_picture, loops_picture
-from pipeclamp_identification.report import Section, Table
-
-WORST_SHOWN = 8
+from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 
 
 @dataclass(frozen=True)
@@ -52,8 +43,28 @@ class Comparison:
 
     @property
     def noise_nrmse(self) -> float:
-        """The part of it that is cycle-to-cycle scatter."""
+        """The part of it that is scatter; of single cycles, only the noise between their samples."""
         return overall_noise(self.runs)
+
+    @cached_property
+    def sums(self) -> tuple[RunSums, ...]:
+        """The squared error of each run, split up."""
+        return error_sums(self.campaign, self.loops, self.runs)
+
+    @cached_property
+    def conditions(self) -> tuple[Condition, ...]:
+        """The tests' conditions."""
+        return breakdown.conditions_of(self.campaign, self.loops)
+
+    @property
+    def varied(self) -> tuple[Condition, ...]:
+        """The conditions that vary from run to run."""
+        return tuple(condition for condition in self.conditions if condition.varies)
+
+    @property
+    def single_cycles(self) -> int:
+        """Number of runs with a single cycle, which can't show scatter from cycle to cycle."""
+        return sum(not run.scatter_known for run in self.sums)
 
     def worst_first(self) -> list[int]:
         """Give the rows of the runs by falling error."""
@@ -84,98 +95,82 @@ def _outside(file: LawFile, loops: Loops) -> dict[str, str]:
     return found
 
 
+def where_words(comparison: Comparison) -> list[str]:
+    """Say in sentences where the error sits: place and conditions, harmonics, drift."""
+    sums = comparison.sums
+    sentences = [
+        region_sentence(region(sums, comparison.varied), breakdown.along_loop(sums)),
+        harmonic_sentence(breakdown.by_harmonic(sums)),
+        drift_sentence(breakdown.drift(sums), comparison.nrmse),
+    ]
+    return [sentence for sentence in sentences if sentence]
+
+
+def celsius(loops: Loops, row: int) -> float | None:
+    """Give a run's temperature in degC, None where it isn't known."""
+    T = float(loops.temperature_K[row])
+    return T + ABSOLUTE_ZERO_C if math.isfinite(T) else None
+
+
 def comparison_json(comparison: Comparison) -> dict[str, Any]:
-    """Give the answer of `compare --json` (CONTRACT.md)."""
+    """Give the answer of `compare --json` (CONTRACT.md); what isn't known is None."""
     loops = comparison.loops
     return {
         "nrmse": comparison.nrmse,
-        "noise_nrmse": comparison.noise_nrmse,
+        "noise_nrmse": comparison.noise_nrmse if comparison.single_cycles < len(comparison.runs) else None,
         "runs": [
             {
                 "run": run.run,
                 "nrmse": run.nrmse,
-                "noise_nrmse": run.noise_nrmse,
+                "noise_nrmse": run.noise_nrmse if sums.scatter_known else None,
                 "amplitude_mm": float(loops.amplitude_mm[row]),
                 "frequency_Hz": float(loops.frequency_Hz[row]),
-                "temperature_C": _celsius(loops, row),
+                "temperature_C": celsius(loops, row),
                 "outside_range": comparison.outside.get(run.run),
             }
-            for row, run in enumerate(comparison.runs)
+            for row, (run, sums) in enumerate(zip(comparison.runs, comparison.sums, strict=True))
         ],
+        "where": _where_json(comparison),
         "left_out": [{"run": entry.run, "reason": entry.reason} for entry in comparison.campaign.left_out],
     }
 
 
-def _celsius(loops: Loops, row: int) -> float | None:
-    T = float(loops.temperature_K[row])
-    return T - 273.15 if math.isfinite(T) else None
+def _where_json(comparison: Comparison) -> dict[str, Any]:
+    sums = comparison.sums
+    drift = breakdown.drift(sums)
+    phases = _parts_json(breakdown.along_loop(sums))
+    for index, phase in enumerate(phases):
+        place, branch = place_of(index)
+        phase["from_deg"], phase["to_deg"] = phase_edges(index)
+        phase["place"], phase["branch"] = PLACES[place][0], breakdown.BRANCHES[branch]
+    return {
+        "words": where_words(comparison),
+        "phases": phases,
+        "places": _parts_json(breakdown.by_place(sums)),
+        "branches": _parts_json(breakdown.by_branch(sums)),
+        "harmonics": _parts_json(breakdown.by_harmonic(sums)),
+        "cycles": _parts_json(breakdown.along_cycles(sums)),
+        "drift": drift
+        and {
+            "in_phase": drift.in_phase,
+            "in_quadrature": drift.in_quadrature,
+            "standard_error": drift.standard_error,
+        },
+        "conditions": {
+            condition.key: _parts_json(breakdown.by_condition(sums, condition)) for condition in comparison.varied
+        },
+    }
 
 
-def worst_table(comparison: Comparison, most: int | None = None) -> Table:
-    """Give the runs as a table, worst first."""
-    loops = comparison.loops
-    rows = [
-        (
-            comparison.runs[row].run,
-            float(loops.amplitude_mm[row]),
-            float(loops.frequency_Hz[row]),
-            _celsius(loops, row),
-            100 * comparison.runs[row].nrmse,
-            100 * comparison.runs[row].noise_nrmse,
-            comparison.outside.get(comparison.runs[row].run, ""),
-        )
-        for row in comparison.worst_first()[:most]
-    ]
-    header = ("run", "A / mm", "f / Hz", "T / °C", "error / %", "scatter / %", "outside the law's range")
-    return Table(header, rows, "error and cycle-to-cycle scatter, as a share of the run's rms force; worst first")
+def _parts_json(parts: Breakdown) -> list[dict[str, Any]]:
+    def entry(part: Part) -> dict[str, Any]:
+        return {
+            "part": part.label,
+            "nrmse": part.nrmse,
+            "noise_nrmse": part.noise_nrmse,
+            "share": parts.share(part),
+            "noise_share": parts.noise_share(part),
+            "runs": part.runs,
+        }
 
-
-def loop_panels(comparison: Comparison, rows: Sequence[int]) -> list[LoopPanel]:
-    """Give the measured and computed loops of some runs."""
-    force = force_of_rows(comparison.law, comparison.loops, DRAWN_SAMPLES)
-    panels = []
-    for row in rows:
-        y, measured = loop_of_run(comparison.loops, row)
-        run = comparison.runs[row]
-        panels.append(LoopPanel(f"{run.run}: {100 * run.nrmse:.2g} %", y, measured, force[row]))
-    return panels
-
-
-def comparison_sections(comparison: Comparison) -> list[Section]:
-    """Give the report of a comparison: the numbers, where it fails, the worst loops."""
-    loops, campaign = comparison.loops, comparison.campaign
-    summary = [
-        f"The law errs by {comparison.nrmse:.2%} of the rms force over {len(comparison.runs)} runs; "
-        f"{comparison.noise_nrmse:.2%} is cycle-to-cycle scatter, which no law can explain."
-    ]
-    if comparison.outside:
-        summary.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
-    summary += [f"Left out: {entry}." for entry in campaign.left_out]
-    A, f, T = (_nominal(values) for values in (loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K - 273.15))
-    errors = np.array([100 * run.nrmse for run in comparison.runs])
-    worst = comparison.worst_first()[:WORST_SHOWN]
-    where = ConditionsMap(A, f, T, errors, "error / %")
-    return [
-        Section("How much", summary),
-        Section("Where", (), (), [conditions_picture(where, "Error by condition, share of the run's rms force")]),
-        Section(
-            "Worst loops",
-            (),
-            (),
-            [loops_picture(loop_panels(comparison, worst), "Measured (grey) and law (red), worst first")],
-        ),
-        Section("All runs", (), [worst_table(comparison)]),
-    ]
-
-
-def _nominal(values: np.ndarray[Any, np.dtype[np.float64]]) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Give measured conditions as the set points they scatter about: the mean of each cluster, two digits."""
-    order = np.argsort(values)
-    scale = np.maximum(np.abs(values[order]), 1e-9)
-    jumps = np.diff(values[order]) > 0.06 * scale[1:]
-    cluster = np.concatenate([[0], np.cumsum(jumps)])
-    nominal = np.empty(len(values))
-    for number in range(int(cluster[-1]) + 1):
-        members = order[cluster == number]
-        nominal[members] = float(f"{np.mean(values[members]):.2g}")
-    return nominal
+    return [entry(part) for part in parts.parts]

@@ -20,7 +20,8 @@ from pipeclamp.response import law_response, sinusoids
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_identification.add import Addition, add_effect, addition_table
 from pipeclamp_identification.campaign import Campaign, read_campaign
-from pipeclamp_identification.compare import Comparison, compare, comparison_sections
+from pipeclamp_identification.compare import Comparison, compare
+from pipeclamp_identification.comparison_report import how_much, loops_section, map_section
 from pipeclamp_identification.cosim import CosimResult, run_system, write_result
 from pipeclamp_identification.cosim_report import cosim_sections
 from pipeclamp_identification.identify import identify, law_file
@@ -174,8 +175,9 @@ def _law_sections(
     )
     return [
         Section("The error falls", (), [addition_table(addition) for addition in additions], [falling]),
-        Section("On tests never seen", comparison_sections(on_unseen[-1])[0].paragraphs),
-        *comparison_sections(on_unseen[-1])[1:3],
+        Section("On tests never seen", how_much(on_unseen[-1])),
+        map_section(on_unseen[-1]),
+        loops_section(on_unseen[-1]),
         *identification_sections(file, compare(file, tests)),
     ]
 

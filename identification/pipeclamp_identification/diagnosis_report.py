@@ -9,7 +9,8 @@ import numpy as np
 
 from pipeclamp.parameter_file import LawFile, structure_of
 from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.compare import Comparison, compare, comparison_sections
+from pipeclamp_identification.compare import Comparison, compare
+from pipeclamp_identification.comparison_report import comparison_sections
 from pipeclamp_identification.diagnose import Diagnosis, diagnose
 from pipeclamp_identification.fit import Progress
 from pipeclamp_identification.leftover import Leftover, describe

@@ -11,7 +11,8 @@ from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile
 from pipeclamp.realise.arrays import Array, realise
 from pipeclamp.realise.text import equation_lines
-from pipeclamp_identification.compare import Comparison, comparison_sections
+from pipeclamp_identification.compare import Comparison
+from pipeclamp_identification.comparison_report import comparison_sections
 from pipeclamp_identification.pictures import curves_picture, surface_picture
 from pipeclamp_identification.report import Section, Table
 

@@ -14,7 +14,14 @@ from types import MappingProxyType
 import numpy as np
 
 from pipeclamp_identification.campaign import Campaign, Run
-from pipeclamp_identification.harmonics import Array, ComplexArray, carried_harmonics, cycle_harmonics, evaluate
+from pipeclamp_identification.harmonics import (
+    Array,
+    ComplexArray,
+    IntArray,
+    carried_harmonics,
+    cycle_harmonics,
+    evaluate,
+)
 from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 
 HARMONICS = 20
@@ -29,6 +36,8 @@ NOISE_FREEDOMS = 4.0
 FINEST_SHARE = 1e-5
 # deviations beyond this many robust standard deviations are jumps of the loop itself
 JUMP = 6.0
+# parts of the cycle, of equal phase, over which the scatter is told
+PHASE_BINS = 24
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,8 @@ class Loops:
     """(R, H + 1) N, of the real and of the imaginary part each."""
     noise_rms_N: Array
     """(R,) rms of what is not periodic in the force."""
+    noise_by_phase: Array
+    """(R, PHASE_BINS) share of its power that lies in each part of the cycle, from the largest displacement on."""
     force_rms_N: Array
     """(R,) rms of the force over the steady samples."""
     samples: Array
@@ -87,6 +98,7 @@ class _RunLoop:
     force_per_cycle: ComplexArray
     force_standard_error: Array
     noise_rms_N: float
+    noise_by_phase: Array
     force_rms_N: float
     samples: int
     phase: Array
@@ -120,6 +132,7 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
         force=np.stack([loop.force for loop in loops]),
         force_standard_error=np.stack([loop.force_standard_error for loop in loops]),
         noise_rms_N=np.array([loop.noise_rms_N for loop in loops]),
+        noise_by_phase=np.array([loop.noise_by_phase for loop in loops]),
         force_rms_N=np.array([loop.force_rms_N for loop in loops]),
         samples=np.array([float(loop.samples) for loop in loops]),
         cycles=tuple(loop.cycles for loop in loops),
@@ -155,6 +168,7 @@ def per_cycle(loops: Loops) -> Loops:
         force=np.concatenate(loops.force_per_cycle),
         force_standard_error=loops.force_standard_error[row] * np.sqrt(counts)[row, None],
         noise_rms_N=loops.noise_rms_N[row],
+        noise_by_phase=loops.noise_by_phase[row],
         force_rms_N=loops.force_rms_N[row],
         samples=(loops.samples / counts)[row],
         cycles=tuple(np.concatenate(loops.cycles)[:, None]),
@@ -218,7 +232,7 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
     mean_displacement, mean_force = np.mean(fitted, axis=1)
     own_phase = phase + np.repeat(lag - 2 * np.pi * np.arange(cycles.count), np.diff(bounds))
     order = np.argsort(own_phase, kind="stable")
-    noise = _noise_rms(own_phase[order], (force - evaluate(mean_force, own_phase))[order])
+    noise, noise_by_phase = _noise(own_phase[order], (force - evaluate(mean_force, own_phase))[order])
     per_sample = len(y) / cycles.count
     force_variance = _variance(fitted[1], 2 * noise**2 / per_sample)
     displacement_error = np.sqrt(_variance(fitted[0], _displacement_noise(fitted[0])) / cycles.count)
@@ -235,6 +249,7 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
         force_per_cycle=_padded(fitted[1], harmonics),
         force_standard_error=np.append(force_error, np.full(harmonics - count, math.inf)),
         noise_rms_N=noise,
+        noise_by_phase=noise_by_phase,
         force_rms_N=force_rms,
         samples=len(y),
         phase=own_phase,
@@ -248,8 +263,14 @@ def _padded(values: ComplexArray, harmonics: int) -> ComplexArray:
     return full
 
 
-def _noise_rms(phase: Array, residual: Array) -> float:
-    """Return the rms of what is not periodic, from neighbours in phase.
+def phase_bin(phase: Array) -> IntArray:
+    """Return the part of the cycle, 0 to PHASE_BINS - 1, in which each phase in rad lies."""
+    place = np.floor(phase * (PHASE_BINS / (2 * np.pi))).astype(np.intp)
+    return np.asarray(place % PHASE_BINS)
+
+
+def _noise(phase: Array, residual: Array) -> tuple[float, Array]:
+    """Return the rms of what is not periodic, and how its power spreads over the cycle, from neighbours in phase.
 
     Neighbours in phase come from different cycles. What a sample differs by from the line through the one before and
     the one after holds the noise of all three and next to nothing of the loop: its mean square gives the noise
@@ -266,8 +287,12 @@ def _noise_rms(phase: Array, residual: Array) -> float:
     off /= np.sqrt(1 + before**2 + (1 - before) ** 2)
     typical = float(np.median(np.abs(off))) / 0.6745
     # quantised readings of equal phase may agree exactly more often than not
-    usual = off[np.abs(off) <= JUMP * typical] if typical > 0.0 else off
-    return math.sqrt(np.mean(usual**2))
+    usual = np.abs(off) <= JUMP * typical if typical > 0.0 else np.ones(len(off), dtype=np.bool_)
+    squares = off[usual] ** 2
+    power = np.bincount(phase_bin(phase[1:-1][usual]), squares, PHASE_BINS)
+    whole = float(np.sum(power))
+    shares = power / whole if whole > 0.0 else np.full(PHASE_BINS, 1 / PHASE_BINS)
+    return math.sqrt(np.mean(squares)), shares
 
 
 def _displacement_noise(per_cycle_harmonics: ComplexArray) -> float:

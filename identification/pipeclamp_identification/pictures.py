@@ -1,4 +1,4 @@
-"""Pictures: measured and computed loops, maps over conditions, coefficients over conditions, the falling error."""
+"""Pictures: measured and computed loops, coefficients over conditions, the falling error."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
                 figure.add_trace(
                     go.Scatter(
                         x=_closed(panel.y), y=_closed(force), mode="lines", name=name, legendgroup=name,
-                        showlegend=index == 0, line={"color": colour, "width": width},
+                        showlegend=index == 0, line={"color": colour, "width": width, "simplify": False},
                     ),
                     **place,
                 )  # fmt: skip
@@ -133,59 +133,6 @@ def surface_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: s
     )  # fmt: skip
     figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
     return styled(figure, title)
-
-
-@dataclass(frozen=True)
-class ConditionsMap:
-    """A quantity over amplitude and frequency, one panel a temperature.
-
-    Attributes:
-        A, f, T: nominal conditions of the runs (mm, Hz, degC), shape (R,) each.
-        value: what is shown, shape (R,).
-        label: its name and unit.
-    """
-
-    A: Array
-    f: Array
-    T: Array
-    value: Array
-    label: str
-
-
-def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
-    """Draw the map: rows are amplitudes, columns frequencies, panels temperatures; one colour scale for all."""
-    temperatures = np.unique(conditions.T)
-    amplitudes, frequencies = np.unique(conditions.A), np.unique(conditions.f)
-    figure = make_subplots(
-        rows=1,
-        cols=len(temperatures),
-        shared_yaxes=True,
-        subplot_titles=[f"{T:g} °C" if math.isfinite(T) else "T not known" for T in temperatures],
-        horizontal_spacing=0.02,
-    )
-    top = float(np.nanmax(conditions.value))
-    for column, T in enumerate(temperatures):
-        cells = np.full((len(amplitudes), len(frequencies)), np.nan)
-        for row, A in enumerate(amplitudes):
-            for place, f in enumerate(frequencies):
-                chosen = (conditions.A == A) & (conditions.f == f) & ((conditions.T == T) | ~np.isfinite(conditions.T))
-                if np.any(chosen):
-                    cells[row, place] = np.mean(conditions.value[chosen])
-        figure.add_trace(
-            go.Heatmap(
-                z=cells, x=[f"{f:g}" for f in frequencies], y=[f"{A:g}" for A in amplitudes], zmin=0.0, zmax=top,
-                coloraxis="coloraxis",
-                text=[[f"{cell:.3g}" if math.isfinite(cell) else "" for cell in row] for row in cells],
-                texttemplate="%{text}", hovertemplate="A %{y} mm, f %{x} Hz: %{z:.4g}<extra></extra>",
-            ),
-            row=1, col=column + 1,
-        )  # fmt: skip
-        figure.update_xaxes(title_text="f / Hz", type="category", row=1, col=column + 1)
-    figure.update_yaxes(title_text="A / mm", type="category", row=1, col=1)
-    cells_across = len(temperatures) * len(frequencies)
-    figure = styled(figure, title, height=120 + 60 * len(amplitudes), least_width=160 + 45 * cells_across)
-    scale = {"colorscale": "YlOrRd", "cmin": 0.0, "cmax": top, "colorbar": {"title": {"text": conditions.label}}}
-    return figure.update_layout(coloraxis=scale, margin={"t": 80})
 
 
 def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, label: str, title: str) -> go.Figure:

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from pipeclamp.errors import UserError
+from pipeclamp_identification.error_pictures import ConditionsMap, conditions_picture
 from pipeclamp_identification.pictures import (
-    ConditionsMap,
     LoopPanel,
-    conditions_picture,
     curves_picture,
     loops_picture,
     overlay_picture,
@@ -23,13 +22,15 @@ from pipeclamp_identification.report import Section, Table, cell, render, write_
 
 THETA = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 PANEL = LoopPanel("run", np.cos(THETA), np.sin(THETA), None)
+CELLS = np.array([[[1.0], [np.nan]]])
 FIGURES = [
     loops_picture([PANEL] * 5, "loops"),
     overlay_picture([("one", np.cos(THETA), np.sin(THETA))] * 2, "overlay"),
     curves_picture("x", "y", [("a", [1, 2], [3, 4], "lines"), ("published a", [1], [2], "markers")], "curves"),
     surface_picture("x", "y", np.arange(4.0), np.arange(3.0), np.ones((3, 4)), "z", "surface"),
     conditions_picture(
-        ConditionsMap(np.array([0.2, 0.5]), np.array([1.0, 1.0]), np.array([20.0, np.nan]), np.ones(2), "error"), "map"
+        ConditionsMap(["0.2", "0.5"], ["1"], ["20 °C"], np.array([[[1.0], [np.nan]]]), np.full((1, 2, 1), np.nan)),
+        "map",
     ),
     waterfall_picture([("base", 0.03), ("+ memory", 0.01)], 0.005, "error", "falling"),
 ]

@@ -1,0 +1,58 @@
+"""Levels of conditions: set points that values scatter about, classes where there are none, names."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeclamp_identification.levels import CLASSES, name_levels, number_levels
+
+
+def labels(levels):
+    return [level.label for level in levels]
+
+
+def test_values_scatter_about_their_set_points():
+    rng = np.random.default_rng(0)
+    values = np.repeat([0.2, 0.5, 0.8, 1.0], 12) * (1 + 0.005 * rng.standard_normal(48))
+    levels = number_levels(values, relative=0.06)
+    assert labels(levels) == ["0.2", "0.5", "0.8", "1"]
+    assert [len(level.rows) for level in levels] == [12] * 4
+    assert set(levels[2].rows) == set(range(24, 36))
+
+
+def test_temperatures_are_told_apart_in_kelvin_not_in_percent():
+    levels = number_levels(np.array([-1.0, 1.0, 19.0, 21.0, 300.0, 302.0]), absolute=3.0)
+    assert [len(level.rows) for level in levels] == [2, 2, 2]
+    assert labels(levels) == ["0", "20", "300"]
+
+
+def test_values_without_set_points_make_classes():
+    values = np.linspace(0.1, 1.0, 60)
+    levels = number_levels(values, relative=0.06)
+    assert len(levels) == CLASSES
+    assert sum(len(level.rows) for level in levels) == 60
+    assert labels(levels)[0].startswith("0.1 to ")
+    assert levels[-1].high == "1"
+
+
+def test_set_points_that_lie_close_keep_the_digits_that_tell_them_apart():
+    assert labels(number_levels(np.array([2.286, 2.31, 2.4]), relative=0.06, absolute=0.002)) == ["2.29", "2.31", "2.4"]
+
+
+def test_what_is_not_known_comes_last():
+    levels = number_levels(np.array([np.nan, 20.0, np.nan, 100.0]), absolute=3.0)
+    assert labels(levels) == ["20", "100", "not known"]
+    assert list(levels[-1].rows) == [0, 2]
+    assert not levels[-1].known
+    assert labels(number_levels(np.full(3, np.nan), absolute=3.0)) == ["not known"]
+
+
+def test_one_value_is_one_level():
+    assert labels(number_levels(np.full(5, 3.0), relative=0.06, absolute=0.0)) == ["3"]
+    assert labels(number_levels(np.zeros(5), relative=0.06, absolute=0.0)) == ["0"]
+
+
+def test_names():
+    levels = name_levels(["S2", None, "S1", "S2"])
+    assert labels(levels) == ["S1", "S2", "not known"]
+    assert [list(level.rows) for level in levels] == [[2], [0, 3], [1]]
