@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 import importlib.metadata
+from collections.abc import Sequence
 from pathlib import Path
 
 from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import Interval, LawFile, law_of
 from pipeclamp.pipe import ReducedPipe
+from pipeclamp.realise.c import c_source, parameters_of
 from pipeclamp.realise.scalar import clamp_equations, python_source
 from pipeclamp.realise.text import equation_lines
 from pipeclamp_fmu.clamp import ClampModel, clamp_content
+from pipeclamp_fmu.compile import default_platforms
+from pipeclamp_fmu.native_clamp import Entry, NativeLaw, native_clamp
+from pipeclamp_fmu.native_fmu import Built, NativeContent, write_native_fmu
 from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_fmu.passivity import require_dissipation
 from pipeclamp_fmu.pipe import pipe_content
 
 KNOWN_SIGNALS = {symbols.A, symbols.f, symbols.T}
 """The slow signals that a clamp FMU has."""
+
+SMOOTHING = {
+    "v_r": ("mm/s", "velocity below which sgn v is smooth"),
+    "y_r": ("mm", "displacement below which sgn y is smooth"),
+}
 
 
 def version() -> str:
@@ -42,6 +52,41 @@ def build_clamp(file: LawFile, output: Path) -> str:
     model = clamp_model(file)
     require_dissipation(model.name, model.source, model.range_A, model.range_f, model.range_T)
     return write_fmu(clamp_content(model, version()), output)
+
+
+def build_native_clamp(file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None) -> Built:
+    """Build a clamp FMU (FMI 2.0 or 3.0, co-simulation and model exchange, C) from a law.
+
+    Args:
+        file: the law.
+        output: the FMU to write, whole or not at all.
+        fmi: version of FMI, 2 or 3.
+        platforms: to compile for, see `compile.PLATFORMS`; the host's by default. None of them gives an FMU of sources.
+
+    Raises:
+        UserError: as `build_clamp`; a platform can't be compiled for.
+    """
+    content = native_clamp_content(file)
+    return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
+
+
+def native_clamp_content(file: LawFile) -> NativeContent:
+    """Give all that goes into a law's native FMU.
+
+    Raises:
+        UserError: as `build_clamp`.
+    """
+    model = clamp_model(file)
+    require_dissipation(model.name, model.source, model.range_A, model.range_f, model.range_T)
+    law = law_of(file)
+    equations = clamp_equations(law)
+    values = [*law.vector(equations), law.v_r, law.y_r]
+    described = {entry.name: (entry.unit, entry.meaning) for entry in equations.parameters} | SMOOTHING
+    coefficients = [
+        Entry(name, *described[name], value) for name, value in zip(parameters_of(equations), values, strict=True)
+    ]
+    states = [Entry(str(state.symbol), state.unit, state.meaning) for state in equations.states]
+    return native_clamp(model, NativeLaw(c_source(law.structure), tuple(coefficients), tuple(states)), version())
 
 
 def build_pipe(pipe: ReducedPipe, output: Path) -> str:

@@ -122,27 +122,43 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
     }
 
 
-def clamp_content(model: ClampModel, version: str) -> Content:
-    """Give all that goes into the clamp's FMU."""
-    text = ModelText(
+def clamp_text(model: ClampModel, version: str) -> ModelText:
+    """Give what the description says of the whole."""
+    return ModelText(
         name=f"Pipe clamp, law {model.name}",
         description="Hysteretic force of a pipe clamp from displacement, velocity and temperature",
         version=version,
         step_size=usual(1 / (STEPS_PER_CYCLE * model.range_f[1])),
     )
+
+
+def clamp_content(model: ClampModel, version: str) -> Content:
+    """Give all that goes into the clamp's Python FMU."""
     described = quantities(model)
     return Content(
         kind="clamp",
         source=clamp_module(model),
         class_name=clamp_slave.ClampSlave.__name__,
-        text=text,
+        text=clamp_text(model, version),
         quantities=described,
         initial_inputs=(*clamp_slave.INPUTS, *clamp_slave.PARAMETERS, *clamp_slave.BOOLEAN_PARAMETERS),
-        documentation=page(text.name, (text.description + ".", *model.notes), _sections(model, described)),
+        documentation=clamp_documentation(model, described, PYTHON_USE),
     )
 
 
-def _sections(model: ClampModel, described: Mapping[str, Quantity]) -> list[Section]:
+def clamp_documentation(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> str:
+    """Give the page that travels inside the FMU.
+
+    Args:
+        model: the law.
+        described: what is said of each variable.
+        use: how to use this kind of FMU.
+    """
+    text = clamp_text(model, "")
+    return page(text.name, (text.description + ".", *model.notes), _sections(model, described, use))
+
+
+def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[Section]:
     ranges = (("A", model.range_A, "mm"), ("f", model.range_f, "Hz"), ("T", model.range_T, "K"))
     return [
         Section(
@@ -171,9 +187,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity]) -> list[Sect
         Section(
             "Use",
             (
-                "flange.s and flange.v are the values at the end of a step; from the last communication point to them "
-                "the motion is straight. A master that steps all models in parallel therefore sees the force one step "
-                "late.",
+                *use,
                 "With track, amplitude and frequency come from averages of y, y^2 and v^2 over the last few cycles "
                 f"(two first-order filters in a row, time constant {clamp_slave.AVERAGING:g} periods each): "
                 "A = sqrt(2 var y), 2 pi f = sqrt(<v^2>/var y), held inside the range.",
@@ -181,7 +195,13 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity]) -> list[Sect
                 "coefficients of the step; what a change of A, f or T does to the stored energy is not in it.",
                 "A step with a value that can't be (NaN or infinite; A, f or T not above 0; a step not above 0) is "
                 "discarded with a logged error, the state untouched.",
-                "States are saved, restored and serialised exactly. Standard library of Python only.",
             ),
         ),
     ]
+
+
+PYTHON_USE = (
+    "flange.s and flange.v are the values at the end of a step; from the last communication point to them the motion "
+    "is straight. A master that steps all models in parallel therefore sees the force one step late.",
+    "States are saved, restored and serialised exactly. Standard library of Python only.",
+)

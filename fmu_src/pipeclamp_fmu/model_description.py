@@ -1,11 +1,13 @@
-"""The model description: what pythonfmu writes, with what it leaves out.
+"""The model description: units and quantities of all FMUs, and what pythonfmu leaves out of those that it writes.
 
 pythonfmu 0.7 writes no units, displayUnit, min, max, nominal, output dependencies or InitialUnknowns.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -13,10 +15,14 @@ from xml.etree.ElementTree import Element, SubElement
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit by its SI base units; `display` gives further units as value_display = factor value + offset."""
+    """A unit by its SI base units, of which it has `factor`; none are given where they aren't known.
+
+    `display` gives further units as value_display = factor value + offset.
+    """
 
     base: Mapping[str, int]
     display: Mapping[str, tuple[float, float]] | None = None
+    factor: float = 1.0
 
 
 UNITS: Mapping[str, Unit] = {
@@ -29,6 +35,38 @@ UNITS: Mapping[str, Unit] = {
     "K": Unit({"K": 1}, {"degC": (1.0, -273.15)}),
 }
 
+LAW_UNITS: Mapping[str, tuple[Mapping[str, int], float]] = {
+    "N": ({"kg": 1, "m": 1, "s": -2}, 1.0),
+    "mm": ({"m": 1}, 1e-3),
+    "cm": ({"m": 1}, 1e-2),
+    "s": ({"s": 1}, 1.0),
+    "Hz": ({"s": -1}, 1.0),
+    "K": ({"K": 1}, 1.0),
+    "g": ({"kg": 1}, 1e-3),
+    "t": ({"kg": 1}, 1e3),
+}
+"""What units of a law's coefficients are made of: SI base units and a factor."""
+
+
+def find_unit(name: str) -> Unit:
+    """Give a unit of UNITS, or one of a law's coefficients such as `N s2/mm2`; one that isn't known has no base."""
+    if name in UNITS:
+        return UNITS[name]
+    exponents: Counter[str] = Counter()
+    factor = 1.0
+    for sign, side in zip((1, -1), name.split("/"), strict=False):
+        for part in side.split():
+            match = re.fullmatch(r"([A-Za-z]+)(\d*)", part)
+            if part == "1":
+                continue
+            if match is None or match[1] not in LAW_UNITS or name.count("/") > 1:
+                return Unit({})
+            base, share = LAW_UNITS[match[1]]
+            power = sign * int(match[2] or 1)
+            exponents.update({symbol: power * exponent for symbol, exponent in base.items()})
+            factor *= share**power
+    return Unit({symbol: exponent for symbol, exponent in exponents.items() if exponent}, None, factor)
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -36,7 +74,7 @@ class Quantity:
 
     Attributes:
         description: one phrase.
-        unit: one of UNITS; "" for a Boolean.
+        unit: as `find_unit` knows them; "" for a Boolean or a plain number.
         display_unit: the unit for people, "" for the same.
         minimum: smallest sensible value, in `unit`.
         maximum: greatest sensible value, in `unit`.
@@ -95,20 +133,26 @@ def completed(
     if sorted(names) != sorted(quantities):
         raise ValueError(f"variables without a description or the reverse: {sorted(set(names) ^ set(quantities))}")
     for variable in variables:
-        _describe(variable, quantities[variable.get("name", "")])
-    root.insert(1, _unit_definitions({quantity.unit for quantity in quantities.values()} - {""}))
-    experiment = Element("DefaultExperiment", {"startTime": "0", "stopTime": "1", "stepSize": repr(text.step_size)})
-    root.insert(list(root).index(root.find("ModelVariables")), experiment)  # type: ignore[arg-type]
+        quantity = quantities[variable.get("name", "")]
+        variable.set("description", quantity.description)
+        variable[0].attrib |= number_attributes(quantity)
+    root.insert(1, unit_definitions(quantities.values()))
+    root.insert(list(root).index(root.find("ModelVariables")), default_experiment(text))  # type: ignore[arg-type]
     structure = root.find("ModelStructure")
     if structure is not None:
         root.remove(structure)
     root.append(_structure(variables, [str(names.index(name) + 1) for name in initial_inputs]))
+    return xml_bytes(root)
+
+
+def xml_bytes(root: Element) -> bytes:
+    """Give an XML document, indented."""
     ElementTree.indent(root)
     return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
 
 
-def _describe(variable: Element, quantity: Quantity) -> None:
-    variable.set("description", quantity.description)
+def number_attributes(quantity: Quantity) -> dict[str, str]:
+    """Give the attributes of a Real variable that its quantity says."""
     attributes = {
         "unit": quantity.unit or None,
         "displayUnit": quantity.display_unit or None,
@@ -116,19 +160,29 @@ def _describe(variable: Element, quantity: Quantity) -> None:
         "max": quantity.maximum,
         "nominal": quantity.nominal,
     }
-    kind = variable[0]
-    for name, value in attributes.items():
-        if value is not None:
-            kind.set(name, value if isinstance(value, str) else repr(float(value)))
+    return {
+        name: value if isinstance(value, str) else repr(float(value))
+        for name, value in attributes.items()
+        if value is not None
+    }
 
 
-def _unit_definitions(used: set[str]) -> Element:
+def default_experiment(text: ModelText) -> Element:
+    """Give the experiment that importers propose."""
+    return Element("DefaultExperiment", {"startTime": "0", "stopTime": "1", "stepSize": repr(text.step_size)})
+
+
+def unit_definitions(quantities: Iterable[Quantity]) -> Element:
+    """Give the definitions of the units that quantities use."""
     definitions = Element("UnitDefinitions")
-    for name in sorted(used):
-        unit = SubElement(definitions, "Unit", {"name": name})
-        SubElement(unit, "BaseUnit", {base: str(power) for base, power in UNITS[name].base.items()})
-        for display, (factor, offset) in (UNITS[name].display or {}).items():
-            SubElement(unit, "DisplayUnit", {"name": display, "factor": repr(factor), "offset": repr(offset)})
+    for name in sorted({quantity.unit for quantity in quantities} - {""}):
+        unit = find_unit(name)
+        element = SubElement(definitions, "Unit", {"name": name})
+        if unit.base:
+            scale = {} if unit.factor == 1.0 else {"factor": repr(unit.factor)}
+            SubElement(element, "BaseUnit", {base: str(power) for base, power in unit.base.items()} | scale)
+        for display, (factor, offset) in (unit.display or {}).items():
+            SubElement(element, "DisplayUnit", {"name": display, "factor": repr(factor), "offset": repr(offset)})
     return definitions
 
 

@@ -75,7 +75,7 @@ def write_fmu(content: Content, output: Path) -> str:
         files["modelDescription.xml"], digest, content.text, content.quantities, content.initial_inputs
     )
     files["documentation/index.html"] = content.documentation.encode("utf-8")
-    write_whole(output, _zipped(files))
+    write_whole(output, zipped(files))
     return identifier
 
 
@@ -100,7 +100,7 @@ def _restored_imports(module: str) -> Iterator[None]:
         sys.modules.pop(module, None)
 
 
-def _zipped(files: Mapping[str, bytes]) -> bytes:
+def zipped(files: Mapping[str, bytes]) -> bytes:
     """Give a zip file in a fixed order, without dates."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:

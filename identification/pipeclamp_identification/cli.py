@@ -62,6 +62,13 @@ class FmuKind(StrEnum):
     """Kinds of FMUs that can be built."""
 
     python = "python"
+    native = "native"
+
+
+class PipeKind(StrEnum):
+    """Kinds of FMUs that a pipe can be built as."""
+
+    python = "python"
 
 
 class RecordFormat(StrEnum):
@@ -333,22 +340,35 @@ def rig(
 def build_fmu(
     law: LawArgument,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="CLAMP.fmu", help="The FMU to write.")],
-    kind: Annotated[FmuKind, typer.Option(help="python: needs a Python in the importing tool.")] = FmuKind.python,
+    kind: Annotated[
+        FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
+    ] = FmuKind.python,
+    platforms: Annotated[
+        str | None,
+        typer.Option(metavar="linux64,win64,darwin64", help="Native: this machine's by default; '' for sources alone."),
+    ] = None,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
     from pipeclamp.bundled import open_law
-    from pipeclamp_fmu.build import build_clamp
+    from pipeclamp_fmu.build import build_clamp, build_native_clamp
 
     with told("build-fmu"):
-        build_clamp(open_law(law), output)
-    console.print(f"{output}: FMI 2.0 co-simulation, {kind.value}")
+        if kind is FmuKind.python:
+            if platforms is not None:
+                raise UserError("--platforms is for --kind native; a Python FMU runs on linux64 and win64 as it is")
+            build_clamp(open_law(law), output)
+            console.print(f"{output}: FMI 2.0 co-simulation, python")
+            return
+        built = build_native_clamp(open_law(law), output, platforms=None if platforms is None else _names(platforms))
+    libraries = ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
+    console.print(f"{output}: FMI 2.0 co-simulation and model exchange, native ({libraries})")
 
 
 @app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
 def build_pipe(
     pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="PIPE.fmu", help="The FMU to write.")],
-    kind: Annotated[FmuKind, typer.Option(help="python: needs a Python in the importing tool.")] = FmuKind.python,
+    kind: Annotated[PipeKind, typer.Option(help="python: needs a Python in the importing tool.")] = PipeKind.python,
 ) -> None:
     """Package a pipe as an FMU with a port for each of its clamps."""
     from pipeclamp.pipe import reduce

@@ -13,10 +13,12 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 from pipeclamp.bundled import open_law
+from pipeclamp.parameter_file import CoefficientEntry, Interval, LawFile
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_pipe
 from pipeclamp_fmu.clamp import ClampModel, clamp_content, source_text
+from pipeclamp_fmu.compile import system_compiler
 from pipeclamp_fmu.one_module import body_of
 from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_identification.importer import LoadedFmu, opened
@@ -136,6 +138,48 @@ def stand_in() -> ClampModel:
         ("F = k1*y < anything & more",),
         (("k1", "1200", "3", "N/mm", "stiffness"),),
     )
+
+
+def law_file(
+    name: str, base: str, effects: tuple[str, ...], values: dict[str, float], smoothing: tuple[float, float]
+) -> LawFile:
+    """Give a law as a parameter file, over the stand-in law's range."""
+    coefficients = {key: CoefficientEntry(value=value, unit="", state="given") for key, value in values.items()}
+    return open_law("emwm2").model_copy(
+        update={
+            "name": name,
+            "base": base,
+            "effects": effects,
+            "smoothing": dict(zip(("v_r", "y_r"), smoothing, strict=True)),
+            "coefficients": coefficients,
+            "range": {
+                "A": Interval(minimum=0.2, maximum=1.0, unit="mm"),
+                "f": Interval(minimum=1.0, maximum=5.0, unit="Hz"),
+                "T": Interval(minimum=293.15, maximum=573.15, unit="K"),
+            },
+        }
+    )
+
+
+@pytest.fixture(scope="session")
+def law_with_memory() -> LawFile:
+    """Give a law like the stand-in, as a parameter file."""
+    values = {"k10": 1200.0, "k1_A": -0.2, "k1_T": 0.0, "k30": 150.0, "k3_A": 0.0, "k3_T": 0.0, "k_s": 500.0}
+    values |= {"c0": 180.0, "c_A": 0.0, "c_f": 0.0, "alpha0": 0.47, "alpha_A": 0.0, "alpha_f": 0.012, "z_s": 60.0}
+    values |= {"c_T1": -0.1, "c_T2": 0.02, "c_T3": 0.0}
+    return law_file("stand-in", "power", ("memory", "damping_temperature"), values, (0.0126, 0.002))
+
+
+@pytest.fixture(scope="session")
+def native_fmus(tmp_path_factory: pytest.TempPathFactory, law_with_memory: LawFile) -> dict[int, Path]:
+    """Give native FMUs of the law with memory by version of FMI."""
+    if system_compiler() is None:
+        pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
+    folder = tmp_path_factory.mktemp("native")
+    paths = {fmi: folder / f"fmi{fmi}.fmu" for fmi in (2,)}
+    for fmi, path in paths.items():
+        build_native_clamp(law_with_memory, path, fmi)
+    return paths
 
 
 @pytest.fixture(scope="session")

@@ -86,7 +86,8 @@ def c_source(structure: Structure) -> str:
       what depends on slow signals only,
     - `law_step(p, k, z, y_previous, y, v, h, result, z_new)`: force (N) and stored energy (N mm) and the new states
       after a straight move from `y_previous` to `y` (mm) in `h` seconds,
-    - `law_slopes(p, u, k, z, y_previous, y, v, h, slope)`: derivatives of that force by y, v and T, memory included.
+    - `law_slopes(p, u, k, z, y_previous, y, v, h, slope)`: derivatives of that force, then of that energy, by y, v and
+      each condition, memory included.
     """
     equations = compose(structure, ("base", "clamp"))
     exact = {symbol: sp.Float(repr(float(value)), 17) for symbol, value in symbols.REFERENCES.items()}
@@ -106,7 +107,11 @@ def c_source(structure: Structure) -> str:
     coefficients = [written(entry.expression) for entry in equations.coefficients]
     updates = [written(state.update) for state in equations.states]
     results = [written(expression.xreplace(after)) for expression in (equations.force, equations.energy)]
-    force_slopes = [written(slope) for slope in total_slopes(equations)]
+    slopes = [
+        written(slope)
+        for expression in (equations.force, equations.energy)
+        for slope in total_slopes(equations, expression, (symbols.y, symbols.v, *u.symbols))
+    ]
     rest = ", ".join(repr(float(state.start)) for state in equations.states) or "0.0"
     motion = "double y_previous, double y, double v, double h"
     return "\n".join(
@@ -135,38 +140,40 @@ def c_source(structure: Structure) -> str:
             ),
             *_function(
                 "static void law_slopes(const double p[], const double u[], const double k[], const double z[], "
-                f"{motion}, double slope[3])",
+                f"{motion}, double slope[{len(slopes)}])",
                 arrays,
-                [([f"slope[{index}]" for index in range(len(force_slopes))], force_slopes)],
+                [([f"slope[{index}]" for index in range(len(slopes))], slopes)],
                 unused=("p", "u", "k", "z", "y_previous", "y", "v", "h"),
             ),
         ]
     )
 
 
-def total_slopes(equations: Equations) -> list[sp.Expr]:
-    """Give the derivatives of the force by y, v and T, through the states' update and the coefficients."""
+def total_slopes(equations: Equations, expression: sp.Expr, by: Iterable[sp.Symbol]) -> list[sp.Expr]:
+    """Give derivatives of the force or the energy after a step, through the states' update and the coefficients.
+
+    Args:
+        equations: the composed law.
+        expression: in fast signals, coefficients and states after the step.
+        by: y, v and slow signals.
+    """
     update = {state.symbol: state.update for state in equations.states}
 
     def through_states(symbol: sp.Symbol) -> sp.Expr:
-        """Derive the force after the step by a symbol that is no state."""
-        inner = sp.diff(equations.force, symbol)
+        inner = sp.diff(expression, symbol)
         return inner.xreplace(update) + sum(
-            sp.diff(equations.force, state).xreplace(update) * sp.diff(after, symbol) for state, after in update.items()
+            sp.diff(expression, state).xreplace(update) * sp.diff(after, symbol) for state, after in update.items()
         )
 
-    by_temperature = sp.Add(
-        *(
-            through_states(entry.symbol) * sp.diff(entry.expression, symbols.T)
+    def total(symbol: sp.Symbol) -> sp.Expr:
+        return through_states(symbol) + sum(
+            through_states(entry.symbol) * sp.diff(entry.expression, symbol)
             for entry in equations.coefficients
-            if symbols.T in entry.expression.free_symbols
+            if symbol in entry.expression.free_symbols
         )
-    )
-    # At a step of the force the slope is that of the sides.
-    return [
-        slope.replace(sp.DiracDelta, lambda *_: sp.Integer(0))
-        for slope in (through_states(symbols.y), through_states(symbols.v), by_temperature)
-    ]
+
+    # At a step of the force the slope is that of its sides.
+    return [total(symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0)) for symbol in by]
 
 
 def _function(

@@ -1,0 +1,351 @@
+/* A pipe clamp: force from displacement, velocity and temperature. The counterpart of clamp_slave.py.
+ *
+ * Inputs are the values at the end of the step; from the last step's end to them the motion is straight.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "model.h"
+
+enum { S, V, T_IN, A, F, T };
+enum { FORCE = FIRST_OUTPUT, A_USED, F_USED, T_USED, DISSIPATED };
+enum { KEPT_S = FIRST_LOCAL, KEPT_V, KEPT_Z };
+enum { USE_T_IN, TRACK, IN_RANGE };
+
+static const double MM = 1000.0; /* in a metre: the law is in mm, the FMU's boundary in m */
+static const double PI = 3.14159265358979323846;
+static const double AVERAGING = 1.5; /* time constant of each of the tracker's averages, in periods */
+static const double SLACK = 1e-9;    /* share by which a value may pass the end of its range: rounding of units */
+
+static const double *parameters(const Model *model)
+{
+    return model->real + FIRST_FIXED;
+}
+
+static int within(double value, const double range[2])
+{
+    return range[0] * (1 - SLACK) <= value && value <= range[1] * (1 + SLACK);
+}
+
+static double held(double value, const double range[2])
+{
+    return fmin(fmax(value, range[0]), range[1]);
+}
+
+/* Averages of a sinusoid of this amplitude (mm) and frequency (Hz). */
+static void start_tracking(double averages[6], double amplitude, double frequency)
+{
+    const double square = amplitude * amplitude / 2;
+    const double omega = 2 * PI * frequency;
+    averages[0] = averages[1] = 0.0;
+    averages[2] = averages[3] = square;
+    averages[4] = averages[5] = omega * omega * square;
+}
+
+/* Move the averages towards the present motion: two one-pole filters in a row, of the same share per step. */
+static void track_motion(double averages[6], double share, double y, double v)
+{
+    const double present[3] = {y, y * y, v * v};
+    int i;
+    for (i = 0; i < 3; i++) {
+        averages[2 * i] += share * (present[i] - averages[2 * i]);
+        averages[2 * i + 1] += share * (averages[2 * i] - averages[2 * i + 1]);
+    }
+}
+
+/* A = sqrt(2 var), 2 pi f = sqrt(<v^2>/var), var = <y^2> - <y>^2; without motion the frequency stays. */
+static void amplitude_and_frequency(const double averages[6], const Values *values, double *amplitude,
+                                    double *frequency)
+{
+    const double variance = averages[3] - averages[1] * averages[1];
+    const double least = SLACK * values->range[0][0];
+    if (variance <= least * least) {
+        *amplitude = 0.0;
+        return;
+    }
+    *amplitude = sqrt(2 * variance);
+    *frequency = sqrt(averages[5] / variance) / (2 * PI);
+}
+
+/* Conditions for the law: as set, or as tracked but held inside the law's range. */
+static void in_use(const Conditions *conditions, const Values *values, double used[LAW_CONDITIONS])
+{
+    memcpy(used, conditions->u, sizeof conditions->u);
+    if (conditions->tracking) {
+        used[0] = held(used[0], values->range[0]);
+        used[1] = held(used[1], values->range[1]);
+    }
+}
+
+/* Take A (mm), f (Hz), T (K) and further conditions that are set, or say what is wrong with them. */
+static int take_settings(const Model *model, double u[LAW_CONDITIONS], char reason[TEXT])
+{
+    const double *real = model->real;
+    const int temperature = model->flag[USE_T_IN] ? T_IN : T;
+    const int positive[3] = {A, F, temperature};
+    const char *const units[3] = {"m", "Hz", "K"};
+    int i;
+    for (i = 0; i < INPUTS + PARAMETERS; i++) {
+        if (!isfinite(real[i])) {
+            const char *text = isnan(real[i]) ? "nan" : real[i] > 0 ? "inf" : "-inf";
+            snprintf(reason, TEXT, "%s is %s; expected a finite number", REAL_NAMES[i], text);
+            return 0;
+        }
+    }
+    for (i = 0; i < 3; i++) {
+        if (real[positive[i]] <= 0.0) {
+            snprintf(reason, TEXT, "%s is %g %s; expected a value above 0 %s", REAL_NAMES[positive[i]],
+                     real[positive[i]], units[i], units[i]);
+            return 0;
+        }
+    }
+    memcpy(u, real + A, LAW_CONDITIONS * sizeof u[0]);
+    u[0] *= MM;
+    u[2] = real[temperature];
+    return 1;
+}
+
+/* Put the motion under other conditions, or say that the law has no value there.
+ *
+ * Force and stored energy at the old place become those of the new coefficients, so that what a change of conditions
+ * does to the stored energy is not taken for dissipation.
+ */
+static int put_under(Motion *motion, const Conditions *conditions, const Model *model, const Values *values,
+                     char reason[TEXT])
+{
+    double used[LAW_CONDITIONS], k[ROOM(LAW_COEFFICIENTS)] = {0}, unused[ROOM(LAW_STATES)], result[2];
+    int i, same = 1;
+    in_use(conditions, values, used);
+    law_coefficients(parameters(model), used, k);
+    for (i = 0; i < LAW_COEFFICIENTS; i++) {
+        if (!isfinite(k[i])) {
+            snprintf(reason, TEXT, "the law has no value at A = %g mm, f = %g Hz", conditions->u[0], conditions->u[1]);
+            return 0;
+        }
+        same = same && k[i] == motion->k[i];
+    }
+    if (same)
+        return 1;
+    memcpy(motion->k, k, sizeof k);
+    law_step(parameters(model), k, motion->z, motion->y, motion->y, motion->v, 0.0, result, unused);
+    motion->force = result[0];
+    motion->energy = result[1];
+    return 1;
+}
+
+/* Keep the conditions and show what is used of them. */
+static void take(Model *model, const Conditions *conditions, const Values *values)
+{
+    double used[LAW_CONDITIONS];
+    int i;
+    in_use(conditions, values, used);
+    model->real[A_USED] = used[0] / MM;
+    model->real[F_USED] = used[1];
+    model->real[T_USED] = used[2];
+    model->memory.conditions = *conditions;
+    model->memory.inside = 1;
+    for (i = 0; i < RANGES; i++)
+        model->memory.inside = model->memory.inside && within(conditions->u[i], values->range[i]);
+    model->settled = !conditions->tracking;
+}
+
+static void show_motion(Model *model, const Values *values)
+{
+    const Motion *now = &model->memory.now;
+    int i;
+    model->real[FORCE] = now->force;
+    model->real[KEPT_S] = now->y / MM;
+    model->real[KEPT_V] = now->v / MM;
+    for (i = 0; i < LAW_STATES; i++)
+        model->real[KEPT_Z + i] = now->z[i];
+    model->flag[IN_RANGE] = model->memory.inside && fabs(now->y) <= values->range[0][1] * (1 + SLACK);
+}
+
+static void model_reset(Model *model, const Values *values)
+{
+    Memory *memory = &model->memory;
+    memset(model, 0, sizeof *model);
+    memcpy(model->real, values->start, sizeof values->start);
+    memcpy(model->real + FIRST_FIXED, values->fixed, sizeof values->fixed);
+    memcpy(memory->now.z, law_rest, LAW_STATES * sizeof law_rest[0]);
+    memcpy(memory->conditions.u, values->start + A, sizeof memory->conditions.u);
+    memory->conditions.u[0] *= MM;
+    memory->inside = model->flag[IN_RANGE] = 1;
+}
+
+static int model_start(Model *model, const Values *values, char reason[TEXT])
+{
+    Conditions conditions = {{0}, 0, {0}};
+    Motion motion;
+    if (!take_settings(model, conditions.u, reason))
+        return 0;
+    conditions.tracking = model->flag[TRACK];
+    if (conditions.tracking)
+        start_tracking(conditions.averages, conditions.u[0], conditions.u[1]);
+    memset(&motion, 0, sizeof motion);
+    motion.k[0] = NAN; /* unlike any coefficients, so that force and energy are evaluated */
+    motion.y = MM * model->real[S];
+    motion.v = MM * model->real[V];
+    memcpy(motion.z, law_rest, LAW_STATES * sizeof law_rest[0]);
+    if (!put_under(&motion, &conditions, model, values, reason))
+        return 0;
+    model->memory.now = model->memory.from = motion;
+    model->memory.h = model->memory.share = 0.0;
+    take(model, &conditions, values);
+    show_motion(model, values);
+    return 1;
+}
+
+/* Give the conditions of a step and what it starts from, or why it can't be; nothing is changed. */
+static int prepare(const Model *model, const Values *values, double h, Conditions *conditions, Motion *from,
+                   double *share, char reason[TEXT])
+{
+    const Conditions *before = &model->memory.conditions;
+    if (!take_settings(model, conditions->u, reason))
+        return 0;
+    conditions->tracking = model->flag[TRACK];
+    if (conditions->tracking) {
+        if (before->tracking)
+            memcpy(conditions->averages, before->averages, sizeof before->averages);
+        else
+            start_tracking(conditions->averages, conditions->u[0], conditions->u[1]);
+        *share = -expm1(-h * held(before->u[1], values->range[1]) / AVERAGING);
+        track_motion(conditions->averages, *share, MM * model->real[S], MM * model->real[V]);
+        conditions->u[1] = before->u[1];
+        amplitude_and_frequency(conditions->averages, values, &conditions->u[0], &conditions->u[1]);
+    }
+    *from = model->memory.now;
+    return put_under(from, conditions, model, values, reason);
+}
+
+static int model_step(Model *model, const Values *values, double h, char reason[TEXT])
+{
+    Memory *memory = &model->memory;
+    const double y = MM * model->real[S], v = MM * model->real[V];
+    const int as_before = model->settled && isfinite(y + v);
+    double result[2], z[ROOM(LAW_STATES)], share = 0.0;
+    Conditions conditions;
+    Motion prepared;
+    const Motion *from = &memory->now;
+    if (!as_before) {
+        if (!prepare(model, values, h, &conditions, &prepared, &share, reason))
+            return 0;
+        from = &prepared;
+    }
+    law_step(parameters(model), from->k, from->z, from->y, y, v, h, result, z);
+    if (!isfinite(result[0] + result[1])) {
+        snprintf(reason, TEXT, "the law has no value there");
+        return 0;
+    }
+    if (!as_before)
+        take(model, &conditions, values);
+    memory->from = *from;
+    memory->h = h;
+    memory->share = share;
+    /* Trapezoid of the force over the straight way, less what is stored; N mm to J. */
+    model->real[DISSIPATED] += 0.001 * (0.5 * (memory->from.force + result[0]) * (y - memory->from.y)
+                                        - (result[1] - memory->from.energy));
+    if (!as_before)
+        memcpy(memory->now.k, memory->from.k, sizeof memory->now.k);
+    memory->now.y = y;
+    memory->now.v = v;
+    memory->now.force = result[0];
+    memory->now.energy = result[1];
+    memcpy(memory->now.z, z, LAW_STATES * sizeof z[0]);
+    show_motion(model, values);
+    return 1;
+}
+
+/* Derivatives of the tracked A (mm) and f (Hz) by y (mm) and v (mm/s) at the end of the step, where they aren't held. */
+static void tracker_slopes(const Memory *memory, const Values *values, double slope[2][2])
+{
+    const Conditions *conditions = &memory->conditions;
+    const double *averages = conditions->averages;
+    const double gain = memory->share * memory->share; /* of both stages */
+    const double variance = averages[3] - averages[1] * averages[1];
+    const double by_y = gain * 2 * (memory->now.y - averages[1]), by_v = gain * 2 * memory->now.v;
+    memset(slope, 0, 4 * sizeof(double));
+    if (conditions->u[0] > values->range[0][0] && conditions->u[0] < values->range[0][1])
+        slope[0][0] = by_y / conditions->u[0];
+    if (conditions->u[0] > 0 && conditions->u[1] > values->range[1][0] && conditions->u[1] < values->range[1][1]) {
+        slope[1][0] = -0.5 * conditions->u[1] * by_y / variance;
+        slope[1][1] = 0.5 * conditions->u[1] * by_v / averages[5];
+    }
+}
+
+static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][FIRST_OUTPUT])
+{
+    enum { BY = 2 + LAW_CONDITIONS }; /* y, v, conditions */
+    const Memory *memory = &model->memory;
+    const Motion *now = &memory->now, *from = &memory->from;
+    const double way = now->y - from->y;
+    double used[LAW_CONDITIONS], law[2 * BY], old[2 * BY], tracker[2][2] = {{0, 0}, {0, 0}};
+    int column, i;
+    in_use(&memory->conditions, values, used);
+    law_slopes(parameters(model), used, now->k, from->z, from->y, now->y, now->v, memory->h, law);
+    law_slopes(parameters(model), used, now->k, from->z, from->y, from->y, from->v, 0.0, old);
+    if (memory->conditions.tracking)
+        tracker_slopes(memory, values, tracker);
+    memset(jacobian, 0, OUTPUTS * FIRST_OUTPUT * sizeof(double));
+    for (column = 0; column < FIRST_OUTPUT; column++) {
+        /* How y, v and the conditions in use change with this variable. */
+        double change[BY] = {0}, force = 0, energy = 0, force_before = 0, energy_before = 0;
+        if (column == S || column == V) {
+            change[column] = MM;
+            change[2] = MM * tracker[0][column];
+            change[3] = MM * tracker[1][column];
+        } else if (column == T_IN) {
+            change[4] = model->flag[USE_T_IN];
+        } else if (column == T) {
+            change[4] = !model->flag[USE_T_IN];
+        } else if (column == A || column == F) {
+            change[2 + column - A] = memory->conditions.tracking ? 0 : column == A ? MM : 1;
+        } else {
+            change[2 + column - A] = 1;
+        }
+        for (i = 0; i < BY; i++) {
+            force += law[i] * change[i];
+            energy += law[BY + i] * change[i];
+            if (i >= 2) {
+                force_before += old[i] * change[i];
+                energy_before += old[BY + i] * change[i];
+            }
+        }
+        jacobian[FORCE - FIRST_OUTPUT][column] = force;
+        jacobian[A_USED - FIRST_OUTPUT][column] = change[2] / MM;
+        jacobian[F_USED - FIRST_OUTPUT][column] = change[3];
+        jacobian[T_USED - FIRST_OUTPUT][column] = change[4];
+        jacobian[DISSIPATED - FIRST_OUTPUT][column] =
+            0.001 * (0.5 * ((force_before + force) * way + (from->force + now->force) * change[0])
+                     - (energy - energy_before));
+    }
+}
+
+static int model_beyond_range(const Model *model, const Values *values, char text[TEXT])
+{
+    const Memory *memory = &model->memory;
+    const double end[2] = {0.0, values->range[0][1]};
+    int i, length;
+    if (model->flag[IN_RANGE])
+        return 0;
+    length = snprintf(text, TEXT, "law %s is used beyond its range: ", values->name);
+    for (i = 0; i <= RANGES; i++) {
+        const double value = i < RANGES ? memory->conditions.u[i] : fabs(memory->now.y);
+        const double *range = i < RANGES ? values->range[i] : end;
+        const char *name = i < RANGES ? REAL_NAMES[A + i] : "|flange.s|";
+        const char *unit = i < RANGES ? RANGE_UNITS[i] : RANGE_UNITS[0];
+        if (within(value, range) || length < 0 || length >= TEXT)
+            continue;
+        length += snprintf(text + length, (size_t)(TEXT - length), "%s%s = %.6g %s is outside %g to %g %s",
+                           text[length - 2] == ':' ? "" : "; ", name, value, unit, range[0], range[1], unit);
+    }
+    return 1;
+}
+
+/* A reversal of the motion ends a step, so that memory turns round where the motion does. */
+static void model_indicators(const Model *model, double indicators[])
+{
+    if (INDICATORS > 0)
+        indicators[0] = model->real[V];
+}

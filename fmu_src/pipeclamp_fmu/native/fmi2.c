@@ -1,0 +1,461 @@
+/* FMI 2.0, co-simulation and model exchange, over `instance`. */
+#include "fmi2.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "instance.h"
+
+enum { RUNNING = STEPPING | EVENT | CONTINUOUS, SETTABLE = INSTANTIATED | INITIALIZATION | RUNNING,
+       READABLE = INITIALIZATION | RUNNING | TERMINATED };
+
+#define REQUIRE(modes)                                                                                                 \
+    Instance *instance = component;                                                                                    \
+    if (!instance_may(instance, (modes), __func__))                                                                    \
+    return fmi2Error
+
+/* --- Messages */
+
+static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
+                                         "logStatusFatal"};
+
+/* The logger takes a format as of printf: percent signs are doubled. */
+static void hand_over(fmi2CallbackLogger logger, void *environment, const char *name, Status status, const char *text)
+{
+    char format[2 * TEXT];
+    size_t length = 0;
+    for (; *text && length + 2 < sizeof format; text++) {
+        if (*text == '%')
+            format[length++] = '%';
+        format[length++] = *text;
+    }
+    format[length] = '\0';
+    if (logger)
+        logger(environment, name ? name : "", (fmi2Status)status, CATEGORIES[status], format);
+}
+
+static void tell(const Instance *instance, Status status, const char *text)
+{
+    hand_over((fmi2CallbackLogger)instance->logger, instance->environment, instance->name, status, text);
+}
+
+FMU_API(fmi2Status, fmi2SetDebugLogging)(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String names[])
+{
+    REQUIRE(ANY_MODE);
+    (void)count;
+    (void)names;
+    instance->logging = on;
+    return fmi2OK;
+}
+
+/* --- Making and ending an instance */
+
+FMU_API(const char *, fmi2GetTypesPlatform)(void)
+{
+    return "default";
+}
+
+FMU_API(const char *, fmi2GetVersion)(void)
+{
+    return "2.0";
+}
+
+static int hexadecimal(char digit)
+{
+    return digit >= '0' && digit <= '9' ? digit - '0'
+           : digit >= 'a' && digit <= 'f' ? digit - 'a' + 10
+           : digit >= 'A' && digit <= 'F' ? digit - 'A' + 10
+                                          : -1;
+}
+
+/* Give the path of a file URI, to be freed; what is no URI is taken for a path. */
+static char *path_of(const char *uri)
+{
+    char *path, *end;
+    if (!uri || !(path = malloc(strlen(uri) + 1)))
+        return NULL;
+    if (strncmp(uri, "file:", 5) != 0)
+        return strcpy(path, uri);
+    uri += 5;
+    if (strncmp(uri, "//", 2) == 0) {
+        uri += 2;
+        if (strncmp(uri, "localhost/", 10) == 0)
+            uri += 9;
+    }
+    if (uri[0] == '/' && uri[1] && uri[2] == ':') /* /C:/folder */
+        uri++;
+    for (end = path; *uri; uri++) {
+        if (uri[0] == '%' && hexadecimal(uri[1]) >= 0 && hexadecimal(uri[2]) >= 0) {
+            *end++ = (char)(16 * hexadecimal(uri[1]) + hexadecimal(uri[2]));
+            uri += 2;
+        } else {
+            *end++ = *uri;
+        }
+    }
+    *end = '\0';
+    return path;
+}
+
+FMU_API(fmi2Component, fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                                        const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging)
+{
+    char reason[TEXT] = "";
+    char *folder = path_of(resources);
+    Instance *instance = instance_new(name, guid, folder, type == fmi2CoSimulation, reason);
+    (void)visible;
+    free(folder);
+    if (!instance) {
+        if (functions)
+            hand_over(functions->logger, functions->componentEnvironment, name, STATUS_ERROR, reason);
+        return NULL;
+    }
+    instance->logging = logging;
+    instance->tell = tell;
+    if (functions) {
+        instance->logger = (void (*)(void))functions->logger;
+        instance->environment = functions->componentEnvironment;
+    }
+    return instance;
+}
+
+FMU_API(void, fmi2FreeInstance)(fmi2Component component)
+{
+    instance_free(component);
+}
+
+FMU_API(fmi2Status, fmi2SetupExperiment)(fmi2Component component, fmi2Boolean tolerance_defined, fmi2Real tolerance,
+                                         fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop)
+{
+    REQUIRE(INSTANTIATED);
+    (void)tolerance_defined;
+    (void)tolerance;
+    (void)stop_defined;
+    (void)stop;
+    return (fmi2Status)instance_set_time(instance, start);
+}
+
+FMU_API(fmi2Status, fmi2EnterInitializationMode)(fmi2Component component)
+{
+    REQUIRE(INSTANTIATED);
+    return (fmi2Status)instance_begin(instance, instance->time);
+}
+
+FMU_API(fmi2Status, fmi2ExitInitializationMode)(fmi2Component component)
+{
+    REQUIRE(INITIALIZATION);
+    return (fmi2Status)instance_initialised(instance);
+}
+
+FMU_API(fmi2Status, fmi2Terminate)(fmi2Component component)
+{
+    REQUIRE(RUNNING);
+    instance->mode = TERMINATED;
+    return fmi2OK;
+}
+
+FMU_API(fmi2Status, fmi2Reset)(fmi2Component component)
+{
+    REQUIRE(ANY_MODE);
+    instance_reset(instance);
+    return fmi2OK;
+}
+
+/* --- Variables */
+
+static fmi2Status missing(const Instance *instance, const char *what)
+{
+    instance_say(instance, STATUS_ERROR, "%s is missing", what);
+    return fmi2Error;
+}
+
+static Status worse(Status first, Status second)
+{
+    return first > second ? first : second;
+}
+
+FMU_API(fmi2Status, fmi2GetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                 fmi2Real values[])
+{
+    Status status = STATUS_OK;
+    size_t i;
+    REQUIRE(READABLE);
+    if (count > 0 && (!references || !values))
+        return missing(instance, "an array of value references or values");
+    for (i = 0; i < count; i++)
+        status = worse(status, instance_get_real(instance, references[i], &values[i]));
+    return (fmi2Status)status;
+}
+
+FMU_API(fmi2Status, fmi2SetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                 const fmi2Real values[])
+{
+    Status status = STATUS_OK;
+    size_t i;
+    REQUIRE(SETTABLE);
+    if (count > 0 && (!references || !values))
+        return missing(instance, "an array of value references or values");
+    for (i = 0; i < count; i++)
+        status = worse(status, instance_set_real(instance, references[i], values[i]));
+    return (fmi2Status)status;
+}
+
+FMU_API(fmi2Status, fmi2GetBoolean)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                    fmi2Boolean values[])
+{
+    Status status = STATUS_OK;
+    size_t i;
+    REQUIRE(READABLE);
+    if (count > 0 && (!references || !values))
+        return missing(instance, "an array of value references or values");
+    for (i = 0; i < count; i++)
+        status = worse(status, instance_get_flag(instance, references[i], &values[i]));
+    return (fmi2Status)status;
+}
+
+FMU_API(fmi2Status, fmi2SetBoolean)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                    const fmi2Boolean values[])
+{
+    Status status = STATUS_OK;
+    size_t i;
+    REQUIRE(SETTABLE);
+    if (count > 0 && (!references || !values))
+        return missing(instance, "an array of value references or values");
+    for (i = 0; i < count; i++)
+        status = worse(status, instance_set_flag(instance, references[i], values[i]));
+    return (fmi2Status)status;
+}
+
+/* There are no variables of these types. */
+static fmi2Status none_of_type(fmi2Component component, int modes, const char *function, size_t count)
+{
+    const Instance *instance = component;
+    if (!instance_may(instance, modes, function))
+        return fmi2Error;
+    if (count == 0)
+        return fmi2OK;
+    instance_say(instance, STATUS_ERROR, "%s: there are no variables of this type", function);
+    return fmi2Error;
+}
+
+#define NONE_OF_TYPE(function, value, modes)                                                                           \
+    FMU_API(fmi2Status, function)(fmi2Component component, const fmi2ValueReference references[], size_t count,        \
+                                  value values[])                                                                      \
+    {                                                                                                                  \
+        (void)references;                                                                                              \
+        (void)values;                                                                                                  \
+        return none_of_type(component, (modes), __func__, count);                                                      \
+    }
+
+NONE_OF_TYPE(fmi2GetInteger, fmi2Integer, READABLE)
+NONE_OF_TYPE(fmi2GetString, fmi2String, READABLE)
+NONE_OF_TYPE(fmi2SetInteger, const fmi2Integer, SETTABLE)
+NONE_OF_TYPE(fmi2SetString, const fmi2String, SETTABLE)
+
+FMU_API(fmi2Status, fmi2GetDirectionalDerivative)(fmi2Component component, const fmi2ValueReference unknowns[],
+                                                  size_t unknown_count, const fmi2ValueReference knowns[],
+                                                  size_t known_count, const fmi2Real seed[], fmi2Real product[])
+{
+    REQUIRE(READABLE);
+    if ((unknown_count > 0 && (!unknowns || !product)) || (known_count > 0 && (!knowns || !seed)))
+        return missing(instance, "an array of value references or values");
+    return (fmi2Status)instance_derivatives(instance, unknowns, unknown_count, knowns, known_count, 0, seed, product);
+}
+
+/* --- Saved states */
+
+FMU_API(fmi2Status, fmi2GetFMUstate)(fmi2Component component, fmi2FMUstate *state)
+{
+    REQUIRE(ANY_MODE);
+    return state ? (fmi2Status)instance_save(instance, (Saved **)state) : missing(instance, "the state's place");
+}
+
+FMU_API(fmi2Status, fmi2SetFMUstate)(fmi2Component component, fmi2FMUstate state)
+{
+    REQUIRE(ANY_MODE);
+    return (fmi2Status)instance_restore(instance, state);
+}
+
+FMU_API(fmi2Status, fmi2FreeFMUstate)(fmi2Component component, fmi2FMUstate *state)
+{
+    REQUIRE(ANY_MODE);
+    if (state) {
+        saved_free(*state);
+        *state = NULL;
+    }
+    return fmi2OK;
+}
+
+FMU_API(fmi2Status, fmi2SerializedFMUstateSize)(fmi2Component component, fmi2FMUstate state, size_t *size)
+{
+    REQUIRE(ANY_MODE);
+    if (!state || !size)
+        return missing(instance, "the state or its size's place");
+    *size = saved_size();
+    return fmi2OK;
+}
+
+FMU_API(fmi2Status, fmi2SerializeFMUstate)(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+{
+    REQUIRE(ANY_MODE);
+    if (!state || !bytes || size < saved_size())
+        return missing(instance, "the state or room for its bytes");
+    saved_serialise(state, (unsigned char *)bytes);
+    return fmi2OK;
+}
+
+FMU_API(fmi2Status, fmi2DeSerializeFMUstate)(fmi2Component component, const fmi2Byte bytes[], size_t size,
+                                             fmi2FMUstate *state)
+{
+    REQUIRE(ANY_MODE);
+    if (!state)
+        return missing(instance, "the state's place");
+    return (fmi2Status)instance_deserialise(instance, (const unsigned char *)bytes, size, (Saved **)state);
+}
+
+/* --- Co-simulation */
+
+FMU_API(fmi2Status, fmi2DoStep)(fmi2Component component, fmi2Real time, fmi2Real h, fmi2Boolean no_return)
+{
+    REQUIRE(STEPPING);
+    (void)no_return;
+    return (fmi2Status)instance_do_step(instance, time, h);
+}
+
+/* A step is done when fmi2DoStep returns: nothing can be cancelled, and inputs and outputs have no derivatives. */
+static fmi2Status not_able(fmi2Component component, const char *function)
+{
+    const Instance *instance = component;
+    if (instance_may(instance, ANY_MODE, function))
+        instance_say(instance, STATUS_ERROR, "%s: this FMU doesn't have that ability", function);
+    return fmi2Error;
+}
+
+FMU_API(fmi2Status, fmi2CancelStep)(fmi2Component component)
+{
+    return not_able(component, __func__);
+}
+
+FMU_API(fmi2Status, fmi2SetRealInputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
+                                                 size_t count, const fmi2Integer order[], const fmi2Real values[])
+{
+    (void)references;
+    (void)count;
+    (void)order;
+    (void)values;
+    return not_able(component, __func__);
+}
+
+FMU_API(fmi2Status, fmi2GetRealOutputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
+                                                  size_t count, const fmi2Integer order[], fmi2Real values[])
+{
+    (void)references;
+    (void)count;
+    (void)order;
+    (void)values;
+    return not_able(component, __func__);
+}
+
+/* Steps are never pending: only the last successful time has an answer. */
+FMU_API(fmi2Status, fmi2GetRealStatus)(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value)
+{
+    REQUIRE(STEPPING | TERMINATED);
+    if (kind != fmi2LastSuccessfulTime || !value)
+        return fmi2Discard;
+    *value = instance->done_time;
+    return fmi2OK;
+}
+
+FMU_API(fmi2Status, fmi2GetBooleanStatus)(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value)
+{
+    REQUIRE(STEPPING | TERMINATED);
+    if (kind != fmi2Terminated || !value)
+        return fmi2Discard;
+    *value = fmi2False;
+    return fmi2OK;
+}
+
+#define NEVER_PENDING(function, type)                                                                                  \
+    FMU_API(fmi2Status, function)(fmi2Component component, const fmi2StatusKind kind, type *value)                     \
+    {                                                                                                                  \
+        REQUIRE(STEPPING | TERMINATED);                                                                                \
+        (void)kind;                                                                                                    \
+        (void)value;                                                                                                   \
+        return fmi2Discard;                                                                                            \
+    }
+
+NEVER_PENDING(fmi2GetStatus, fmi2Status)
+NEVER_PENDING(fmi2GetIntegerStatus, fmi2Integer)
+NEVER_PENDING(fmi2GetStringStatus, fmi2String)
+
+/* --- Model exchange: no continuous states; memory turns at completed steps and events */
+
+FMU_API(fmi2Status, fmi2EnterEventMode)(fmi2Component component)
+{
+    REQUIRE(EVENT | CONTINUOUS);
+    instance->mode = EVENT;
+    return (fmi2Status)instance_complete_step(instance);
+}
+
+FMU_API(fmi2Status, fmi2NewDiscreteStates)(fmi2Component component, fmi2EventInfo *info)
+{
+    REQUIRE(EVENT);
+    if (!info)
+        return missing(instance, "the event's information");
+    memset(info, 0, sizeof *info);
+    return fmi2OK;
+}
+
+FMU_API(fmi2Status, fmi2EnterContinuousTimeMode)(fmi2Component component)
+{
+    REQUIRE(EVENT);
+    instance->mode = CONTINUOUS;
+    return fmi2OK;
+}
+
+FMU_API(fmi2Status, fmi2CompletedIntegratorStep)(fmi2Component component, fmi2Boolean no_earlier_state,
+                                                 fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
+{
+    REQUIRE(CONTINUOUS);
+    (void)no_earlier_state;
+    if (enter_event_mode)
+        *enter_event_mode = fmi2False;
+    if (terminate)
+        *terminate = fmi2False;
+    return (fmi2Status)instance_complete_step(instance);
+}
+
+FMU_API(fmi2Status, fmi2SetTime)(fmi2Component component, fmi2Real time)
+{
+    REQUIRE(EVENT | CONTINUOUS);
+    return (fmi2Status)instance_set_time(instance, time);
+}
+
+FMU_API(fmi2Status, fmi2GetEventIndicators)(fmi2Component component, fmi2Real indicators[], size_t count)
+{
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi2Status)instance_indicators(instance, indicators, count);
+}
+
+static fmi2Status no_states(fmi2Component component, int modes, const char *function, size_t count)
+{
+    const Instance *instance = component;
+    if (!instance_may(instance, modes, function))
+        return fmi2Error;
+    if (count == 0)
+        return fmi2OK;
+    instance_say(instance, STATUS_ERROR, "%s: there are no continuous states", function);
+    return fmi2Error;
+}
+
+#define OF_STATES(function, type, modes)                                                                               \
+    FMU_API(fmi2Status, function)(fmi2Component component, type values[], size_t count)                                \
+    {                                                                                                                  \
+        (void)values;                                                                                                  \
+        return no_states(component, (modes), __func__, count);                                                         \
+    }
+
+OF_STATES(fmi2SetContinuousStates, const fmi2Real, CONTINUOUS)
+OF_STATES(fmi2GetContinuousStates, fmi2Real, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
+OF_STATES(fmi2GetDerivatives, fmi2Real, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
+OF_STATES(fmi2GetNominalsOfContinuousStates, fmi2Real, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)

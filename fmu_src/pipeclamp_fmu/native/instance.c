@@ -1,0 +1,378 @@
+/* What FMI 2.0 and FMI 3.0 share: an instance with its mode, its messages, its saved states. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "values.h"
+
+static const uint64_t SAVED_MARK = 0x70697065636c6d70u;
+
+struct Saved {
+    uint64_t mark, structure, size;
+    Model done, shown;
+    double time, done_time;
+    int32_t stale, mode, co_simulation, unused;
+};
+
+static Instance *instance_new(const char *name, const char *token, const char *folder, int co_simulation,
+                              char reason[TEXT])
+{
+    Instance *instance = calloc(1, sizeof *instance);
+    const size_t length = name ? strlen(name) : 0;
+    char *copy = malloc(length + 1);
+    if (!instance || !copy) {
+        snprintf(reason, TEXT, "no memory for an instance");
+    } else if (length == 0) {
+        snprintf(reason, TEXT, "the instance has no name");
+    } else if (!token) {
+        snprintf(reason, TEXT, "no identifier of the model description was given");
+    } else if (values_read(&instance->values, folder, token, reason)) {
+        instance->name = memcpy(copy, name, length + 1);
+        instance->co_simulation = co_simulation;
+        instance_reset(instance);
+        return instance;
+    }
+    free(instance);
+    free(copy);
+    return NULL;
+}
+
+static void instance_free(Instance *instance)
+{
+    if (instance)
+        free(instance->name);
+    free(instance);
+}
+
+static void instance_reset(Instance *instance)
+{
+    model_reset(&instance->done, &instance->values);
+    instance->shown = instance->done;
+    instance->mode = INSTANTIATED;
+    instance->time = instance->done_time = 0.0;
+    instance->stale = instance->warned = 0;
+}
+
+static void instance_say(const Instance *instance, Status status, const char *format, ...)
+{
+    char text[TEXT + 128];
+    va_list arguments;
+    if (!instance->logging)
+        return;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    instance->tell(instance, status, text);
+}
+
+static int instance_may(const Instance *instance, int modes, const char *function)
+{
+    if (!instance)
+        return 0;
+    if (instance->mode & modes)
+        return 1;
+    instance_say(instance, STATUS_ERROR, "%s can't be called in this mode", function);
+    return 0;
+}
+
+/* --- Steps */
+
+static void warn_once(Instance *instance)
+{
+    char text[TEXT];
+    if (!instance->warned && model_beyond_range(&instance->done, &instance->values, text)) {
+        instance->warned = 1;
+        instance_say(instance, STATUS_WARNING, "%s", text);
+    }
+}
+
+static Status discarded(const Instance *instance, double time, double h, const char *reason)
+{
+    char step[32];
+    snprintf(step, sizeof step, isnan(h) ? "nan" : "%g", h);
+    instance_say(instance, STATUS_ERROR, "step from %g s by %s s discarded: %s", time, step, reason);
+    return STATUS_DISCARD;
+}
+
+static Status started(Instance *instance)
+{
+    char reason[TEXT];
+    if (model_start(&instance->done, &instance->values, reason))
+        return STATUS_OK;
+    instance_say(instance, STATUS_ERROR, "start values: %s", reason);
+    return STATUS_WARNING;
+}
+
+static Status instance_begin(Instance *instance, double time)
+{
+    instance->time = instance->done_time = time;
+    instance->mode = INITIALIZATION;
+    return STATUS_OK;
+}
+
+static Status instance_initialised(Instance *instance)
+{
+    const Status status = started(instance);
+    instance->shown = instance->done;
+    instance->mode = instance->co_simulation ? STEPPING : EVENT;
+    return status;
+}
+
+static Status instance_do_step(Instance *instance, double time, double h)
+{
+    char reason[TEXT];
+    if (!(h > 0.0 && isfinite(h)))
+        return discarded(instance, time, h, "expected a finite step above 0 s");
+    if (!model_step(&instance->done, &instance->values, h, reason))
+        return discarded(instance, time, h, reason);
+    instance->time = instance->done_time = time + h;
+    warn_once(instance);
+    return STATUS_OK;
+}
+
+/* --- Model exchange: every evaluation is a step from the last completed one */
+
+static Status evaluated(Instance *instance)
+{
+    const double h = instance->time - instance->done_time;
+    char reason[TEXT];
+    if (instance->co_simulation || !instance->stale)
+        return STATUS_OK;
+    if (!(h >= 0.0 && isfinite(h))) {
+        instance_say(instance, STATUS_ERROR, "the time %g s lies before the last completed step, at %g s",
+                     instance->time, instance->done_time);
+        return STATUS_DISCARD;
+    }
+    instance->shown = instance->done;
+    if (!model_step(&instance->shown, &instance->values, h, reason))
+        return discarded(instance, instance->done_time, h, reason);
+    instance->stale = 0;
+    return STATUS_OK;
+}
+
+static Status instance_complete_step(Instance *instance)
+{
+    const Status status = evaluated(instance);
+    if (status != STATUS_OK)
+        return status;
+    instance->done = instance->shown;
+    instance->done_time = instance->time;
+    warn_once(instance);
+    return STATUS_OK;
+}
+
+static Status instance_set_time(Instance *instance, double time)
+{
+    if (!isfinite(time)) {
+        instance_say(instance, STATUS_ERROR, "the time is not a finite number");
+        return STATUS_ERROR;
+    }
+    if (time != instance->time) {
+        instance->time = time;
+        instance->stale = 1;
+    }
+    return STATUS_OK;
+}
+
+static Status instance_indicators(Instance *instance, double indicators[], size_t count)
+{
+    if (count != INDICATORS || (count > 0 && !indicators)) {
+        instance_say(instance, STATUS_ERROR, "expected room for %d event indicators", INDICATORS);
+        return STATUS_ERROR;
+    }
+    model_indicators(&instance->done, indicators);
+    return STATUS_OK;
+}
+
+/* --- Variables */
+
+static Status refused(const Instance *instance, const char *name, unsigned reference)
+{
+    if (name)
+        instance_say(instance, STATUS_ERROR, "%s is no input or parameter of this type; the value is ignored", name);
+    else
+        instance_say(instance, STATUS_ERROR,
+                     "value reference %u is no input or parameter of this type; the value is ignored", reference);
+    return STATUS_ERROR;
+}
+
+static Status instance_set_real(Instance *instance, unsigned reference, double value)
+{
+    Model *model = &instance->done;
+    if (reference >= FIRST_OUTPUT) {
+        if (reference < FIRST_FIXED || reference >= REALS)
+            return refused(instance, reference < REALS ? REAL_NAMES[reference] : NULL, reference);
+        if (!(instance->mode & (INSTANTIATED | INITIALIZATION))) {
+            instance_say(instance, STATUS_ERROR, "%s is fixed after initialization; the value is ignored",
+                         REAL_NAMES[reference]);
+            return STATUS_ERROR;
+        }
+    }
+    if (model->real[reference] != value) {
+        model->real[reference] = value;
+        instance->stale = 1;
+        if (reference >= SIGNALS)
+            model->settled = 0;
+    }
+    return STATUS_OK;
+}
+
+static Status instance_set_flag(Instance *instance, unsigned reference, int value)
+{
+    if (reference < REALS || reference >= REALS + FLAG_PARAMETERS) {
+        const unsigned flag = reference - REALS;
+        const char *name = reference < REALS ? REAL_NAMES[reference] : flag < FLAGS ? FLAG_NAMES[flag] : NULL;
+        return refused(instance, name, reference);
+    }
+    instance->done.flag[reference - REALS] = value != 0;
+    instance->done.settled = 0;
+    instance->stale = 1;
+    return STATUS_OK;
+}
+
+/* Bring outputs up to date, where one is asked for, and give the model that shows them. */
+static const Model *showing(Instance *instance, int is_result, Status *status)
+{
+    *status = STATUS_OK;
+    if (is_result && instance->mode == INITIALIZATION)
+        started(instance);
+    if (!is_result || instance->co_simulation || !(instance->mode & (EVENT | CONTINUOUS)))
+        return &instance->done;
+    *status = evaluated(instance);
+    return &instance->shown;
+}
+
+static Status instance_get_real(Instance *instance, unsigned reference, double *value)
+{
+    Status status;
+    if (reference >= REALS) {
+        instance_say(instance, STATUS_ERROR, "value reference %u: expected a real variable, below %d", reference, REALS);
+        return STATUS_ERROR;
+    }
+    *value = showing(instance, reference >= FIRST_OUTPUT && reference < FIRST_FIXED, &status)->real[reference];
+    return status;
+}
+
+static Status instance_get_flag(Instance *instance, unsigned reference, int *value)
+{
+    Status status;
+    if (reference < REALS || reference >= REALS + FLAGS) {
+        instance_say(instance, STATUS_ERROR, "value reference %u: expected a Boolean variable, from %d on", reference,
+                     REALS);
+        return STATUS_ERROR;
+    }
+    *value = showing(instance, reference >= REALS + FLAG_PARAMETERS, &status)->flag[reference - REALS];
+    return status;
+}
+
+static Status instance_derivatives(Instance *instance, const unsigned unknowns[], size_t unknown_count,
+                            const unsigned knowns[], size_t known_count, int transposed, const double seed[],
+                            double product[])
+{
+    double jacobian[OUTPUTS][FIRST_OUTPUT];
+    Status status;
+    const Model *model = showing(instance, 1, &status);
+    size_t row, column;
+    if (status != STATUS_OK)
+        return status;
+    for (row = 0; row < unknown_count; row++)
+        if (unknowns[row] < FIRST_OUTPUT || unknowns[row] >= FIRST_OUTPUT + OUTPUTS) {
+            instance_say(instance, STATUS_ERROR, "value reference %u: expected a real output", unknowns[row]);
+            return STATUS_ERROR;
+        }
+    for (column = 0; column < known_count; column++)
+        if (knowns[column] >= FIRST_OUTPUT) {
+            instance_say(instance, STATUS_ERROR, "value reference %u: expected a real input or tunable parameter",
+                         knowns[column]);
+            return STATUS_ERROR;
+        }
+    model_jacobian(model, &instance->values, jacobian);
+    memset(product, 0, (transposed ? known_count : unknown_count) * sizeof product[0]);
+    for (row = 0; row < unknown_count; row++)
+        for (column = 0; column < known_count; column++) {
+            const double slope = jacobian[unknowns[row] - FIRST_OUTPUT][knowns[column]];
+            if (transposed)
+                product[column] += slope * seed[row];
+            else
+                product[row] += slope * seed[column];
+        }
+    return STATUS_OK;
+}
+
+/* --- Saved states */
+
+static Status instance_save(const Instance *instance, Saved **saved)
+{
+    Saved *state = *saved ? *saved : calloc(1, sizeof *state);
+    if (!state)
+        return STATUS_ERROR;
+    state->mark = SAVED_MARK;
+    state->structure = STRUCTURE;
+    state->size = sizeof *state;
+    state->done = instance->done;
+    state->shown = instance->shown;
+    state->time = instance->time;
+    state->done_time = instance->done_time;
+    state->stale = instance->stale;
+    state->mode = (int32_t)instance->mode;
+    state->co_simulation = instance->co_simulation;
+    *saved = state;
+    return STATUS_OK;
+}
+
+static int fits(const Instance *instance, const Saved *state)
+{
+    const int32_t mode = state->mode;
+    return state->mark == SAVED_MARK && state->structure == STRUCTURE && state->size == sizeof *state
+           && state->co_simulation == instance->co_simulation && mode > 0 && mode <= ANY_MODE && !(mode & (mode - 1));
+}
+
+static Status instance_restore(Instance *instance, const Saved *saved)
+{
+    if (!saved || !fits(instance, saved)) {
+        instance_say(instance, STATUS_ERROR, "the state that was set is not one of %s", instance->name);
+        return STATUS_ERROR;
+    }
+    instance->done = saved->done;
+    instance->shown = saved->shown;
+    instance->time = saved->time;
+    instance->done_time = saved->done_time;
+    instance->stale = saved->stale;
+    instance->mode = (Mode)saved->mode;
+    return STATUS_OK;
+}
+
+static Status instance_deserialise(const Instance *instance, const unsigned char bytes[], size_t size, Saved **saved)
+{
+    Saved *state = size == sizeof *state && bytes ? malloc(sizeof *state) : NULL;
+    if (state)
+        memcpy(state, bytes, sizeof *state);
+    if (!state || !fits(instance, state)) {
+        free(state);
+        instance_say(instance, STATUS_ERROR, "the bytes are not a state of %s", instance->name);
+        return STATUS_ERROR;
+    }
+    saved_free(*saved);
+    *saved = state;
+    return STATUS_OK;
+}
+
+static void saved_free(Saved *saved)
+{
+    free(saved);
+}
+
+static size_t saved_size(void)
+{
+    return sizeof(Saved);
+}
+
+static void saved_serialise(const Saved *saved, unsigned char bytes[])
+{
+    memcpy(bytes, saved, sizeof *saved);
+}

@@ -1,0 +1,53 @@
+/* A model that is stepped, as the FMI layers see it. It knows nothing of FMI.
+ *
+ * All sources are compiled as one file, `fmu.c`, so that several FMUs can be linked into one program.
+ *
+ * `layout.h` is generated: it counts and names the variables and says what memory the model has. Variables of type Real
+ * are, in this order: inputs, tunable parameters, outputs, locals, fixed parameters. Booleans: parameters, outputs.
+ */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include "layout.h"
+
+enum {
+    FIRST_OUTPUT = INPUTS + PARAMETERS,
+    FIRST_LOCAL = FIRST_OUTPUT + OUTPUTS,
+    FIRST_FIXED = FIRST_LOCAL + LOCALS,
+    REALS = FIRST_FIXED + FIXED,
+    FLAGS = FLAG_PARAMETERS + FLAG_OUTPUTS,
+    TEXT = 512
+};
+
+/* What the file of values says; the same for the life of an instance. */
+typedef struct {
+    char name[TEXT / 2];
+    double start[INPUTS + PARAMETERS];
+    double fixed[FIXED];
+    double range[RANGES][2];
+} Values;
+
+/* All that changes. It holds no pointers, so that a copy of it is an exact saved state. */
+typedef struct {
+    double real[REALS];
+    int flag[FLAGS];
+    int settled; /* no parameter has changed since the last step */
+    Memory memory;
+} Model;
+
+/* Functions that can't do what they are asked say why in `reason` and return 0, the model untouched. */
+
+static void model_reset(Model *model, const Values *values);
+static int model_start(Model *model, const Values *values, char reason[TEXT]);
+static int model_step(Model *model, const Values *values, double h, char reason[TEXT]);
+
+/* Derivatives of the Real outputs by inputs and tunable parameters, for the last step as it ended. */
+static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][FIRST_OUTPUT]);
+
+/* Says what is used beyond its range; returns 0 where nothing is. */
+static int model_beyond_range(const Model *model, const Values *values, char text[TEXT]);
+
+/* Zero crossings at which model exchange must end a step, `INDICATORS` of them. */
+static void model_indicators(const Model *model, double indicators[]);
+
+#endif

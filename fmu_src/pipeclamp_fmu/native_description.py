@@ -1,0 +1,203 @@
+"""The XML files of a native FMU: its model description in FMI 2.0 and 3.0, its terminals, how to build it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement
+
+from pipeclamp_fmu.compile import MAIN_SOURCE
+from pipeclamp_fmu.model_description import (
+    ModelText,
+    default_experiment,
+    number_attributes,
+    unit_definitions,
+    xml_bytes,
+)
+from pipeclamp_fmu.variables import Variable, Variables
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "Messages of a warning",
+    "logStatusDiscard": "Messages of a discarded step",
+    "logStatusError": "Messages of an error",
+    "logStatusFatal": "Messages of a fatal error",
+    "logAll": "All messages",
+}
+
+FLANGE = "Modelica.Mechanics.Translational.Interfaces.Flange_a"
+"""The terminal kind of a translational flange."""
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Variables that belong to one connector: by member name, the variable and FMI's kind of member."""
+
+    name: str
+    kind: str
+    members: Mapping[str, tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Description:
+    """What the XML files of a native FMU say.
+
+    Attributes:
+        identifier: model identifier, the name of the libraries.
+        token: guid (FMI 2.0) or instantiation token (FMI 3.0).
+        text: what is said of the whole.
+        variables: all variables.
+        indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
+        terminals: connectors.
+        tool: program that wrote the FMU, with its version.
+    """
+
+    identifier: str
+    token: str
+    text: ModelText
+    variables: Variables
+    indicator: str
+    terminals: Sequence[Terminal]
+    tool: str
+
+    def dependencies(self) -> tuple[list[Variable], list[Variable]]:
+        """Give what outputs depend on at any time, and at initialisation."""
+        known = self.variables
+        return list(known.inputs), [*known.inputs, *known.parameters, *known.fixed, *known.boolean_parameters]
+
+
+def model_description(description: Description, fmi: int) -> bytes:
+    """Give `modelDescription.xml` in a version of FMI, 2 or 3."""
+    return _fmi2(description) if fmi == 2 else _fmi3(description)
+
+
+def _fmi2(description: Description) -> bytes:
+    variables = description.variables
+    root = Element("fmiModelDescription", {
+        "fmiVersion": "2.0",
+        "modelName": description.text.name,
+        "guid": description.token,
+        "description": description.text.description,
+        "version": description.text.version,
+        "generationTool": description.tool,
+        "variableNamingConvention": "structured",
+        "numberOfEventIndicators": str(int(bool(description.indicator))),
+    })  # fmt: skip
+    common = {
+        "modelIdentifier": description.identifier,
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    }
+    for kind, own in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"})):
+        files = SubElement(SubElement(root, kind, common | own), "SourceFiles")
+        SubElement(files, "File", {"name": MAIN_SOURCE})
+    _common_elements(root, description)
+    listed = SubElement(root, "ModelVariables")
+    places: dict[str, str] = {}
+    for reference, variable in enumerate(variables.all):
+        causality, variability = variables.causality(variable)
+        places[variable.name] = str(reference + 1)
+        element = SubElement(listed, "ScalarVariable", {
+            "name": variable.name,
+            "valueReference": str(reference),
+            "causality": causality,
+            "variability": variability,
+            "description": variable.quantity.description,
+        })  # fmt: skip
+        kind = "Boolean" if variable in variables.booleans else "Real"
+        SubElement(element, kind, number_attributes(variable.quantity) | _start(variable))
+    always, initially = ([places[entry.name] for entry in group] for group in description.dependencies())
+    structure = SubElement(root, "ModelStructure")
+    for name, known in (("Outputs", always), ("InitialUnknowns", initially)):
+        unknowns = SubElement(structure, name)
+        for output in (*variables.outputs, *variables.boolean_outputs):
+            SubElement(unknowns, "Unknown", {"index": places[output.name], "dependencies": " ".join(known)})
+    return xml_bytes(root)
+
+
+def _fmi3(description: Description) -> bytes:
+    variables = description.variables
+    root = Element("fmiModelDescription", {
+        "fmiVersion": "3.0",
+        "modelName": description.text.name,
+        "instantiationToken": description.token,
+        "description": description.text.description,
+        "version": description.text.version,
+        "generationTool": description.tool,
+        "variableNamingConvention": "structured",
+    })  # fmt: skip
+    common = {
+        "modelIdentifier": description.identifier,
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": "true",
+        "providesAdjointDerivatives": "true",
+    }
+    SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
+    SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
+    _common_elements(root, description)
+    listed = SubElement(root, "ModelVariables")
+    places = {variable.name: str(reference) for reference, variable in enumerate(variables.all)}
+    for variable in variables.all:
+        causality, variability = variables.causality(variable)
+        SubElement(listed, "Boolean" if variable in variables.booleans else "Float64", {
+            "name": variable.name,
+            "valueReference": places[variable.name],
+            "causality": causality,
+            "variability": variability,
+            "description": variable.quantity.description,
+        } | number_attributes(variable.quantity) | _start(variable))  # fmt: skip
+    time = {"name": "time", "valueReference": str(len(places)), "causality": "independent", "variability": "continuous"}
+    SubElement(listed, "Float64", time | {"description": "time", "unit": "s"})
+    always, initially = (" ".join(places[entry.name] for entry in group) for group in description.dependencies())
+    structure = SubElement(root, "ModelStructure")
+    for name, known in (("Output", always), ("InitialUnknown", initially)):
+        for output in (*variables.outputs, *variables.boolean_outputs):
+            SubElement(structure, name, {"valueReference": places[output.name], "dependencies": known})
+    if description.indicator:
+        SubElement(structure, "EventIndicator", {"valueReference": places[description.indicator]})
+    return xml_bytes(root)
+
+
+def _common_elements(root: Element, description: Description) -> None:
+    """Add units, log categories and the default experiment, which both versions have in this order."""
+    quantities = [variable.quantity for variable in description.variables.all]
+    root.append(unit_definitions(quantities))
+    categories = SubElement(root, "LogCategories")
+    for name, meaning in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", {"name": name, "description": meaning})
+    root.append(default_experiment(description.text))
+
+
+def _start(variable: Variable) -> dict[str, str]:
+    if variable.start is None:
+        return {}
+    return {"start": str(variable.start).lower() if isinstance(variable.start, bool) else repr(float(variable.start))}
+
+
+def terminals_and_icons(description: Description) -> bytes:
+    """Give FMI 3.0's `terminalsAndIcons/terminalsAndIcons.xml`."""
+    root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
+    corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+    picture = SubElement(root, "GraphicalRepresentation")
+    SubElement(picture, "CoordinateSystem", corners | {"suggestedScalingFactorTo_mm": "0.1"})
+    SubElement(picture, "Icon", corners)
+    listed = SubElement(root, "Terminals")
+    for terminal in description.terminals:
+        element = SubElement(
+            listed, "Terminal", {"name": terminal.name, "matchingRule": "plug", "terminalKind": terminal.kind}
+        )
+        for member, (variable, kind) in terminal.members.items():
+            attributes = {"variableName": variable, "memberName": member, "variableKind": kind}
+            SubElement(element, "TerminalMemberVariable", attributes)
+    return xml_bytes(root)
+
+
+def build_description(identifier: str, fmi: int) -> bytes:
+    """Give `sources/buildDescription.xml`: one C99 file, no options."""
+    root = Element("fmiBuildDescription", {"fmiVersion": f"{fmi}.0"})
+    configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": identifier})
+    files = SubElement(configuration, "SourceFileSet", {"language": "C99"})
+    SubElement(files, "SourceFile", {"name": MAIN_SOURCE})
+    return xml_bytes(root)

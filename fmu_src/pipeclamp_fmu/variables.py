@@ -1,0 +1,70 @@
+"""The variables of a native FMU, in the order in which its C sources hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipeclamp_fmu.model_description import Quantity
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable: Boolean where its start is a truth value or it has neither unit nor start.
+
+    Attributes:
+        name: as importers see it.
+        quantity: what a person and an importer should know of it.
+        start: value of an input or a parameter at the start; None for what is calculated.
+    """
+
+    name: str
+    quantity: Quantity
+    start: float | bool | None = None
+
+
+@dataclass(frozen=True)
+class Variables:
+    """All variables by what they are; value references count through them in this order.
+
+    Attributes:
+        inputs, parameters, outputs, locals, fixed: of type Real; `parameters` are tunable.
+        boolean_parameters, boolean_outputs: of type Boolean.
+        signals: how many of the inputs may change with every step without unsettling the conditions.
+    """
+
+    inputs: tuple[Variable, ...]
+    parameters: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    locals: tuple[Variable, ...]
+    fixed: tuple[Variable, ...]
+    boolean_parameters: tuple[Variable, ...]
+    boolean_outputs: tuple[Variable, ...]
+    signals: int
+
+    @property
+    def reals(self) -> tuple[Variable, ...]:
+        """The variables of type Real."""
+        return (*self.inputs, *self.parameters, *self.outputs, *self.locals, *self.fixed)
+
+    @property
+    def booleans(self) -> tuple[Variable, ...]:
+        """The variables of type Boolean."""
+        return (*self.boolean_parameters, *self.boolean_outputs)
+
+    @property
+    def all(self) -> tuple[Variable, ...]:
+        """All variables; a variable's value reference is its place here."""
+        return (*self.reals, *self.booleans)
+
+    def causality(self, variable: Variable) -> tuple[str, str]:
+        """Give a variable's causality and variability."""
+        discrete = variable in self.booleans
+        groups: Sequence[tuple[tuple[Variable, ...], str, str]] = (
+            (self.inputs, "input", "continuous"),
+            ((*self.parameters, *self.boolean_parameters), "parameter", "tunable"),
+            ((*self.outputs, *self.boolean_outputs), "output", "discrete" if discrete else "continuous"),
+            (self.locals, "local", "continuous"),
+            (self.fixed, "parameter", "fixed"),
+        )
+        return next((causality, variability) for group, causality, variability in groups if variable in group)

@@ -1,0 +1,257 @@
+"""The native clamp FMU beyond what it shares with the Python one: model exchange, derivatives, statuses, its files."""
+
+import math
+import zipfile
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Model
+
+from pipeclamp.errors import UserError
+from pipeclamp_fmu.build import build_native_clamp
+from pipeclamp_fmu.compile import compile_sources
+
+H = 1e-3
+ERROR = 3
+
+
+class Exchanged:
+    """The clamp of FMI 2.0 in model exchange, driven point by point."""
+
+    def __init__(self, path, folder, start):
+        description = fmpy.read_model_description(str(path))
+        fmpy.extract(str(path), unzipdir=str(folder))
+        self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
+        self.model = FMU2Model(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=description.modelExchange.modelIdentifier,
+            instanceName="exchanged",
+        )
+        self.model.instantiate()
+        self.model.setupExperiment(startTime=0.0)
+        for name, value in start.items():
+            (self.model.setBoolean if isinstance(value, bool) else self.model.setReal)([self.references[name]], [value])
+        self.model.enterInitializationMode()
+        self.model.exitInitializationMode()
+        self.model.newDiscreteStates()
+        self.model.enterContinuousTimeMode()
+
+    def move(self, time, s, v):
+        self.model.setTime(time)
+        self.model.setReal([self.references["flange.s"], self.references["flange.v"]], [s, v])
+
+    def get(self, *names):
+        return self.model.getReal([self.references[name] for name in names])
+
+
+@pytest.fixture
+def exchanged(native_fmus, tmp_path):
+    """Give a function that makes a clamp in model exchange."""
+    made = []
+
+    def make(**start):
+        made.append(Exchanged(native_fmus[2], tmp_path / str(len(made)), start))
+        return made[-1]
+
+    yield make
+    for clamp in made:
+        clamp.model.freeInstance()
+
+
+def waves(count):
+    theta = 2 * math.pi * 3.0 * H * np.arange(1, count + 1)
+    s = 5e-4 * (np.sin(theta) + 0.3 * np.sin(3 * theta))
+    v = 5e-4 * 6 * math.pi * (np.cos(theta) + 0.9 * np.cos(3 * theta))
+    return list(zip(s.tolist(), v.tolist(), strict=True))
+
+
+OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated", "memory.z")
+
+
+@pytest.mark.parametrize("track", [False, True])
+def test_model_exchange_gives_what_co_simulation_gives(drive, native_fmus, exchanged, track):
+    """Where integrator steps end at the communication points; whatever the integrator tries between leaves no trace."""
+    stepped, clamp = drive(native_fmus[2], {"track": track}), exchanged(track=track)
+    for n, (s, v) in enumerate(waves(800)):
+        time = (n + 1) * H
+        stepped.step(H, flange__s=s, flange__v=v)
+        for share in (0.3, 1.7):
+            clamp.move(time - (1 - 0.5 * share) * H, share * s, -v)
+            clamp.get("flange.f")
+        clamp.move(time, s, v)
+        expected = [stepped.get(name) for name in OUTPUTS]
+        np.testing.assert_allclose(clamp.get(*OUTPUTS), expected, rtol=1e-9, atol=1e-12)
+        assert clamp.model.completedIntegratorStep() == (0, 0)
+        np.testing.assert_allclose(clamp.get(*OUTPUTS), expected, rtol=1e-9, atol=1e-12)
+
+
+def test_fmpy_integrates_it_and_the_energy_is_the_loop_area(native_fmus):
+    f, A = 2.0, 5e-4
+    time = np.linspace(0.0, 2.0, 4001)
+    signals = np.rec.fromarrays(
+        [time, A * np.sin(2 * np.pi * f * time), A * 2 * np.pi * f * np.cos(2 * np.pi * f * time)],
+        names=["time", "flange.s", "flange.v"],
+    )
+    outputs = ["flange.s", "flange.f", "energyDissipated"]
+    result = fmpy.simulate_fmu(
+        str(native_fmus[2]), fmi_type="ModelExchange", stop_time=2.0, output_interval=5e-4, input=signals,
+        start_values={"A": A, "f": f}, output=outputs,
+    )  # fmt: skip
+    cycle = result[result["time"] >= 1.5]
+    area = float(np.sum((cycle["flange.f"][1:] + cycle["flange.f"][:-1]) / 2 * np.diff(cycle["flange.s"])))
+    assert area > 0
+    assert np.ptp(cycle["energyDissipated"]) == pytest.approx(area, rel=2e-3)
+
+
+def test_a_reversal_is_an_event(exchanged):
+    clamp = exchanged()
+    indicators = (fmpy.fmi2.fmi2Real * 1)()
+    for v in (0.02, -0.03):
+        clamp.move(H, 1e-4, v)
+        clamp.model.getEventIndicators(indicators, 1)
+        assert list(indicators) == [v]
+
+
+KNOWN = ("flange.s", "flange.v", "T_in", "A", "f", "T")
+WIDTHS = (1e-9, 1e-7, 1e-3, 1e-9, 1e-6, 1e-3)
+UNKNOWN = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated")
+
+
+@pytest.mark.parametrize("switches", [{}, {"track": True}, {"useTemperatureInput": True}])
+@pytest.mark.parametrize("steps", [37, 80, 301])
+def test_directional_derivatives_are_those_of_the_step(drive, native_fmus, switches, steps):
+    """Against differences of the step's outcome, made by going back to before it."""
+    clamp = drive(native_fmus[2], {"A": 5e-4, "f": 3.0, "T": 400.0, "T_in": 350.0, **switches})
+    path = waves(steps + 1)
+    for s, v in path[:-1]:
+        clamp.step(H, flange__s=s, flange__v=v)
+    before = clamp.save()
+    base = dict(zip(KNOWN[:2], path[-1], strict=True)) | {"A": 5e-4, "f": 3.0, "T": 400.0, "T_in": 350.0}
+
+    def outcome(values):
+        clamp.restore(before)
+        clamp.set(values)
+        clamp.step(H)
+        return np.array([clamp.get(name) for name in UNKNOWN])
+
+    here = outcome(base)
+    rows, columns = ([clamp.fmu.variables[name].reference for name in names] for names in (UNKNOWN, KNOWN))
+    exact = np.array([clamp.slave.getDirectionalDerivative(rows, [column], [1.0]) for column in columns]).T
+    for index, (name, width) in enumerate(zip(KNOWN, WIDTHS, strict=True)):
+        numeric = (outcome(base | {name: base[name] + width}) - outcome(base | {name: base[name] - width})) / (
+            2 * width
+        )
+        rounding = 1e-13 * (np.abs(here) + 1e-3) / width
+        assert (np.abs(exact[:, index] - numeric) <= 1e-5 * np.abs(numeric) + rounding).all(), name
+
+
+def refused(call, *arguments):
+    with pytest.raises(FMICallException) as error:
+        call(*arguments)
+    return error.value.status
+
+
+def test_wrong_value_references_are_errors_and_do_no_harm(drive, native_fmus, shaken):
+    clamp, twin = drive(native_fmus[2]), drive(native_fmus[2])
+    shaken(clamp, 0, 20), shaken(twin, 0, 20)
+    slave = clamp.slave
+    assert refused(slave.getReal, [999]) == refused(slave.getBoolean, [0]) == ERROR
+    assert refused(slave.setReal, [999], [1.0]) == refused(slave.setBoolean, [999], [True]) == ERROR
+    assert refused(slave.setReal, clamp.fmu.references(["flange.f"]), [5.0]) == ERROR
+    assert "flange.f is no input or parameter" in clamp.messages.errors[-1]
+    assert refused(slave.setReal, clamp.fmu.references(["law.k10"]), [5.0]) == ERROR
+    assert "law.k10 is fixed after initialization" in clamp.messages.errors[-1]
+    assert refused(slave.getInteger, [0]) == refused(slave.setInteger, [0], [1]) == ERROR
+    assert clamp.all() == twin.all()
+    assert shaken(clamp, 20, 40) == shaken(twin, 20, 40)
+
+
+def test_calls_in_the_wrong_order_are_errors_and_do_no_harm(drive, native_fmus, exchanged):
+    model = exchanged().model
+    for call in (model.newDiscreteStates, model.enterContinuousTimeMode, model.exitInitializationMode):
+        assert refused(call) == ERROR
+    clamp = drive(native_fmus[2])
+    slave = clamp.slave
+    assert refused(slave.enterInitializationMode) == refused(slave.exitInitializationMode) == ERROR
+    clamp.step(H)
+    slave.terminate()
+    assert refused(slave.doStep, H, H) == refused(slave.setReal, [0], [0.0]) == ERROR
+    assert clamp.get("inRange")
+    slave.reset()
+    clamp.start({})
+    clamp.step(H)
+
+
+def test_states_of_others_are_refused(drive, native_fmus, exchanged):
+    clamp = drive(native_fmus[2])
+    data = clamp.serialised()
+    state = clamp.save()
+    for bad in (b"", b"no state", data[:-1], bytes(len(data)), b"\xff" + data[1:]):
+        assert refused(clamp.slave.deSerializeFMUstate, bad) == ERROR
+        assert "not a state" in clamp.messages.errors[-1]
+    other = exchanged()
+    assert refused(other.model.deSerializeFMUstate, data) == ERROR
+    clamp.restore(state)
+
+
+def test_coefficients_are_parameters_of_the_fmu(drive, native_fmus):
+    clamp, stiffer = drive(native_fmus[2]), drive(native_fmus[2], {"law.k10": 2400.0})
+    assert clamp.get("law.k10") == 1200.0
+    forces = []
+    for each in (clamp, stiffer):
+        each.step(H, flange__s=1e-4)
+        forces.append(each.get("flange.f"))
+    assert forces[1] - forces[0] == pytest.approx(1200.0 * 0.6**-0.2 * 0.1)
+
+
+def test_every_unit_of_a_coefficient_is_defined(native_fmus):
+    description = fmpy.read_model_description(str(native_fmus[2]))
+    units = {unit.name: unit.baseUnit for unit in description.unitDefinitions}
+    stiffness = units["N/mm"]
+    assert (stiffness.kg, stiffness.m, stiffness.s, float(stiffness.factor)) == (1, 0, -2, 1000.0)
+    cubic = units["N/mm3"]
+    assert (cubic.kg, cubic.m, cubic.s) == (1, -2, -2)
+    assert float(cubic.factor) == pytest.approx(1e9)
+
+
+def test_files_of_another_fmu_are_refused(drive, native_fmus, tmp_path):
+    for name, change in (
+        ("token", lambda text: "token 0" + text[text.index("\n") :]),
+        ("line", lambda text: text.replace("law.k10", "law.k11")),
+        ("digits", lambda text: text.replace("law.k10 4", "law.k10 ")),
+        ("short", lambda text: text[:300]),
+        ("gone", lambda text: None),
+    ):
+        with zipfile.ZipFile(native_fmus[2]) as archive:
+            files = {entry: archive.read(entry) for entry in archive.namelist()}
+        text = change(files["resources/values.txt"].decode())
+        files["resources/values.txt"] = (text or "").encode()
+        with zipfile.ZipFile(tmp_path / f"{name}.fmu", "w") as archive:
+            for entry, content in files.items():
+                if text is not None or entry != "resources/values.txt":
+                    archive.writestr(entry, content)
+        with pytest.raises(UserError, match="can't be instantiated"):
+            drive(tmp_path / f"{name}.fmu")
+
+
+def test_it_is_built_the_same_twice_and_its_sources_compile_as_they_are(native_fmus, law_with_memory, tmp_path):
+    build_native_clamp(law_with_memory, tmp_path / "again.fmu")
+    assert (tmp_path / "again.fmu").read_bytes() == native_fmus[2].read_bytes()
+    build_native_clamp(law_with_memory, tmp_path / "sources.fmu", platforms=())
+    with zipfile.ZipFile(tmp_path / "sources.fmu") as archive:
+        names = archive.namelist()
+        assert not [name for name in names if name.startswith("binaries/")]
+        sources = {
+            name.removeprefix("sources/"): archive.read(name).decode() for name in names if name.endswith((".c", ".h"))
+        }
+    (platform,) = {"linux64", "win64", "darwin64"} & {fmpy.platform}
+    assert compile_sources(sources, [platform])[platform]
+
+
+def test_an_unknown_platform_is_named(law_with_memory, tmp_path):
+    with pytest.raises(UserError, match=r"'amiga'.*linux64"):
+        build_native_clamp(law_with_memory, tmp_path / "a.fmu", platforms=["amiga"])
+    assert list(tmp_path.iterdir()) == []
