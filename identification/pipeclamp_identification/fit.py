@@ -217,16 +217,37 @@ def starting_points(
     return _starts(compose(structure), given, data_scales(observations))
 
 
-def cost_after_one_step(structure: Structure, observations: Observations, values: Mapping[str, float]) -> float:
-    """Give the cost that one step of linear least squares promises from a point: a cheap screen before a fit.
+@dataclass(frozen=True)
+class Linearised:
+    """A law's weighted residuals at a point, flat, with their derivatives by the parameters that a fit would free.
+
+    Attributes:
+        free: names of those parameters.
+        residual: shape (residuals,).
+        jacobian: shape (residuals, free).
+    """
+
+    free: tuple[str, ...]
+    residual: Array
+    jacobian: Array
+
+    def cost_after_one_step(self) -> float:
+        """Give half the sum of squared residuals that the derivatives can't explain: a cheap screen before a fit."""
+        with one_thread():
+            norms = np.linalg.norm(self.jacobian, axis=0)
+            basis = self.jacobian / np.where(norms > 0, norms, 1.0)
+            gain = basis.T @ self.residual
+            explained = gain @ np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True) @ gain
+        return float(self.residual @ self.residual - explained) / 2
+
+
+def linearised(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Linearised:
+    """Give a law's residuals at a point, linearised.
 
     Args:
         structure: the law's structure.
         observations: what it would be fitted to.
         values: the point, a value for each parameter.
-
-    Returns:
-        half the sum of squared residuals that the point's derivatives can't explain.
     """
     equations = compose(structure)
     out = set(structure.held()) | set(undetermined(equations, observations))
@@ -237,12 +258,7 @@ def cost_after_one_step(structure: Structure, observations: Observations, values
     evaluator = _Evaluator(observations, equations, smooth, begin, free)
     with one_thread():
         residual, jacobian = evaluator.residual(begin[free]), evaluator.jacobian(begin[free])
-        norms = np.linalg.norm(jacobian, axis=0)
-        basis = jacobian / np.where(norms > 0, norms, 1.0)
-        normal = basis.T @ basis
-        gain = basis.T @ residual
-        explained = gain @ np.linalg.pinv(normal, rcond=SINGULAR, hermitian=True) @ gain
-    return float(residual @ residual - explained) / 2
+    return Linearised(tuple(equations.names[index] for index in free), residual, jacobian)
 
 
 def unfitted(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Fit:
@@ -280,7 +296,7 @@ def _neutral(parameter: Parameter, scales: Mapping[sp.Symbol, float]) -> float:
 
 
 def _number(value: sp.Expr | float, scales: Mapping[sp.Symbol, float]) -> float:
-    return float(sp.sympify(value).subs(scales))
+    return float(value.subs(scales)) if isinstance(value, sp.Basic) else float(value)
 
 
 def _bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) -> tuple[Array, Array]:
