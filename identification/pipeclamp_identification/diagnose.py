@@ -11,13 +11,12 @@ import numpy as np
 from pipeclamp.catalogue import entries, find_effect
 from pipeclamp.errors import UserError
 from pipeclamp.law import Structure
-from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.add import with_effect
-from pipeclamp_identification.evidence import LackOfFit, Whitened, whitened
+from pipeclamp_identification.evidence import LackOfFit
 from pipeclamp_identification.fit import Linearised, Progress, linearised, starting_points
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import Loops
-from pipeclamp_identification.problem import Judged, Problem, judge, prepare, sharpened
+from pipeclamp_identification.problem import Judged, Problem, judge, prepare, weighed_for
 
 Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
 
@@ -40,8 +39,6 @@ WORTH_FITTING = 0.01
 PAIRED = 3
 """Best candidates that are tried together with a second effect, where one alone doesn't explain."""
 FEWEST_RUNS = 4
-SHARPER = 0.8
-"""The evidence is weighed again when the scatter between runs falls below this share of what it was."""
 ABOUT_AS_WELL = 10.0
 """Difference in whitened squares that is no reason for a further slip element."""
 MEMORY_SIZES = ("memory", "memory:2", "memory:3")
@@ -100,17 +97,20 @@ def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = 
     if _adequate(law.lack, limit):
         reasons = (_scatter_words(law.lack, problem),)
         return Diagnosis("complete", (), law, (), {}, None, problem, limit, reasons)
+    problem, law = _weighed_again(problem, law, law)
     promises = _promises(structure, problem, law, tell)
     candidates, screened_out = _candidates(structure, problem, promises, tell)
     if candidates and not candidates[0].objections:
-        sharper = sharpened(problem, candidates[0].result)
-        if sharper.noise.scatter() < SHARPER * problem.noise.scatter():
-            tell("evidence against the sharper noise")
-            problem = sharper
-            law = _again(law, problem)
-            candidates = _ranked(_again(judged, problem) for judged in candidates)
-            promises = _promises(structure, problem, law, tell)
-    return _verdict(structure, problem, law, candidates, promises, screened_out, limit, tell)
+        tell("evidence weighed by the best law's own residuals")
+        problem, law = _weighed_again(problem, law, candidates[0])
+        candidates = _ranked(_again(judged, problem) for judged in candidates)
+    return _verdict(structure, problem, law, candidates, screened_out, limit, tell)
+
+
+def _weighed_again(problem: Problem, law: Judged, best: Judged) -> tuple[Problem, Judged]:
+    """Weigh the data, and judge the law as it is, by noise and discrepancy as the best law so far shows them."""
+    weighed = weighed_for(problem, best.result)
+    return weighed, _again(law, weighed)
 
 
 def _again(judged: Judged, problem: Problem) -> Judged:
@@ -256,9 +256,7 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
     return _Promise(name, law.result.cost - costs[best], points[best], steps, points)
 
 
-def _beside(
-    promise: _Promise, first: Judged, fitted: Whitened, alone: Array
-) -> tuple[float, dict[str, float], _Promise]:
+def _beside(promise: _Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], _Promise]:
     """Give what an effect promises beside another one that has been fitted, where to start them, and the effect.
 
     What the effect adds to the residuals, and its derivatives, are taken over from where it stood alone.
@@ -266,17 +264,16 @@ def _beside(
     Args:
         promise: the effect on the law as it is.
         first: the law with the other effect.
-        fitted: its whitened residuals and derivatives.
-        alone: whitened residuals of the law as it is, flat.
+        law: the law as it is.
     """
-    jacobian = fitted.jacobian.reshape(-1, fitted.jacobian.shape[2])
+    jacobian = first.fitted.jacobian.reshape(-1, first.fitted.jacobian.shape[2])
     own = set(first.result.equations.names)
     costs = []
     for step in promise.steps:
         new = [place for place, name in enumerate(step.free) if name not in own]
         together = Linearised(
             first.result.fitted + tuple(step.free[place] for place in new),
-            fitted.residual.ravel() + step.residual - alone,
+            step.residual + (first.fitted.residual - law.fitted.residual).ravel(),
             np.concatenate([jacobian, step.jacobian[:, new]], axis=1),
         )
         costs.append(together.cost_after_one_step())
@@ -289,7 +286,6 @@ def _verdict(
     problem: Problem,
     law: Judged,
     candidates: Sequence[Judged],
-    promises: Sequence[_Promise],
     screened_out: Mapping[str, float],
     limit: float,
     tell: Callable[[str], None],
@@ -307,7 +303,7 @@ def _verdict(
     pair = None
     if not _explains(best, law, limit):
         tell("two effects together")
-        pair = _best_pair(structure, problem, law, sound, promises, tell)
+        pair = _best_pair(structure, problem, law, sound, tell)
         if pair is None or not _explains(pair, law, limit):
             return answer("unknown", (), pair, _unexplained_words(best, law))
         members = sorted(pair.effects, key=lambda name: _alone(name, sound))
@@ -341,18 +337,16 @@ def _best_pair(
     problem: Problem,
     law: Judged,
     sound: Sequence[Judged],
-    promises: Sequence[_Promise],
     tell: Callable[[str], None],
 ) -> Judged | None:
     """Fit the best candidates together with the second effects that promise most; give the best sound pair."""
     pairs: list[Judged] = []
     seen: set[frozenset[str]] = set()
-    alone = problem.observations.residual(law.result.response).ravel()
+    promises = _promises(structure, problem, law, tell)
     for first in _distinct(sound)[:PAIRED]:
         larger = with_effect(structure, first.effects[0])
-        fitted = whitened(first.result, problem.observations)
         beside = [
-            _beside(promise, first, fitted, alone)
+            _beside(promise, first, law)
             for promise in promises
             if effect_id(promise.name) != effect_id(first.effects[0]) and _fits_beside(larger, promise.name)
         ]
