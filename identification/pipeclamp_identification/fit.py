@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 import sympy as sp
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from pipeclamp.effect import Parameter
 from pipeclamp.errors import UserError
@@ -27,6 +27,7 @@ VARIES_OTHERWISE = 0.02
 by a few percent."""
 LEVELS_APART = 0.04
 """Values of a condition further apart than this share of its range are different levels."""
+MOST_EVALUATIONS = 100
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 SINGULAR = 1e-7
@@ -122,9 +123,13 @@ Progress = Callable[[str], None]
 
 
 def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
-    """Give the parameters that follow a condition which doesn't vary in the data, with the reason."""
+    """Give the parameters that nothing uses, or whose condition does not vary in the data, with the reason."""
     reasons: dict[str, str] = {}
+    used = equations.used_symbols
     for parameter in equations.parameters:
+        if parameter.symbol not in used:
+            reasons[parameter.name] = "the law has nothing that it scales"
+            continue
         for signal in parameter.follows:
             values = observations.motion.slow.get(str(signal))
             if values is None or not np.all(np.isfinite(values)):
@@ -356,18 +361,25 @@ def _minimise(
             f"the law gives forces beyond all reason at {dict(zip(equations.names, begin.tolist(), strict=True))}; "
             "expected held values of the size that the tests show"
         )
-    result = least_squares(
-        evaluator.residual,
-        x0,
-        jac=evaluator.jacobian,
-        bounds=(lower, upper),
-        x_scale="jac",
-        method="trf",
-        ftol=tolerance,
-        xtol=tolerance,
-        gtol=tolerance,
-        max_nfev=200,
-    )
+
+    def minimise(method: str, at: Array) -> OptimizeResult:
+        return least_squares(
+            evaluator.residual,
+            at,
+            jac=evaluator.jacobian,
+            bounds=(lower, upper),
+            x_scale="jac",
+            method=method,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            max_nfev=MOST_EVALUATIONS,
+        )
+
+    result = minimise("trf", x0)
+    if result.status == 0:
+        # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
+        result = minimise("dogbox", result.x)
     values = begin.copy()
     values[free] = result.x
     return float(result.cost), values, evaluator.count
