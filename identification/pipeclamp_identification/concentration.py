@@ -14,6 +14,8 @@ from pipeclamp_identification.breakdown import (
     Breakdown,
     Condition,
     Drift,
+    along_cycles,
+    cycle_edges,
     excess_table,
     phase_edges,
     place_of,
@@ -191,6 +193,26 @@ def _meaning(label: str) -> str:
         "harmonic 1 in phase": "harmonic 1 in phase (stiffness)",
         "harmonic 1 in quadrature": "harmonic 1 in quadrature (damping)",
     }.get(label, label)
+
+
+def cycles_sentence(sums: Sequence[RunSums]) -> str | None:
+    """Say whether the records' first or last cycles hold most of the error; None where they don't, or it is scatter."""
+    cycles, edges = along_cycles(sums), cycle_edges(sums)
+    if cycles.squared_error <= 0.0 or cycles.excess <= MOSTLY_SCATTER * cycles.squared_error:
+        return None
+    share, even = (np.cumsum([of(part) for part in cycles.parts]) for of in (cycles.excess_share, cycles.even_share))
+    choices = [
+        choice
+        for index, edge in enumerate(edges[1:-1])
+        for choice in (
+            (float(share[index]), float(even[index]), f"up to cycle {edge} of the records"),
+            (float(1 - share[index]), float(1 - even[index]), f"from cycle {edge + 1} of the records on"),
+        )
+    ]
+    held, spread, words = max(choices, key=lambda choice: _divergence(*choice[:2]), default=(0.0, 0.0, ""))
+    if _divergence(held, spread) <= STANDS_OUT:
+        return None
+    return f"By cycle, {held:.0%} of it lies {words}; spread evenly, it would be {spread:.0%}."
 
 
 def drift_sentence(found: Drift | None, nrmse: float) -> str | None:
