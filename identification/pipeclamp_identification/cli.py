@@ -376,6 +376,24 @@ def build_fmu(
     console.print(f"{output}: FMI {version}.0 co-simulation and model exchange, native ({libraries})")
 
 
+@app.command("set-parameters", epilog="Example: pipeclamp set-parameters clamp.fmu law2.json")
+def set_parameters(
+    fmu: Annotated[Path, typer.Argument(metavar="CLAMP.fmu", help="An FMU made by build-fmu.")],
+    law: LawArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="CLAMP2.fmu", help="The FMU to write; the same by default.")
+    ] = None,
+) -> None:
+    """Put another law's parameters into a finished clamp FMU, without a compiler."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp_fmu import set_parameters as setting
+
+    with told("set-parameters"):
+        file = open_law(law)
+        setting.set_parameters(fmu, file, output or fmu)
+    console.print(f"{output or fmu}: parameters of {file.name}")
+
+
 @app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
 def build_pipe(
     pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
