@@ -1,4 +1,4 @@
-"""Where the error sits, in one sentence: the smallest region of loop and conditions that holds most of it."""
+"""Where the error sits, in one sentence: the region of loop and conditions in which it is densest."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ PLACE_SETS = (
     ((3, 4), "on the way from the middle to the reversals"),
 )
 """Places (of breakdown.PLACES) that have a name together."""
-MOST_OF_IT = 0.5
+MUCH_OF_IT = 0.4
 """A region must hold this share of the error beyond scatter."""
 FACTORS = 3
 """A sentence names at most so many places and conditions."""
@@ -116,7 +116,7 @@ def _inside(factors: Sequence[_Factor], excess: Array, force: Array) -> tuple[fl
 
 def _divergence(share: float, even: float) -> float:
     """Give the Kullback-Leibler divergence of a region's share from an even spread's; 0 where it holds too little."""
-    if share < max(MOST_OF_IT, even) or not 0.0 < even < 1.0:
+    if share < max(MUCH_OF_IT, even) or not 0.0 < even < 1.0:
         return 0.0
     inside = min(share, 1.0)
     outside = (1 - inside) * math.log((1 - inside) / (1 - even)) if inside < 1.0 else 0.0
@@ -168,7 +168,7 @@ def region_sentence(found: Region | None, whole: Breakdown) -> str:
     if whole.squared_error <= 0.0 or whole.excess <= MOSTLY_SCATTER * whole.squared_error:
         return "What the law leaves is scatter, nearly all of it: there is no place to look for more."
     if found is None:
-        return f"No one place or condition holds most {beyond}: it is spread over the loop and the tests."
+        return f"No place or condition holds much more than its share {beyond}: look at its harmonics."
     return f"{found.share:.0%} {beyond} sits {', '.join(found.words)}; spread evenly, it would be {found.even:.0%}."
 
 

@@ -153,7 +153,7 @@ def test_one_sentence_says_where_it_sits(sums_of):
 def test_an_error_that_is_everywhere_alike_has_no_place(sums_of):
     sums, _ = sums_of(*[({}, {}, lambda phase, cycle: np.cos(40 * phase))] * 2)
     assert region(sums, ()) is None
-    assert "spread over the loop" in region_sentence(None, breakdown.along_loop(sums))
+    assert "No place or condition" in region_sentence(None, breakdown.along_loop(sums))
 
 
 def test_an_error_that_is_scatter_is_said_to_be(sums_of):
