@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeclamp.law import Structure, compose
 from pipeclamp_identification.campaign import Campaign, Run
 from pipeclamp_identification.clipping import check_clipping
 from pipeclamp_identification.cycles import find_cycles
@@ -116,6 +118,44 @@ def campaign_folder(tmp_path: Path) -> Callable[..., Path]:
         return root
 
     return write
+
+
+def _write_law(
+    path: Path, values: Mapping[str, float], base: str = "power", effects: tuple[str, ...] = (), v_r: float = 0.05
+) -> None:
+    """Write a law with these values; exponents that aren't given are 0."""
+    structure = Structure(base, effects)
+    held = structure.held()
+    content = {
+        "schema": "pipeclamp-law-1",
+        "name": path.stem,
+        "base": base,
+        "effects": list(effects),
+        "smoothing": {"v_r": v_r, "y_r": 0.001},
+        "coefficients": {
+            parameter.name: {
+                "value": values.get(parameter.name, held.get(parameter.name, 0.0)),
+                "unit": parameter.unit,
+                "state": "given",
+            }
+            for parameter in compose(structure).parameters
+        },
+        "range": {
+            "A": {"minimum": 0.01, "maximum": 5.0, "unit": "mm"},
+            "f": {"minimum": 1.0, "maximum": 60.0, "unit": "Hz"},
+            "T": {"minimum": 290.0, "maximum": 580.0, "unit": "K"},
+        },
+        "data": {"name": "made up", "fingerprint": "sha256:0", "runs_used": 0},
+        "software": "test",
+        "command": "test",
+    }
+    path.write_text(json.dumps(content), encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def write_law() -> Callable[..., None]:
+    """Give a function that writes a law's file from its values."""
+    return _write_law
 
 
 @pytest.fixture(scope="session")

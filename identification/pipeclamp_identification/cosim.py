@@ -27,7 +27,7 @@ from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
 from pipeclamp_identification.importer import FmuParticipant, LoadedFmu, opened
-from pipeclamp_identification.system import ClampSource, SystemDescription, read_system
+from pipeclamp_identification.system import ClampSource, PipeSource, SystemDescription, read_system
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -146,7 +146,11 @@ def run_described(
     Raises:
         UserError: as `run_system`.
     """
-    with _fmus(description, folder) as paths, opened(paths) as (pipe, *clamps):
+    with (
+        finished(description, folder) as ready,
+        opened([(folder / str(ready.pipe.fmu), "pipe"), *((folder / str(c.fmu), c.at) for c in ready.clamps)]) as fmus,
+    ):
+        pipe, *clamps = fmus
         variables = _pipe_variables(pipe)
         for index, clamp in enumerate(description.clamps, 1):
             if clamp.at not in variables.clamps:
@@ -177,32 +181,31 @@ def write_result(result: CosimResult, path: Path) -> None:
 
 
 @contextmanager
-def _fmus(description: SystemDescription, folder: Path) -> Iterator[list[tuple[Path, str]]]:
-    """Give the FMUs of pipe and clamps with their instances' names; those that aren't finished are built."""
+def finished(description: SystemDescription, folder: Path) -> Iterator[SystemDescription]:
+    """Give the description with all its FMUs built; those that were built are gone at the end.
+
+    Raises:
+        UserError: a pipe or a law can't be read or built.
+    """
     built = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
     try:
-        yield list(_built(description, folder, built))
+        pipe = description.pipe
+        if pipe.fmu is None:
+            build_pipe(reduce(read_pipe(folder / str(pipe.file))), built / "pipe.fmu")
+            pipe = PipeSource(fmu=str(built / "pipe.fmu"))
+        clamps = []
+        for index, clamp in enumerate(description.clamps):
+            if clamp.fmu is None:
+                output = built / f"clamp_{index}.fmu"
+                build_clamp(law_in(folder, str(clamp.law)), output)
+                clamp = clamp.model_copy(update={"law": None, "fmu": str(output)})
+            clamps.append(clamp)
+        yield description.model_copy(update={"pipe": pipe, "clamps": tuple(clamps)})
     finally:
         shutil.rmtree(built, ignore_errors=True)
 
 
-def _built(description: SystemDescription, folder: Path, built: Path) -> Iterator[tuple[Path, str]]:
-    if description.pipe.fmu is not None:
-        yield folder / description.pipe.fmu, "pipe"
-    else:
-        output = built / "pipe.fmu"
-        build_pipe(reduce(read_pipe(folder / str(description.pipe.file))), output)
-        yield output, "pipe"
-    for index, clamp in enumerate(description.clamps):
-        if clamp.fmu is not None:
-            yield folder / clamp.fmu, clamp.at
-        else:
-            output = built / f"clamp_{index}.fmu"
-            build_clamp(_law(folder, str(clamp.law)), output)
-            yield output, clamp.at
-
-
-def _law(folder: Path, name: str) -> LawFile:
+def law_in(folder: Path, name: str) -> LawFile:
     """Give a law by its path relative to a folder, or by the name of a bundled one."""
     path = folder / name
     return read_law(path) if path.suffix or path.exists() else open_law(name)

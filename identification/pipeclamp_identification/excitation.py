@@ -34,13 +34,29 @@ def excitation_signal(table: ExcitationTable, kind: str, stop: float, folder: Pa
     """
     if table.kind == "record":
         return _record(folder / str(table.file), RECORD_COLUMNS[kind], stop)
-    if (table.force_N is not None) != (kind == "force"):
-        expected = "force_N" if kind == "force" else "acceleration_m_s2 or displacement_mm"
-        raise UserError(f"{where}: excitation: the pipe is excited by {kind}; expected {expected}")
+    require_kind(table, kind, where)
     amplitude = table.force_N or table.acceleration_m_s2 or 1e-3 * (table.displacement_mm or 0.0)
     first, last = (table.frequency_Hz, table.frequency_Hz) if table.kind == "sine" else (table.from_Hz, table.to_Hz)
     assert first is not None and last is not None, "the description holds this"
     return _sweep(amplitude, first, last, stop, displacement=table.displacement_mm is not None)
+
+
+def require_kind(table: ExcitationTable, kind: str, where: str) -> None:
+    """Require that a sine or a sweep is of what the pipe takes, "base" or "force"; `where` is named.
+
+    Raises:
+        UserError: it isn't.
+    """
+    if (table.force_N is not None) != (kind == "force"):
+        expected = "force_N" if kind == "force" else "acceleration_m_s2 or displacement_mm"
+        raise UserError(f"{where}: excitation: the pipe is excited by {kind}; expected {expected}")
+
+
+def sine_amplitude(table: ExcitationTable, frequency: float) -> float:
+    """Give the amplitude of a sine's or a sweep's acceleration (m/s2) or force (N) at a frequency in Hz."""
+    if table.displacement_mm is not None:
+        return 1e-3 * table.displacement_mm * (2 * pi * frequency) ** 2
+    return table.force_N or table.acceleration_m_s2 or 0.0
 
 
 def _sweep(amplitude: float, first: float, last: float, stop: float, displacement: bool) -> Signal:

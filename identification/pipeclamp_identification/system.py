@@ -104,6 +104,31 @@ class RunTable(Table):
         return max(1, round(self.stop_s / self.step_s))
 
 
+class ResponseTable(Table):
+    """What `pipeclamp response` draws.
+
+    Attributes:
+        from_Hz, to_Hz: the frequencies.
+        levels: factors on the excitation's amplitude, a curve each.
+        temperatures_C: of all clamps, a set of curves each; the clamps' own where it is left out.
+        harmonics: up to which the motion of the clamps is balanced.
+        dots: co-simulations along each curve.
+    """
+
+    from_Hz: Positive
+    to_Hz: Positive
+    levels: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=20)] = (1.0,)
+    temperatures_C: Annotated[tuple[Annotated[Number, Field(gt=-273.15)], ...], Field(max_length=20)] = ()
+    harmonics: Annotated[int, Field(strict=True, ge=1, le=31)] = 7
+    dots: Annotated[int, Field(strict=True, ge=0, le=100)] = 5
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if self.from_Hz >= self.to_Hz:
+            raise ValueError(f"from_Hz = {self.from_Hz:g} isn't below to_Hz = {self.to_Hz:g}")
+        return self
+
+
 class SystemDescription(Table):
     """A coupled system; paths are relative to the file they stand in."""
 
@@ -113,6 +138,7 @@ class SystemDescription(Table):
     clamps: tuple[ClampSource, ...] = ()
     excitation: ExcitationTable
     run: RunTable
+    response: ResponseTable | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

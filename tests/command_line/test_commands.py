@@ -167,6 +167,25 @@ def test_pipe_and_clamp_are_built_and_coupled(pipeclamp, law, tmp_path):
     assert (tmp_path / "result.html").exists()
 
 
+def test_a_frequency_response_is_drawn_with_co_simulations_on_it(pipeclamp, tmp_path):
+    examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
+    (tmp_path / "pipe.toml").write_text(examples.joinpath("pipe.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    system = examples.joinpath("system.toml").read_text(encoding="utf-8").replace('"clamp_a.json"', '"emwm2"')
+    table = "[response]\nfrom_Hz = 3.0\nto_Hz = 4.0\nlevels = [0.3, 1.0]\ntemperatures_C = [20.0, 300.0]\ndots = 1\n"
+    (tmp_path / "system.toml").write_text(f"{system}\n{table}", encoding="utf-8")
+    done = pipeclamp("response", "system.toml", "-o", "response.csv", "--report", "response.html", cwd=tmp_path)
+    frame = pl.read_csv(tmp_path / "response.csv")
+    curves = frame.filter(pl.col("kind") == "curve")
+    assert set(curves["temperature [degC]"]) == {20.0, 300.0}
+    assert (
+        curves.group_by("temperature [degC]", "level").agg(pl.col("frequency [Hz]").max())["frequency [Hz]"].to_list()
+        == [4.0] * 4
+    )
+    assert frame.filter(pl.col("kind") == "co-simulation").height == 4
+    assert "4 co-simulations; those that settled (4) differ by at most 0." in done.stdout
+    assert (tmp_path / "response.html").stat().st_size > 1e5
+
+
 def test_the_demo_tells_the_story(pipeclamp, tmp_path):
     done = pipeclamp("demo", "story", cwd=tmp_path)
     opened = [line.split()[-1] for line in done.stdout.splitlines() if line.startswith("  open ")]
@@ -195,9 +214,3 @@ def test_the_measured_damper_is_read_identified_and_compared(pipeclamp, measured
     answer = read(path)
     assert answer["nrmse"] < 0.6 * base["fit"]["nrmse"], "the force follows the current"
     assert answer["noise_nrmse"] < 0.025
-
-
-def test_a_native_clamp_is_built(pipeclamp, law, tmp_path):
-    done = pipeclamp("build-fmu", law, "-o", "c.fmu", "--kind", "native", "--fmi", "3", "--platforms", "", cwd=tmp_path)
-    assert "FMI 3.0 co-simulation and model exchange, native (sources alone" in done.stdout.replace("\n", " ")
-    assert "sources/fmi3.c" in zipfile.ZipFile(tmp_path / "c.fmu").namelist()

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
+
 
 @pytest.fixture
 def broken(small, tmp_path):
@@ -252,6 +254,28 @@ def test_a_wrong_description_of_pipe_or_system(refused, tmp_path, name):
         assert name in refused(what, path, "-o", tmp_path / output)
     assert not (tmp_path / output).exists()
     assert "none.toml" in refused(what, tmp_path / "none.toml", "-o", tmp_path / output)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (('law = "clamp_a.json"', 'fmu = "clamp.fmu"'), ["'clamp1'", "law's equations"]),
+        (('file = "pipe.toml"', 'fmu = "pipe.fmu"'), ["pipe's equations", "PIPE.toml"]),
+        (('kind = "sine"', 'kind = "record"\nfile = "base.csv"'), ["record has no frequency response"]),
+        (('at = "clamp1"', 'at = "clmp1"'), ["did you mean 'clamp1'"]),
+        (("[run]", "[response]\nfrom_Hz = 5.0\nto_Hz = 4.0\n[run]"), ["response", "isn't below to_Hz = 4"]),
+        (("[run]", "[response]\nfrom_Hz = 5.0\nto_Hz = 6.0\nlevel = [1.0]\n[run]"), ["did you mean 'levels'"]),
+    ],
+)
+def test_a_system_without_a_frequency_response(refused, tmp_path, change, words):
+    for name in ("pipe.toml", "system.toml"):
+        text = (EXAMPLES / name).read_text(encoding="utf-8")
+        if "record" in change[1] and name == "system.toml":
+            text = text.replace("acceleration_m_s2 = 1.0\nfrequency_Hz = 3.9\n\n[run]", "[run]")
+        (tmp_path / name).write_text(text.replace(*change), encoding="utf-8")
+    message = refused("response", tmp_path / "system.toml", "-o", tmp_path / "response.csv")
+    assert all(word in message for word in words), message
+    assert not (tmp_path / "response.csv").exists()
 
 
 def test_reading_a_law_never_executes_anything(refused, law, small, tmp_path):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import re
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from math import pi
 from pathlib import Path
@@ -16,7 +15,6 @@ import polars as pl
 import pytest
 
 from pipeclamp.errors import UserError
-from pipeclamp.law import Structure, compose
 from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
@@ -59,38 +57,6 @@ SOFT = {"k10": 4.0, "k30": 1.0, "c0": 3.0, "alpha0": 0.45, "k1_T": -0.3, "c_T1":
 STIFF = {"k10": 10 * PIPE_STIFFNESS, "k30": 40.0, "c0": 10.0, "alpha0": 0.45, "k1_T": -0.3, "c_T1": -0.5}
 
 
-def write_law(
-    path: Path, values: Mapping[str, float], base: str = "power", effects: tuple[str, ...] = (), v_r: float = 0.05
-) -> None:
-    """Write a law with these values; exponents that aren't given are 0."""
-    structure = Structure(base, effects)
-    held = structure.held()
-    content = {
-        "schema": "pipeclamp-law-1",
-        "name": path.stem,
-        "base": base,
-        "effects": list(effects),
-        "smoothing": {"v_r": v_r, "y_r": 0.001},
-        "coefficients": {
-            parameter.name: {
-                "value": values.get(parameter.name, held.get(parameter.name, 0.0)),
-                "unit": parameter.unit,
-                "state": "given",
-            }
-            for parameter in compose(structure).parameters
-        },
-        "range": {
-            "A": {"minimum": 0.01, "maximum": 5.0, "unit": "mm"},
-            "f": {"minimum": 1.0, "maximum": 60.0, "unit": "Hz"},
-            "T": {"minimum": 290.0, "maximum": 580.0, "unit": "K"},
-        },
-        "data": {"name": "made up", "fingerprint": "sha256:0", "runs_used": 0},
-        "software": "test",
-        "command": "test",
-    }
-    path.write_text(json.dumps(content), encoding="utf-8")
-
-
 def write_system(
     folder: Path,
     scheme: str = "iterated",
@@ -118,7 +84,7 @@ def write_system(
 
 
 @pytest.fixture(scope="module")
-def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def bench(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]) -> Path:
     """Give a folder with pipes, laws and their FMUs."""
     folder = tmp_path_factory.mktemp("bench")
     swapped = PIPE.replace("[[clamps]]", SECOND + "[[clamps]]")
@@ -274,7 +240,9 @@ def test_a_diverging_run_is_stopped_in_its_step(bench: Path, scheme: str, step: 
 
 
 @pytest.mark.parametrize("scheme", ["parallel", "sequential"])
-def test_a_start_into_steep_friction_is_not_taken_for_divergence(bench: Path, scheme: str) -> None:
+def test_a_start_into_steep_friction_is_not_taken_for_divergence(
+    bench: Path, write_law: Callable[..., None], scheme: str
+) -> None:
     values = {"k10": 20.0, "c0": 60.0, "alpha0": 0.2}
     write_law(bench / "steep.json", values, v_r=0.005)
     file = write_system(bench, scheme, {"clamp1": 'law = "steep.json"'}, step=2.5e-4, stop=0.5, acceleration=20.0)

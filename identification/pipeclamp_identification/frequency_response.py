@@ -1,0 +1,311 @@
+"""The frequency response of a coupled system: steady states by harmonic balance, co-simulations as dots on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import ceil, log
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_whole
+from pipeclamp.parameter_file import law_of
+from pipeclamp.pipe import ReducedPipe, reduce
+from pipeclamp.pipe_description import read_pipe
+from pipeclamp.toml_file import unknown
+from pipeclamp_identification.cosim import CELSIUS, finished, law_in, run_described
+from pipeclamp_identification.excitation import require_kind, sine_amplitude
+from pipeclamp_identification.harmonic_balance import SteadyState, SteadySystem, half_range
+from pipeclamp_identification.steady_clamp import SteadyClamp
+from pipeclamp_identification.system import ClampSource, ResponseTable, SystemDescription, read_system
+
+Progress = Callable[[str], None]
+
+AROUND = 0.7
+"""Of the excitation's frequency: where the response begins unless told, and the inverse of where it ends."""
+
+SETTLED = 1e-3
+"""A co-simulation runs until its transient has fallen to this share."""
+
+FEWEST_CYCLES, MOST_CYCLES, LAST_CYCLES = 15, 600, 4
+"""Of a co-simulation; its amplitude is that of the last ones."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A frequency response at one temperature of the clamps and one level of the excitation.
+
+    Attributes:
+        temperature: degC; None where each clamp has its own.
+        level: factor on the excitation's amplitude.
+        states: along the curve, round its turning points.
+        whole: whether the curve was followed over all frequencies.
+    """
+
+    temperature: float | None
+    level: float
+    states: tuple[SteadyState, ...]
+    whole: bool
+
+
+@dataclass(frozen=True)
+class Dot:
+    """A co-simulation.
+
+    Attributes:
+        temperature, level: as of its curve.
+        frequency: Hz.
+        amplitudes: half the peak-to-peak displacement of each clamp and probe, mm.
+        expected: the same of the stable state of the curve that is nearest to it.
+        settled: whether it ran until its transient was gone.
+    """
+
+    temperature: float | None
+    level: float
+    frequency: float
+    amplitudes: tuple[float, ...]
+    expected: tuple[float, ...]
+    settled: bool
+
+    @property
+    def difference(self) -> float:
+        """Largest difference between co-simulation and harmonic balance, as a share of the latter."""
+        pairs = zip(self.amplitudes, self.expected, strict=True)
+        return max((abs(found / wanted - 1) for found, wanted in pairs if wanted > 0), default=0.0)
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """All curves of a system and the co-simulations on them.
+
+    Attributes:
+        name: of the system.
+        clamp_names: those with a law; probe_names: of the pipe. `amplitudes` are in this order.
+        excitation: what shakes the pipe, in words.
+        curves, dots: what was found.
+    """
+
+    name: str
+    clamp_names: tuple[str, ...]
+    probe_names: tuple[str, ...]
+    excitation: str
+    curves: tuple[Curve, ...]
+    dots: tuple[Dot, ...]
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Names of all clamps and probes."""
+        return (*self.clamp_names, *self.probe_names)
+
+    def summary(self) -> str:
+        """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
+        lines = [f"system {self.name!r}, {self.excitation}"]
+        for curve in self.curves:
+            peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
+            peak_text = ", ".join(
+                f"{name} {peak:.4g} mm at {frequency:.4g} Hz"
+                for name, (peak, frequency) in zip(self.points, peaks, strict=True)
+            )
+            unstable = [state.frequency for state in curve.states if not state.stable]
+            branch = f"; unstable from {min(unstable):.4g} to {max(unstable):.4g} Hz" if unstable else ""
+            broken = "" if curve.whole else f"; followed to {curve.states[-1].frequency:.4g} Hz only"
+            lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{broken}")
+        if self.dots:
+            settled = [dot.difference for dot in self.dots if dot.settled]
+            lines.append(
+                f"{len(self.dots)} co-simulations; those that settled ({len(settled)}) differ by at most "
+                f"{max(settled, default=0.0):.2%} from the stable branches"
+            )
+        return "\n".join(lines)
+
+
+def label(temperature: float | None, level: float) -> str:
+    """Name a curve."""
+    return f"{'' if temperature is None else f'{temperature:g} °C, '}level {level:g}"
+
+
+def amplitudes_of(state: SteadyState) -> tuple[float, ...]:
+    """Give half the peak-to-peak displacement of each clamp and probe, mm."""
+    return tuple(half_range(np.vstack([state.clamps, state.probes])).tolist())
+
+
+def run_response(path: Path, progress: Progress | None = None) -> FrequencyResponse:
+    """Give the frequency response of the system that a file describes.
+
+    Args:
+        path: SYSTEM.toml; paths in it are relative to its folder.
+        progress: told what is being done.
+
+    Raises:
+        UserError: the system can't be read or built, has no sine or no law, or a co-simulation fails.
+    """
+    tell = progress or (lambda what: None)
+    description = read_system(path)
+    table = _table(description, path)
+    if description.pipe.file is None:
+        raise UserError(f"{path}: pipe: a response needs the pipe's equations; expected file = 'PIPE.toml', not an FMU")
+    pipe = reduce(read_pipe(path.parent / description.pipe.file))
+    require_kind(description.excitation, pipe.excitation, str(path))
+    # Refuses what can't serve before anything is built.
+    steady_system(description, pipe, path.parent, None, 1.0, table.harmonics, str(path))
+    curves: list[Curve] = []
+    dots: list[Dot] = []
+    with finished(description, path.parent) as ready:
+        for temperature in table.temperatures_C or (None,):
+            for level in table.levels:
+                tell(label(temperature, level))
+                place = str(path)
+                system = steady_system(description, pipe, path.parent, temperature, level, table.harmonics, place)
+                curve = _curve(system, table, temperature, level, place)
+                curves.append(curve)
+                for frequency in _dot_frequencies(table):
+                    tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
+                    stable = [state for state in system.crossings(curve.states, frequency) if state.stable]
+                    dots.append(_dot(ready, curve, frequency, stable, path))
+    excitation = description.excitation
+    amount = excitation.model_dump(include={"acceleration_m_s2", "displacement_mm", "force_N"}, exclude_none=True)
+    return FrequencyResponse(
+        description.name,
+        tuple(clamp.at for clamp in description.clamps),
+        pipe.probe_names,
+        ", ".join(f"{name} = {value:g}" for name, value in amount.items()),
+        tuple(curves),
+        tuple(dots),
+    )
+
+
+def _table(description: SystemDescription, path: Path) -> ResponseTable:
+    excitation = description.excitation
+    if excitation.kind == "record":
+        raise UserError(f"{path}: excitation: a record has no frequency response; expected kind = 'sine' or 'sweep'")
+    if description.response is not None:
+        return description.response
+    first, last = excitation.frequency_Hz or excitation.from_Hz, excitation.frequency_Hz or excitation.to_Hz
+    assert first is not None and last is not None, "the description holds this"
+    low, high = min(first, last), max(first, last)
+    return ResponseTable(from_Hz=AROUND * low, to_Hz=high / AROUND)
+
+
+def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, where: str) -> SteadyClamp:
+    """Give a clamp of a system as harmonic balance needs it; a temperature in degC stands in for its own.
+
+    Raises:
+        UserError: it is an FMU, whose equations can't be read.
+    """
+    if source.law is None:
+        raise UserError(f"{where}: clamp {source.at!r}: a response needs the law's equations; expected law, not an FMU")
+    file = law_in(folder, source.law)
+    given = not source.track
+    return SteadyClamp(
+        law_of(file),
+        (source.temperature_C if temperature is None else temperature) + CELSIUS,
+        source.amplitude_mm if given else None,
+        source.frequency_Hz if given else None,
+        (file.range["A"].minimum, file.range["A"].maximum),
+        (file.range["f"].minimum, file.range["f"].maximum),
+    )
+
+
+def steady_system(
+    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, level: float,
+    harmonics: int, where: str,
+) -> SteadySystem:  # fmt: skip
+    """Give a described system as harmonic balance needs it; `where` is named in errors.
+
+    Raises:
+        UserError: a clamp is at no place of the pipe, or is an FMU.
+    """
+    clamps = []
+    for source in description.clamps:
+        if source.at not in pipe.clamp_names:
+            raise UserError(f"{where}: clamps: {unknown(source.at, list(pipe.clamp_names), 'clamp')}")
+        clamps.append((pipe.clamp_names.index(source.at), steady_clamp(source, folder, temperature, where)))
+    excitation = description.excitation
+    return SteadySystem(pipe, clamps, lambda frequency: level * sine_amplitude(excitation, frequency), harmonics)
+
+
+def _curve(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
+    """Follow one curve from its lower end, and from its upper end where that doesn't reach it."""
+    states = system.curve(table.from_Hz, table.to_Hz)
+    whole = bool(states) and states[-1].frequency == table.to_Hz
+    if not whole:
+        states = [*states, *reversed(system.curve(table.to_Hz, table.from_Hz))]
+    if not states:
+        raise UserError(
+            f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
+            f"{table.to_Hz:g} Hz; try other ends of [response]"
+        )
+    return Curve(temperature, level, tuple(states), whole)
+
+
+def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
+    """Give frequencies inside the range, evenly spread."""
+    return np.linspace(table.from_Hz, table.to_Hz, table.dots + 2)[1:-1].tolist() if table.dots else ()
+
+
+def _dot(ready: SystemDescription, curve: Curve, frequency: float, stable: Sequence[SteadyState], path: Path) -> Dot:
+    """Co-simulate at a frequency until the transient is gone; `stable` are the curve's states there."""
+    decay = max((-state.growth for state in stable), default=0.0)
+    cycles = ceil(frequency * log(1 / SETTLED) / decay) if decay > 0 else MOST_CYCLES
+    settled = cycles <= MOST_CYCLES
+    cycles = min(max(cycles, FEWEST_CYCLES), MOST_CYCLES) + LAST_CYCLES
+    excitation, run = ready.excitation, ready.run
+    middle = excitation.frequency_Hz or ((excitation.from_Hz or 0.0) + (excitation.to_Hz or 0.0)) / 2
+    steps = max(16, round(1 / (middle * run.step_s)))
+    amplitudes = {
+        name: curve.level * value
+        for name in ("acceleration_m_s2", "displacement_mm", "force_N")
+        if (value := getattr(excitation, name)) is not None
+    }
+    sine = excitation.model_copy(
+        update={"kind": "sine", "frequency_Hz": frequency, "from_Hz": None, "to_Hz": None, **amplitudes}
+    )
+    timed = run.model_copy(update={"stop_s": cycles / frequency, "step_s": 1 / (frequency * steps)})
+    clamps = ready.clamps
+    if curve.temperature is not None:
+        clamps = tuple(clamp.model_copy(update={"temperature_C": curve.temperature}) for clamp in clamps)
+    described = ready.model_copy(update={"excitation": sine, "run": timed, "clamps": clamps})
+    result = run_described(described, path.parent, str(path))
+    names = (*result.clamp_names, *result.probe_names)
+    found = tuple(1e3 * result.amplitude(f"{name}.s", LAST_CYCLES / cycles) for name in names)
+    choices = [amplitudes_of(state) for state in stable]
+    expected = min(choices, key=lambda choice: abs(choice[-1] - found[-1]), default=found)
+    return Dot(curve.temperature, curve.level, frequency, found, expected, settled)
+
+
+def write_response(response: FrequencyResponse, path: Path) -> None:
+    """Write curves and dots as CSV, whole or not at all: a row each, "name [unit]" as header.
+
+    Raises:
+        UserError: the folder can't be written.
+    """
+    rows = []
+    for curve in response.curves:
+        for state in curve.states:
+            row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
+            row |= {"stable": float(state.stable), "growth [1/s]": state.growth}
+            for name, (amplitude, frequency), force in zip(
+                response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), strict=True
+            ):
+                row |= {f"{name}.A_used [mm]": amplitude, f"{name}.f_used [Hz]": frequency, f"{name}.f [N]": force}
+            rows.append(row)
+    for dot in response.dots:
+        row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)
+        rows.append(row | {"settled": float(dot.settled)})
+    write_whole(path, pl.from_dicts(rows, infer_schema_length=None).write_csv())
+
+
+def _row(
+    kind: str, temperature: float | None, level: float, frequency: float, amplitudes: Sequence[float],
+    response: FrequencyResponse,
+) -> dict[str, float | str | None]:  # fmt: skip
+    row: dict[str, float | str | None] = {
+        "kind": kind,
+        "temperature [degC]": temperature,
+        "level": level,
+        "frequency [Hz]": frequency,
+    }
+    return row | {f"{name}.s [mm]": value for name, value in zip(response.points, amplitudes, strict=True)}

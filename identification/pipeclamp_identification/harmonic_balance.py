@@ -1,0 +1,275 @@
+"""Steady state of a pipe with clamps under a sine, by harmonic balance: no time integration.
+
+The pipe is its frequency response G (python-control), each clamp the harmonics of its force F(Y) on a periodic motion:
+
+    Y_h = G_e(i h omega) U_h - G_c(i h omega) F_h(Y),   h = 0 .. H.
+
+With H = 1 this is the describing function of the clamp. Stability is that of the fundamental when it varies slowly:
+Q(t) of q = Re Q e^(i omega t) obeys Q'' + (2 i omega + C) Q' + (K - omega^2 + i omega C) Q = -S^T dF with
+dF = F_Y dY + F_V dV, dV = i omega dY + dY'; its eigenvalues tell growth and decay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp.pipe import ReducedPipe
+from pipeclamp.pipe_response import ModalModel, state_space
+from pipeclamp_identification.continuation import Point, Steps, follow, solve
+from pipeclamp_identification.steady_clamp import SAMPLES, Complex, SteadyClamp
+
+Array = NDArray[np.float64]
+
+MM = 1e3
+"""mm in a metre: the clamps are in mm, the pipe in m."""
+
+NUDGE = 1e-5
+"""By which share of its size an unknown is moved for a derivative."""
+
+SMALLEST = 1e-6
+"""mm: no motion is taken for smaller."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState:
+    """A periodic motion of pipe and clamps.
+
+    Attributes:
+        frequency: of the excitation, Hz.
+        clamps: harmonics of each clamp's displacement, mm, (clamps, H + 1).
+        probes: harmonics of each probe's displacement, mm, (probes, H + 1).
+        forces: harmonics of the force into each clamp, N, (clamps, H + 1).
+        conditions: A (mm) and f (Hz) that each clamp's law was taken for, (clamps, 2).
+        growth: of the disturbance that grows fastest, 1/s; below 0 where the motion is stable.
+    """
+
+    frequency: float
+    clamps: Complex
+    probes: Complex
+    forces: Complex
+    conditions: Array
+    growth: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether small disturbances die out."""
+        return self.growth < 0
+
+
+def half_range(harmonics: Complex) -> Array:
+    """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
+    waves = np.exp(2j * pi * np.outer(np.arange(harmonics.shape[1]), np.arange(SAMPLES)) / SAMPLES)
+    return np.asarray(np.ptp((harmonics @ waves).real, axis=1) / 2)
+
+
+class SteadySystem:
+    """A reduced pipe with its clamps' laws under a sine."""
+
+    def __init__(
+        self,
+        pipe: ReducedPipe,
+        clamps: Sequence[tuple[int, SteadyClamp]],
+        excitation: Callable[[float], float],
+        harmonics: int = 7,
+    ) -> None:
+        """Prepare the pipe's state space.
+
+        Args:
+            pipe: the pipe.
+            clamps: which of the pipe's clamps have a law, and the law.
+            excitation: the sine's amplitude, m/s2 or N, over its frequency in Hz.
+            harmonics: H.
+        """
+        self._pipe, self._clamps = pipe, [clamp for _, clamp in clamps]
+        self._excitation, self._orders = excitation, np.arange(harmonics + 1)
+        modes = len(pipe.omega)
+        self._shapes = np.array([pipe.clamp_shapes[index] for index, _ in clamps]).reshape(len(clamps), modes)
+        probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), modes)
+        self._stiffness, self._damping = pipe.stiffness_matrix, pipe.damping_matrix
+        coupling = None
+        if pipe.coupling_stiffness:
+            coupling = (np.array(pipe.coupling_stiffness), np.array(pipe.coupling_damping))
+        loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
+        observed = np.vstack([self._shapes, probes])
+        self._model = state_space(ModalModel(np.array(pipe.omega), np.array(pipe.damping), loads, observed, coupling))
+        # A pipe that can move as a rigid body has no mean position of its own.
+        self._has_mean = bool(np.linalg.cond(self._stiffness) < 1e14)
+
+    @property
+    def size(self) -> int:
+        """How many real unknowns there are."""
+        return len(self._clamps) * (2 * self._orders.size - 1)
+
+    def _responses(self, frequency: float) -> Complex:
+        """Give G in mm per unit of (excitation, force into each clamp), (points, inputs, H + 1)."""
+        points = 2j * pi * frequency * self._orders
+        if not self._has_mean:
+            points[0] = 1e-3 * points[1]
+        found = MM * np.asarray(self._model(points, squeeze=False), dtype=np.complex128)
+        if not self._has_mean:
+            found[:, :, 0] = 0.0
+        return found
+
+    def _unpacked(self, unknowns: Array) -> Complex:
+        """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""
+        H, count = self._orders.size - 1, len(self._clamps)
+        parts = unknowns.reshape(-1, count, 2 * H + 1)
+        return np.concatenate([parts[:, :, :1] + 0j, parts[:, :, 1 : H + 1] + 1j * parts[:, :, H + 1 :]], axis=2)
+
+    def _packed(self, harmonics: Complex) -> Array:
+        """Give unknowns (rows, m) of harmonics (rows, clamps, H + 1)."""
+        parts = [harmonics[:, :, :1].real, harmonics[:, :, 1:].real, harmonics[:, :, 1:].imag]
+        return np.concatenate(parts, axis=2).reshape(len(harmonics), self.size)
+
+    def _forces(self, motion: Complex, frequency: Array) -> Complex:
+        """Give the harmonics of the clamps' forces, (rows, clamps, H + 1)."""
+        forces = [clamp.forces(motion[:, index], frequency) for index, clamp in enumerate(self._clamps)]
+        return np.stack(forces, axis=1)
+
+    def _residual(self, motion: Complex, forces: Complex, frequency: float, level: float) -> Array:
+        responses = self._responses(frequency)
+        count = len(self._clamps)
+        pushed = np.zeros_like(motion)
+        pushed[:, :, 1] = -1j * level * self._excitation(frequency) * responses[:count, 0, 1]
+        pushed += np.einsum("ijh,rjh->rih", responses[:count, 1:], forces)
+        return self._packed(motion - pushed)
+
+    def _linearised(self, unknowns: Array, frequency: float, level: float) -> tuple[Array, Array, Array]:
+        """Give the residual and its derivatives by the unknowns and by the frequency."""
+        size = self._size(unknowns)
+        nudge, faster = NUDGE * size, frequency * (1 + NUDGE)
+        moved = np.vstack([unknowns, unknowns + nudge * np.eye(self.size), unknowns])
+        frequencies = np.full(self.size + 2, frequency)
+        frequencies[-1] = faster
+        motion = self._unpacked(moved)
+        forces = self._forces(motion, frequencies)
+        residuals = self._residual(motion[:-1], forces[:-1], frequency, level)
+        at_faster = self._residual(motion[-1:], forces[-1:], faster, level)[0]
+        residual = residuals[0]
+        return residual, ((residuals[1:] - residual) / nudge).T, (at_faster - residual) / (faster - frequency)
+
+    def _size(self, unknowns: Array) -> float:
+        return max(SMALLEST, float(np.abs(unknowns).max(initial=0.0)))
+
+    def _over_frequency(self, level: float) -> Callable[[Array, float], tuple[Array, Array, Array]]:
+        def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
+            return self._linearised(unknowns, frequency, level)
+
+        return equation
+
+    def _over_level(self, frequency: float) -> Callable[[Array, float], tuple[Array, Array, Array]]:
+        def equation(unknowns: Array, level: float) -> tuple[Array, Array, Array]:
+            found = self._linearised(unknowns, frequency, level)
+            pushed = np.zeros((1, len(self._clamps), self._orders.size), dtype=np.complex128)
+            responses = self._responses(frequency)[: len(self._clamps), 0, 1]
+            pushed[0, :, 1] = -1j * self._excitation(frequency) * responses
+            return found[0], found[1], -self._packed(pushed)[0]
+
+        return equation
+
+    def at(self, frequency: float) -> SteadyState | None:
+        """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""
+        start = self._start(frequency)
+        return None if start is None else self._state(start, frequency)
+
+    def _start(self, frequency: float) -> Array | None:
+        """Find the unknowns at a frequency by letting the excitation grow from nothing."""
+        if not self._clamps:
+            return np.zeros(0)
+        linear = self._excitation(frequency) * float(np.abs(self._responses(frequency)[:, 0, 1]).max())
+        at_rest = solve(self._over_level(frequency), np.zeros(self.size), 0.0, SMALLEST)
+        if at_rest is None:
+            return None
+        path = list(follow(self._over_level(frequency), Point(0.0, at_rest), 1.0, 0.1 * linear, Steps(longest=0.2)))
+        return path[-1].unknowns if path[-1].parameter == 1.0 else None
+
+    def curve(self, first: float, last: float) -> list[SteadyState]:
+        """Give the frequency response from one frequency to another (Hz), round its turning points.
+
+        The curve begins at the first frequency; where it ends before the last one, the list does too.
+        """
+        start = self._start(first)
+        if start is None:
+            return []
+        if not self._clamps:
+            return [self._state(start, frequency) for frequency in np.linspace(first, last, 200).tolist()]
+        path = follow(self._over_frequency(1.0), Point(first, start), last, self._size(start))
+        return [self._state(point.unknowns, point.parameter) for point in path]
+
+    def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
+        """Give the states at a frequency (Hz) at which a curve passes it."""
+        found = []
+        for before, after in pairwise(states):
+            if (before.frequency - frequency) * (
+                after.frequency - frequency
+            ) > 0 or before.frequency == after.frequency:
+                continue
+            share = (frequency - before.frequency) / (after.frequency - before.frequency)
+            guess = self._packed((before.clamps + share * (after.clamps - before.clamps))[None])[0]
+            unknowns = (
+                guess if not guess.size else solve(self._over_frequency(1.0), guess, frequency, self._size(guess))
+            )
+            if unknowns is not None:
+                found.append(self._state(unknowns, frequency))
+        return found
+
+    def _state(self, unknowns: Array, frequency: float) -> SteadyState:
+        """Evaluate a solution and its stability."""
+        count, H = len(self._clamps), self._orders.size - 1
+        inputs = np.zeros((count + 1, H + 1), dtype=np.complex128)
+        inputs[0, 1] = -1j * self._excitation(frequency)
+        motion = self._unpacked(unknowns[None])
+        slopes = None
+        if count:
+            inputs[1:], *slopes = self._forces_and_slopes(motion, frequency)
+        moved = np.einsum("ijh,jh->ih", self._responses(frequency), inputs)
+        conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
+        return SteadyState(
+            frequency=frequency,
+            clamps=moved[:count],
+            probes=moved[count:],
+            forces=inputs[1:],
+            conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
+            growth=self._growth(slopes, 2 * pi * frequency),
+        )
+
+    def _forces_and_slopes(self, motion: Complex, frequency: float) -> tuple[Complex, Array, Array]:
+        """Give the clamps' forces, and how F_1 follows Y_1 (N/mm) and a velocity besides (N s/mm).
+
+        Returns:
+            forces (clamps, H + 1); slopes, each (2 clamps, 2 clamps): the real parts of all clamps, then the imaginary.
+        """
+        count, omega = len(self._clamps), 2 * pi * frequency
+        nudge = NUDGE * max(SMALLEST, float(np.abs(motion).max()))
+        rows = 4 * count + 1
+        moved = np.repeat(motion, rows, axis=0)
+        faster = np.zeros_like(moved)
+        for row, (turn, clamp) in enumerate(((turn, clamp) for turn in (1, 1j) for clamp in range(count)), start=1):
+            moved[row, clamp, 1] += nudge * turn
+            faster[row + 2 * count, clamp, 1] += nudge * omega * turn
+        frequencies = np.full(rows, frequency)
+        found = [clamp.forces(moved[:, i], frequencies, faster[:, i]) for i, clamp in enumerate(self._clamps)]
+        forces = np.stack(found, axis=1)
+        change = (forces[1:, :, 1] - forces[0, :, 1]) / nudge
+        slope = np.hstack([change.real, change.imag]).T
+        return forces[0], slope[:, : 2 * count], slope[:, 2 * count :] / omega
+
+    def _growth(self, slopes: Sequence[Array] | None, omega: float) -> float:
+        """Give the largest real part of the slow motions' eigenvalues, 1/s."""
+        K, C, n = self._stiffness, self._damping, len(self._pipe.omega)
+        one = np.eye(n)
+        stiffness = np.block([[K - omega**2 * one, -omega * C], [omega * C, K - omega**2 * one]])
+        damping = np.block([[C, -2 * omega * one], [2 * omega * one, C]])
+        if slopes is not None:
+            by_place, by_velocity = slopes
+            shapes = np.kron(np.eye(2), self._shapes)
+            stiffness += MM * shapes.T @ by_place @ shapes
+            damping += MM * shapes.T @ by_velocity @ shapes
+        companion = np.block([[np.zeros((2 * n, 2 * n)), np.eye(2 * n)], [-stiffness, -damping]])
+        return float(np.linalg.eigvals(companion).real.max())

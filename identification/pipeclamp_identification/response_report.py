@@ -1,0 +1,72 @@
+"""The report of a frequency response: curves with their unstable branches, co-simulations as dots."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import plotly.graph_objects as go
+
+from pipeclamp_identification.frequency_response import Curve, FrequencyResponse, amplitudes_of, label
+from pipeclamp_identification.harmonic_balance import SteadyState
+from pipeclamp_identification.report import SERIES, Section, Table, styled
+
+WIDE = 4.0
+"""Levels that differ by more than this factor are drawn on a logarithmic axis."""
+
+
+def response_sections(response: FrequencyResponse) -> list[Section]:
+    """Give the report of a frequency response; the first section holds the summary in words."""
+    pictures = [response_picture(response, index) for index in range(len(response.points))]
+    header = ("clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve", "")
+    rows = [
+        (
+            "own" if dot.temperature is None else f"{dot.temperature:g} °C", dot.level, dot.frequency, *dot.amplitudes,
+            f"{dot.difference:.2%}", "" if dot.settled else "not settled",
+        )
+        for dot in response.dots
+    ]  # fmt: skip
+    tables = [Table(header, rows, "co-simulations, and how far they are off the nearest stable branch")] if rows else []
+    return [
+        Section("What came out", response.summary().splitlines()),
+        Section("Frequency response", ("Half the peak-to-peak displacement. Dotted: unstable.",), (), pictures),
+        Section("Co-simulations", (), tables),
+    ]
+
+
+def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
+    """Draw all curves at one point (its index), temperatures by colour, and the co-simulations on them."""
+    figure = go.Figure()
+    temperatures = list(dict.fromkeys(curve.temperature for curve in response.curves))
+    for curve in response.curves:
+        colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
+        name = label(curve.temperature, curve.level)
+        for number, (stable, piece) in enumerate(_pieces(curve)):
+            figure.add_scatter(
+                x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
+                mode="lines", name=name, legendgroup=name, showlegend=number == 0,
+                line={"color": colour, "width": 1.6, "dash": "solid" if stable else "dot"},
+                opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
+            )  # fmt: skip
+        own = [dot for dot in response.dots if (dot.temperature, dot.level) == (curve.temperature, curve.level)]
+        if own:
+            figure.add_scatter(
+                x=[dot.frequency for dot in own], y=[dot.amplitudes[point] for dot in own], mode="markers",
+                name="co-simulation", legendgroup="co-simulation", showlegend=curve is response.curves[0],
+                marker={"color": colour, "size": 7, "line": {"color": "white", "width": 1}},
+            )  # fmt: skip
+    levels = [curve.level for curve in response.curves]
+    wide = max(levels) > WIDE * min(levels)
+    figure.update_xaxes(title_text="f / Hz")
+    figure.update_yaxes(title_text="amplitude / mm", type="log" if wide else "linear")
+    return styled(figure, f"Displacement at {response.points[point]}", height=460)
+
+
+def _pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
+    """Cut a curve into stable and unstable pieces that share their ends."""
+    pieces: list[tuple[bool, list[SteadyState]]] = []
+    for stable, group in groupby(curve.states, key=lambda state: state.stable):
+        piece = list(group)
+        if pieces:
+            piece.insert(0, pieces[-1][1][-1])
+        pieces.append((stable, piece))
+    return pieces

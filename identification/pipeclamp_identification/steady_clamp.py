@@ -1,0 +1,91 @@
+"""A clamp in periodic motion: the harmonics of its force, with the law's A and f given or those of the motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp.law import Law
+from pipeclamp.realise.scalar import clamp_equations
+from pipeclamp.response import Motion, respond
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Interval = tuple[float, float]
+
+SAMPLES = 256
+"""Of a cycle, at which the law is evaluated."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyClamp:
+    """A law at its temperature.
+
+    Attributes:
+        law: the law.
+        temperature: K.
+        amplitude: mm, that the law is taken for; None for the motion's own.
+        frequency: Hz, that the law is taken for where the amplitude is given; None for that of the excitation.
+        range_A: mm, and range_f: Hz, inside which the motion's own A and f are held, as the clamp FMU holds them.
+    """
+
+    law: Law
+    temperature: float
+    amplitude: float | None
+    frequency: float | None
+    range_A: Interval
+    range_f: Interval
+
+    def conditions(self, motion: Complex, frequency: Array) -> tuple[Array, Array]:
+        """Give A (mm) and f (Hz) that the law is taken for, each (rows,).
+
+        Of a motion they are A = sqrt(2 var y) and f = sqrt(var v/var y)/(2 pi), as the FMU's tracker has them.
+        """
+        if self.amplitude is not None:
+            given = self.frequency
+            return np.full(len(motion), self.amplitude), frequency if given is None else np.full(len(motion), given)
+        squares = np.abs(motion[:, 1:]) ** 2
+        order = np.arange(1, motion.shape[1])
+        amplitude = np.sqrt(squares.sum(axis=1))
+        speed = np.sqrt((squares * order**2).sum(axis=1))
+        ratio = np.divide(speed, amplitude, out=np.ones_like(speed), where=amplitude > 0)
+        return np.clip(amplitude, *self.range_A), np.clip(ratio * frequency, *self.range_f)
+
+    def forces(self, motion: Complex, frequency: Array, faster: Complex | None = None) -> Complex:
+        """Give the harmonics of the force into the clamp in steady state.
+
+        Args:
+            motion: harmonics of y = Re sum of Y_h e^(i h omega t), mm, h from 0, (rows, h).
+            frequency: of the fundamental, Hz, (rows,).
+            faster: harmonics of a velocity besides that of the motion, mm/s, (rows, h).
+
+        Returns:
+            harmonics of the force in the same form, N, (rows, h).
+        """
+        orders = np.arange(motion.shape[1])
+        waves = np.exp(2j * pi * np.outer(orders, np.arange(SAMPLES)) / SAMPLES)
+        omega = 2 * pi * frequency[:, None]
+        turn = 1j * orders * omega
+        velocity = motion * turn if faster is None else motion * turn + faster
+        amplitude, law_frequency = self.conditions(motion, frequency)
+        slow = {
+            "A": amplitude[:, None],
+            "f": law_frequency[:, None],
+            "T": np.full((len(motion), 1), self.temperature),
+        }
+        cycle = Motion(
+            (motion @ waves).real,
+            (velocity @ waves).real,
+            (motion * turn**2 @ waves).real,
+            slow,
+            1 / (frequency[:, None] * SAMPLES),
+        )
+        equations = clamp_equations(self.law)
+        values = self.law.vector(equations)
+        force = respond(equations, values, (self.law.v_r, self.law.y_r), cycle).force
+        harmonics = 2 / SAMPLES * (force @ waves.conj().T)
+        harmonics[:, 0] /= 2
+        return np.asarray(harmonics, dtype=np.complex128)

@@ -1,0 +1,162 @@
+"""Co-simulation, monolithic integration and harmonic balance give the same steady state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import log, pi
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+
+from pipeclamp.parameter_file import law_of, read_law
+from pipeclamp.pipe import ReducedPipe, reduce
+from pipeclamp.pipe_description import parse_pipe
+from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_identification.cosim import run_system
+from pipeclamp_identification.harmonic_balance import SteadySystem, half_range
+from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
+from pipeclamp_identification.steady_clamp import SteadyClamp
+
+PIPE = """
+name = "cantilever"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 3.0
+material = "316L"
+{flow}
+[ends]
+left = "clamped"
+right = "free"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[[probes]]
+name = "tip"
+position_m = 3.0
+[damping]
+ratio = 0.01
+[modes]
+up_to_Hz = 200
+"""
+PIPE_STIFFNESS = 20.23
+"""N/mm, static, at clamp1."""
+
+FLOW = 'fluid = "water"\n[flow]\nvelocity_m_s = 25.0'
+
+LAWS = {
+    "soft": {"k10": 0.2 * PIPE_STIFFNESS, "k30": 0.3, "c0": 1.5, "alpha0": 0.6, "k1_T": -0.3, "c_T1": -0.5},
+    "stiff": {"k10": 10 * PIPE_STIFFNESS, "k30": 40.0, "c0": 8.0, "alpha0": 0.6, "k1_T": -0.3, "c_T1": -0.5},
+}
+ACCELERATION = 3.0
+CYCLES_KEPT = 4
+STEPS = 100
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]) -> Path:
+    folder = tmp_path_factory.mktemp("three_ways")
+    for name, flow in (("pipe", ""), ("flowing", FLOW)):
+        (folder / f"{name}.toml").write_text(PIPE.format(flow=flow), encoding="utf-8")
+        build_pipe(reduce(parse_pipe(PIPE.format(flow=flow))), folder / f"{name}.fmu")
+    for name, values in LAWS.items():
+        write_law(folder / f"{name}.json", values, "power", ("damping_temperature",))
+        build_clamp(read_law(folder / f"{name}.json"), folder / f"{name}.fmu")
+    return folder
+
+
+def steady(bench: Path, pipe: ReducedPipe, law: str, temperature: float, amplitude: float | None) -> SteadySystem:
+    file = read_law(bench / f"{law}.json")
+    clamp = SteadyClamp(law_of(file), temperature + 273.15, amplitude, None, (0.01, 5.0), (1.0, 60.0))
+    return SteadySystem(pipe, [(0, clamp)], lambda frequency: ACCELERATION)
+
+
+def resonance(pipe: ReducedPipe, law: str, temperature: float) -> float:
+    """Give the first natural frequency of the pipe with the clamp's k1 as a spring, Hz."""
+    k1 = LAWS[law]["k10"] * ((temperature + 273.15) / 293.15) ** -0.3
+    shape = np.array(pipe.clamp_shapes[0])
+    values = np.linalg.eigvals(pipe.stiffness_matrix + 1e3 * k1 * np.outer(shape, shape))
+    return float(np.sqrt(values.real.min()) / (2 * pi))
+
+
+@pytest.mark.parametrize("share", [0.7, 1.0, 1.4])
+@pytest.mark.parametrize("temperature", [20.0, 300.0])
+@pytest.mark.parametrize(("law", "name"), [("soft", "pipe"), ("stiff", "pipe"), ("stiff", "flowing")])
+def test_three_ways_agree(bench: Path, law: str, name: str, temperature: float, share: float) -> None:
+    pipe = reduce(parse_pipe(PIPE.format(flow=FLOW if name == "flowing" else "")))
+    frequency = round(share * resonance(pipe, law, temperature), 3)
+    state = steady(bench, pipe, law, temperature, 0.5).at(frequency)
+    assert state is not None
+    assert state.stable
+    balanced = [half_range(state.clamps)[0], half_range(state.probes)[0]]
+
+    cycles = round(frequency * log(1000) / -state.growth) + CYCLES_KEPT
+    time = np.arange(cycles * STEPS + 1) / (STEPS * frequency)
+    equations = clamp_equations(law_of(read_law(bench / f"{law}.json")), 0.5, frequency, temperature + 273.15)
+    shaken = solve_monolithic(
+        pipe, [equations], lambda t: ACCELERATION * np.sin(2 * pi * frequency * t), time, relative_tolerance=1e-6
+    )
+    last = slice(-CYCLES_KEPT * STEPS - 1, None)
+    whole = [1e3 * np.ptp(values[last, 0]) / 2 for values in (shaken.displacement, shaken.probes)]
+
+    file = bench / "system.toml"
+    file.write_text(
+        f'[pipe]\nfmu = "{name}.fmu"\n[[clamps]]\nat = "clamp1"\nfmu = "{law}.fmu"\n'
+        f"temperature_C = {temperature}\namplitude_mm = 0.5\n"
+        f'[excitation]\nkind = "sine"\nacceleration_m_s2 = {ACCELERATION}\nfrequency_Hz = {frequency}\n'
+        f"[run]\nstop_s = {float(time[-1])!r}\nstep_s = {float(time[1])!r}\n",
+        encoding="utf-8",
+    )
+    result = run_system(file)
+    coupled = [1e3 * result.amplitude(f"{point}.s", CYCLES_KEPT / cycles) for point in ("clamp1", "tip")]
+    assert balanced == pytest.approx(whole, rel=0.01)
+    assert coupled == pytest.approx(whole, rel=0.01)
+
+
+def hardening(bench: Path, write_law: Callable[..., None], alpha: float = 1.0, c0: float = 0.02) -> SteadySystem:
+    write_law(bench / "hard.json", {"k10": 4.0, "k30": 4.0, "c0": c0, "alpha0": alpha})
+    file = read_law(bench / "hard.json")
+    clamp = SteadyClamp(law_of(file), 293.15, 1.0, 9.0, (0.01, 5.0), (1.0, 60.0))
+    return SteadySystem(reduce(parse_pipe(PIPE.format(flow=""))), [(0, clamp)], lambda frequency: 0.5)
+
+
+def test_a_hardening_clamp_folds_and_the_middle_branch_is_unstable(bench: Path, write_law: Callable[..., None]) -> None:
+    system = hardening(bench, write_law)
+    curve = system.curve(4.0, 14.0)
+    frequencies = np.array([state.frequency for state in curve])
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(frequencies))) != 0)
+    assert len(turns) == 2
+    top, bottom = frequencies[turns[0] + 1], frequencies[turns[1] + 1]
+    states = system.crossings(curve, (top + bottom) / 2)
+    assert [state.stable for state in states] == [True, False, True]
+    amplitudes = [half_range(state.clamps)[0] for state in states]
+    assert amplitudes[0] > amplitudes[1] > amplitudes[2]
+    outside = [state.stable for state in curve if not bottom - 0.05 < state.frequency < top + 0.05]
+    assert all(outside)
+
+
+def test_time_integration_ends_on_a_stable_branch(bench: Path, write_law: Callable[..., None]) -> None:
+    system = hardening(bench, write_law)
+    pipe = reduce(parse_pipe(PIPE.format(flow="")))
+    upper, middle, lower = system.crossings(system.curve(4.0, 14.0), 8.0)
+    equations = clamp_equations(law_of(read_law(bench / "hard.json")), 1.0, 9.0, 293.15)
+    assert middle.growth > 0 > max(upper.growth, lower.growth)
+    cycles = round(8.0 * log(1000) / -max(upper.growth, lower.growth))
+    time = np.arange(cycles * 80 + 1) / (80 * 8.0)
+    shaken = solve_monolithic(pipe, [equations], lambda t: 0.5 * np.sin(2 * pi * 8.0 * t), time, 1e-6)
+    ends = 1e3 * np.ptp(shaken.displacement[-81:, 0]) / 2
+    assert min(abs(ends / half_range(state.clamps)[0] - 1) for state in (upper, lower)) < 0.02
+    assert abs(ends / half_range(middle.clamps)[0] - 1) > 0.1
+
+
+def test_the_fundamental_is_control_s_describing_function(bench: Path, write_law: Callable[..., None]) -> None:
+    """For k1 y + k3 y^3: python-control's own integral of it."""
+    hardening(bench, write_law)
+    clamp = SteadyClamp(law_of(read_law(bench / "hard.json")), 293.15, 1.0, 9.0, (0.01, 5.0), (1.0, 60.0))
+    for amplitude in (0.1, 1.0, 3.0):
+        force = clamp.forces(np.array([[0, amplitude, 0, 0]], dtype=complex), np.array([9.0]))[0, 1]
+        expected = control.describing_function(lambda y: 4.0 * y + 4.0 * y**3, amplitude, num_points=400)
+        assert force.real / amplitude == pytest.approx(expected.real, rel=1e-4)
+        assert force.imag == pytest.approx(0.02 * 2 * pi * 9.0 * amplitude, rel=1e-4)
