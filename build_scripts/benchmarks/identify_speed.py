@@ -1,4 +1,4 @@
-"""Time of `identify` on a 240-run campaign against reading its files with polars alone.
+"""Time of `identify` and of `compare` on a 240-run campaign against reading its files with polars alone.
 
 Run: python build_scripts/benchmarks/identify_speed.py
 """
@@ -15,6 +15,7 @@ import polars as pl
 from pipeclamp.bundled import open_law
 from pipeclamp.parameter_file import law_of, law_text
 from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.compare import compare, comparison_json
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.rig import TestPlan, VirtualRun, virtual_runs, write_campaign
 
@@ -53,11 +54,16 @@ if __name__ == "__main__":
             tests = read_campaign(folder)
             law_text(law_file(identify(tests), tests, name="speed", command="benchmark", date=None))
 
+        def compared() -> None:
+            """Read, hold the law against the campaign, and break the error down."""
+            comparison_json(compare(open_law("emwm2"), read_campaign(folder)))
+
         reading = seconds(lambda: [pl.read_csv(file) for file in files])
-        identifying = seconds(whole)
+        identifying, comparing = seconds(whole), seconds(compared)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20 if sys.platform == "linux" else float("nan")
     print(f"{count} runs, {rows / 1e6:.2f} million rows")
     print(
         f"polars reads them in {reading:.2f} s, identify takes {identifying:.2f} s: {identifying / reading:.1f} times"
     )
+    print(f"compare takes {comparing:.2f} s: {comparing / identifying:.2f} times what identify takes")
     print(f"peak memory {peak:.2f} GiB")

@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 from pipeclamp_fmu.compile import MAIN_SOURCE
 from pipeclamp_fmu.model_description import (
     ModelText,
+    Quantity,
     default_experiment,
     number_attributes,
     unit_definitions,
@@ -23,6 +24,9 @@ LOG_CATEGORIES = {
     "logStatusFatal": "Messages of a fatal error",
     "logAll": "All messages",
 }
+
+TIME = Quantity("time", "s")
+"""FMI 3.0's independent variable."""
 
 FLANGE = "Modelica.Mechanics.Translational.Interfaces.Flange_a"
 """The terminal kind of a translational flange."""
@@ -136,7 +140,7 @@ def _fmi3(description: Description) -> bytes:
     }
     SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
     SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
-    _common_elements(root, description)
+    _common_elements(root, description, TIME)
     listed = SubElement(root, "ModelVariables")
     places = {variable.name: str(reference) for reference, variable in enumerate(variables.all)}
     for variable in variables.all:
@@ -149,7 +153,7 @@ def _fmi3(description: Description) -> bytes:
             "description": variable.quantity.description,
         } | number_attributes(variable.quantity) | _start(variable))  # fmt: skip
     time = {"name": "time", "valueReference": str(len(places)), "causality": "independent", "variability": "continuous"}
-    SubElement(listed, "Float64", time | {"description": "time", "unit": "s"})
+    SubElement(listed, "Float64", time | {"description": TIME.description} | number_attributes(TIME))
     always, initially = (" ".join(places[entry.name] for entry in group) for group in description.dependencies())
     structure = SubElement(root, "ModelStructure")
     for name, known in (("Output", always), ("InitialUnknown", initially)):
@@ -160,9 +164,9 @@ def _fmi3(description: Description) -> bytes:
     return xml_bytes(root)
 
 
-def _common_elements(root: Element, description: Description) -> None:
+def _common_elements(root: Element, description: Description, *further: Quantity) -> None:
     """Add units, log categories and the default experiment, which both versions have in this order."""
-    quantities = [variable.quantity for variable in description.variables.all]
+    quantities = [*further, *(variable.quantity for variable in description.variables.all)]
     root.append(unit_definitions(quantities))
     categories = SubElement(root, "LogCategories")
     for name, meaning in LOG_CATEGORIES.items():

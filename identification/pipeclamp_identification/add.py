@@ -99,7 +99,7 @@ def _changed(
 ) -> Addition:
     """Refit a law with another structure and state the error before and after."""
     tell = progress or (lambda _: None)
-    old, law = structure_of(file), law_of(file)
+    law = law_of(file)
     loops = loops_of(campaign)
     observations = loop_observations(loops)
     tell("error of the law as it is")
@@ -109,8 +109,8 @@ def _changed(
     runs = misfits(result.law, campaign, loops)
     tell("error on left-out conditions")
     heldout = (
-        heldout_nrmse(old, loops, observations, law.values),
-        heldout_nrmse(new, loops, observations, result.law.values),
+        heldout_nrmse(law, loops, observations),
+        heldout_nrmse(result.law, loops, observations),
     )
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(error_before)),)
     history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(heldout[0])}))

@@ -113,6 +113,11 @@ class Breakdown:
         """Give the share that the part would have if every run's error were spread evenly."""
         return part.squared_force / sum(entry.squared_force for entry in self.parts)
 
+    @property
+    def unevenness(self) -> float:
+        """Return the share of the error that would have to move to be spread evenly."""
+        return sum(abs(self.share(part) - self.even_share(part)) for part in self.parts) / 2
+
     def worst_first(self) -> list[Part]:
         """Give the parts by falling error."""
         return sorted(self.parts, key=lambda part: -(part.nrmse or 0.0))
@@ -140,6 +145,10 @@ class Condition:
     def varies(self) -> bool:
         """Whether there is more than one level."""
         return len(self.levels) > 1
+
+    def level_of(self, row: int) -> Level:
+        """Give the level of a run."""
+        return next(level for level in self.levels if row in level.rows)
 
     def words(self, level: Level) -> str:
         """Give a level with the condition's unit, or else its name."""
@@ -279,12 +288,16 @@ def _mean_squares(harmonics: ComplexArray) -> Array:
     return np.asarray(weight * np.mean(parts**2, axis=0))
 
 
+def cycle_edges(sums: Sequence[RunSums]) -> list[int]:
+    """Give where groups of cycles begin, and where the last one ends, counted from 0 within the record."""
+    longest = max(len(run.by_cycle) for run in sums)
+    return sorted({round(edge) for edge in np.linspace(0, longest, min(longest, MOST_CYCLES) + 1)})
+
+
 def along_cycles(sums: Sequence[RunSums]) -> Breakdown:
     """Break the error down by the number of the cycle within its record, 1 the first steady one."""
-    longest = max(len(run.by_cycle) for run in sums)
-    edges = np.unique(np.round(np.linspace(0, longest, min(longest, MOST_CYCLES) + 1)).astype(int))
     parts = []
-    for first, end in itertools.pairwise(edges):
+    for first, end in itertools.pairwise(cycle_edges(sums)):
         chosen = [run for run in sums if len(run.by_cycle) > first]
         samples = [float(np.sum(run.samples_by_cycle[first:end])) / run.samples for run in chosen]
         scatter = sum(share * run.squared_scatter for share, run in zip(samples, chosen, strict=True))

@@ -65,6 +65,13 @@ class FmuKind(StrEnum):
     native = "native"
 
 
+class FmiVersion(StrEnum):
+    """Versions of FMI that native FMUs can be of."""
+
+    fmi2 = "2"
+    fmi3 = "3"
+
+
 class PipeKind(StrEnum):
     """Kinds of FMUs that a pipe can be built as."""
 
@@ -343,6 +350,7 @@ def build_fmu(
     kind: Annotated[
         FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
     ] = FmuKind.python,
+    fmi: Annotated[FmiVersion | None, typer.Option(help="Native: version of FMI, 2 by default.")] = None,
     platforms: Annotated[
         str | None,
         typer.Option(metavar="linux64,win64,darwin64", help="Native: this machine's by default; '' for sources alone."),
@@ -354,14 +362,36 @@ def build_fmu(
 
     with told("build-fmu"):
         if kind is FmuKind.python:
-            if platforms is not None:
-                raise UserError("--platforms is for --kind native; a Python FMU runs on linux64 and win64 as it is")
+            if platforms is not None or fmi is not None:
+                raise UserError(
+                    "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
+                )
             build_clamp(open_law(law), output)
             console.print(f"{output}: FMI 2.0 co-simulation, python")
             return
-        built = build_native_clamp(open_law(law), output, platforms=None if platforms is None else _names(platforms))
+        version = int(fmi or FmiVersion.fmi2)
+        chosen = None if platforms is None else _names(platforms)
+        built = build_native_clamp(open_law(law), output, version, chosen)
     libraries = ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
-    console.print(f"{output}: FMI 2.0 co-simulation and model exchange, native ({libraries})")
+    console.print(f"{output}: FMI {version}.0 co-simulation and model exchange, native ({libraries})")
+
+
+@app.command("set-parameters", epilog="Example: pipeclamp set-parameters clamp.fmu law2.json")
+def set_parameters(
+    fmu: Annotated[Path, typer.Argument(metavar="CLAMP.fmu", help="An FMU made by build-fmu.")],
+    law: LawArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="CLAMP2.fmu", help="The FMU to write; the same by default.")
+    ] = None,
+) -> None:
+    """Put another law's parameters into a finished clamp FMU, without a compiler."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp_fmu import set_parameters as setting
+
+    with told("set-parameters"):
+        file = open_law(law)
+        setting.set_parameters(fmu, file, output or fmu)
+    console.print(f"{output or fmu}: parameters of {file.name}")
 
 
 @app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")

@@ -12,7 +12,13 @@ from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp_identification import breakdown
 from pipeclamp_identification.breakdown import PLACES, Breakdown, Condition, Part, phase_edges, place_of
 from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.concentration import drift_sentence, harmonic_sentence, region, region_sentence
+from pipeclamp_identification.concentration import (
+    cycles_sentence,
+    drift_sentence,
+    harmonic_sentence,
+    region,
+    region_sentence,
+)
 from pipeclamp_identification.error_sums import RunSums, error_sums
 from pipeclamp_identification.loops import Loops, loops_of
 from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
@@ -96,11 +102,12 @@ def _outside(file: LawFile, loops: Loops) -> dict[str, str]:
 
 
 def where_words(comparison: Comparison) -> list[str]:
-    """Say in sentences where the error sits: place and conditions, harmonics, drift."""
+    """Say in sentences where the error sits: place and conditions, harmonics, cycles, drift."""
     sums = comparison.sums
     sentences = [
         region_sentence(region(sums, comparison.varied), breakdown.along_loop(sums)),
         harmonic_sentence(breakdown.by_harmonic(sums)),
+        cycles_sentence(sums),
         drift_sentence(breakdown.drift(sums), comparison.nrmse),
     ]
     return [sentence for sentence in sentences if sentence]

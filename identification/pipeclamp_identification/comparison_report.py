@@ -27,6 +27,8 @@ from pipeclamp_identification.pictures import LoopPanel, loops_picture
 from pipeclamp_identification.report import Section, Table
 
 WORST_SHOWN = 8
+MEASURED = ("amplitude_mm", "frequency_Hz", "temperature_C")
+"""Conditions that are shown with their value in each run, not with their level."""
 EVEN = (
     "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "
     "the same part of its force, all along the loop."
@@ -49,19 +51,22 @@ def how_much(comparison: Comparison) -> list[str]:
 def worst_table(comparison: Comparison, most: int | None = None) -> Table:
     """Give the runs as a table, worst first."""
     loops = comparison.loops
+    further = [condition for condition in comparison.varied if condition.key not in MEASURED]
     rows = [
         (
             comparison.runs[row].run,
             float(loops.amplitude_mm[row]),
             float(loops.frequency_Hz[row]),
             celsius(loops, row),
+            *(condition.level_of(row).label for condition in further),
             100 * comparison.runs[row].nrmse,
             100 * comparison.runs[row].noise_nrmse if comparison.sums[row].scatter_known else None,
             comparison.outside.get(comparison.runs[row].run, ""),
         )
         for row in comparison.worst_first()[:most]
     ]
-    header = ("run", "A / mm", "f / Hz", "T / °C", "error / %", "scatter / %", "outside the law's range")
+    conditions = ("A / mm", "f / Hz", "T / °C", *(condition.title for condition in further))
+    header = ("run", *conditions, "error / %", "scatter / %", "outside the law's range")
     return Table(header, rows, "error and cycle-to-cycle scatter, as a share of the run's rms force; worst first")
 
 
@@ -95,9 +100,14 @@ def comparison_sections(comparison: Comparison) -> list[Section]:
 
 
 def map_section(comparison: Comparison) -> Section:
-    """Show the error over amplitude and frequency, at each level of every further condition."""
+    """Show the error over amplitude and frequency, at each level of every further condition, the most uneven first."""
+
+    def evenness(condition: Condition) -> float:
+        return -breakdown.by_condition(comparison.sums, condition).unevenness
+
     A, f, *further = comparison.conditions
-    panelled: Sequence[Condition | None] = [condition for condition in further if condition.varies] or [None]
+    varied = sorted((condition for condition in further if condition.varies), key=evenness)
+    panelled: Sequence[Condition | None] = varied or [None]
     maps = []
     for condition in panelled:
         beside = "" if condition is None else f", {condition.title}"

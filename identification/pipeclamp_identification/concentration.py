@@ -1,4 +1,4 @@
-"""Where the error sits, in one sentence: the smallest region of loop and conditions that holds most of it."""
+"""Where the error sits, in one sentence: the region of loop and conditions in which it is densest."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from pipeclamp_identification.breakdown import (
     Breakdown,
     Condition,
     Drift,
+    along_cycles,
+    cycle_edges,
     excess_table,
     phase_edges,
     place_of,
@@ -32,7 +34,7 @@ PLACE_SETS = (
     ((3, 4), "on the way from the middle to the reversals"),
 )
 """Places (of breakdown.PLACES) that have a name together."""
-MOST_OF_IT = 0.5
+MUCH_OF_IT = 0.4
 """A region must hold this share of the error beyond scatter."""
 FACTORS = 3
 """A sentence names at most so many places and conditions."""
@@ -114,7 +116,7 @@ def _inside(factors: Sequence[_Factor], excess: Array, force: Array) -> tuple[fl
 
 def _divergence(share: float, even: float) -> float:
     """Give the Kullback-Leibler divergence of a region's share from an even spread's; 0 where it holds too little."""
-    if share < max(MOST_OF_IT, even) or not 0.0 < even < 1.0:
+    if share < max(MUCH_OF_IT, even) or not 0.0 < even < 1.0:
         return 0.0
     inside = min(share, 1.0)
     outside = (1 - inside) * math.log((1 - inside) / (1 - even)) if inside < 1.0 else 0.0
@@ -166,7 +168,7 @@ def region_sentence(found: Region | None, whole: Breakdown) -> str:
     if whole.squared_error <= 0.0 or whole.excess <= MOSTLY_SCATTER * whole.squared_error:
         return "What the law leaves is scatter, nearly all of it: there is no place to look for more."
     if found is None:
-        return f"No one place or condition holds most {beyond}: it is spread over the loop and the tests."
+        return f"No place or condition holds much more than its share {beyond}: look at its harmonics."
     return f"{found.share:.0%} {beyond} sits {', '.join(found.words)}; spread evenly, it would be {found.even:.0%}."
 
 
@@ -191,6 +193,26 @@ def _meaning(label: str) -> str:
         "harmonic 1 in phase": "harmonic 1 in phase (stiffness)",
         "harmonic 1 in quadrature": "harmonic 1 in quadrature (damping)",
     }.get(label, label)
+
+
+def cycles_sentence(sums: Sequence[RunSums]) -> str | None:
+    """Say whether the records' first or last cycles hold most of the error; None where they don't, or it is scatter."""
+    cycles, edges = along_cycles(sums), cycle_edges(sums)
+    if cycles.squared_error <= 0.0 or cycles.excess <= MOSTLY_SCATTER * cycles.squared_error:
+        return None
+    share, even = (np.cumsum([of(part) for part in cycles.parts]) for of in (cycles.excess_share, cycles.even_share))
+    choices = [
+        choice
+        for index, edge in enumerate(edges[1:-1])
+        for choice in (
+            (float(share[index]), float(even[index]), f"up to cycle {edge} of the records"),
+            (float(1 - share[index]), float(1 - even[index]), f"from cycle {edge + 1} of the records on"),
+        )
+    ]
+    held, spread, words = max(choices, key=lambda choice: _divergence(*choice[:2]), default=(0.0, 0.0, ""))
+    if _divergence(held, spread) <= STANDS_OUT:
+        return None
+    return f"By cycle, {held:.0%} of it lies {words}; spread evenly, it would be {spread:.0%}."
 
 
 def drift_sentence(found: Drift | None, nrmse: float) -> str | None:

@@ -13,10 +13,10 @@ from pipeclamp.errors import UserError
 from pipeclamp.law import Structure
 from pipeclamp_identification.add import with_effect
 from pipeclamp_identification.evidence import LackOfFit
-from pipeclamp_identification.fit import Progress, cost_after_one_step, starting_points
+from pipeclamp_identification.fit import Linearised, Progress, linearised, starting_points
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import Loops
-from pipeclamp_identification.problem import Judged, Problem, judge, prepare, sharpened
+from pipeclamp_identification.problem import Judged, Problem, judge, prepare, weighed_for
 
 Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
 
@@ -39,8 +39,6 @@ WORTH_FITTING = 0.01
 PAIRED = 3
 """Best candidates that are tried together with a second effect, where one alone doesn't explain."""
 FEWEST_RUNS = 4
-SHARPER = 0.8
-"""The evidence is weighed again when the scatter between runs falls below this share of what it was."""
 ABOUT_AS_WELL = 10.0
 """Difference in whitened squares that is no reason for a further slip element."""
 MEMORY_SIZES = ("memory", "memory:2", "memory:3")
@@ -99,15 +97,20 @@ def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = 
     if _adequate(law.lack, limit):
         reasons = (_scatter_words(law.lack, problem),)
         return Diagnosis("complete", (), law, (), {}, None, problem, limit, reasons)
-    candidates, screened_out = _candidates(structure, problem, law, tell)
+    problem, law = _weighed_again(problem, law, law)
+    promises = _promises(structure, problem, law, tell)
+    candidates, screened_out = _candidates(structure, problem, promises, tell)
     if candidates and not candidates[0].objections:
-        sharper = sharpened(problem, candidates[0].result)
-        if sharper.noise.scatter() < SHARPER * problem.noise.scatter():
-            tell("evidence against the sharper noise")
-            problem = sharper
-            law = _again(law, problem)
-            candidates = _ranked(_again(judged, problem) for judged in candidates)
+        tell("evidence weighed by the best law's own residuals")
+        problem, law = _weighed_again(problem, law, candidates[0])
+        candidates = _ranked(_again(judged, problem) for judged in candidates)
     return _verdict(structure, problem, law, candidates, screened_out, limit, tell)
+
+
+def _weighed_again(problem: Problem, law: Judged, best: Judged) -> tuple[Problem, Judged]:
+    """Weigh the data, and judge the law as it is, by noise and discrepancy as the best law so far shows them."""
+    weighed = weighed_for(problem, best.result)
+    return weighed, _again(law, weighed)
 
 
 def _again(judged: Judged, problem: Problem) -> Judged:
@@ -160,30 +163,32 @@ def _elements_present(structure: Structure) -> int:
     return max((len(effect.states) for effect in structure.all_effects() if effect.id == "memory"), default=0)
 
 
-def _candidates(
-    structure: Structure, problem: Problem, law: Judged, tell: Callable[[str], None]
-) -> tuple[list[Judged], dict[str, float]]:
-    """Screen every effect by one step, fit those that promise something; best first, and what was screened out."""
-    promises: dict[str, tuple[float, dict[str, float]]] = {}
-    own = _cost(law, problem)
+def _promises(structure: Structure, problem: Problem, law: Judged, tell: Callable[[str], None]) -> list[_Promise]:
+    """Screen every effect by one step; most promising first."""
+    promises = []
     for name in candidate_names(structure, problem.loops.conditions):
         tell(f"screen {name}")
-        promise = _promise(structure, name, problem, law, own)
+        promise = _promise(structure, name, problem, law)
         if promise is not None:
-            promises[name] = promise
-    ranked = sorted(promises, key=lambda name: -promises[name][0])
-    top = promises[ranked[0]][0] if ranked else 0.0
-    ids = list(dict.fromkeys(effect_id(name) for name in ranked))[:SCREENED]
-    chosen = [
-        name for name in ranked if effect_id(name) in ids and promises[name][0] >= max(WORTH_FITTING * top, 1e-300)
-    ]
-    judged = []
-    for name in chosen:
-        tell(f"fit {name}")
-        judged.append(
-            _alive(judge((name,), with_effect(structure, name), promises[name][1], problem), structure, problem)
-        )
-    left = {name: promises[name][0] / top if top > 0 else 0.0 for name in ranked if name not in chosen}
+            promises.append(promise)
+    return sorted(promises, key=lambda promise: -promise.gain)
+
+
+def _candidates(
+    structure: Structure, problem: Problem, promises: Sequence[_Promise], tell: Callable[[str], None]
+) -> tuple[list[Judged], dict[str, float]]:
+    """Fit the effects that promise something; best first, and what was screened out."""
+    top = promises[0].gain if promises else 0.0
+    ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:SCREENED]
+    worth = max(WORTH_FITTING * top, 1e-300)
+    judged, left = [], {}
+    for promise in promises:
+        if effect_id(promise.name) in ids and promise.gain >= worth:
+            tell(f"fit {promise.name}")
+            larger = with_effect(structure, promise.name)
+            judged.append(_alive(judge((promise.name,), larger, promise.start, problem), structure, problem))
+        else:
+            left[promise.name] = promise.gain / top if top > 0 else 0.0
     return _ranked(_simplest(judged)), left
 
 
@@ -219,22 +224,61 @@ def _alive(judged: Judged, structure: Structure, problem: Problem) -> Judged:
     return judge((*judged.effects[:-1], smaller), with_effect(structure, smaller), start, problem)
 
 
-def _cost(judged: Judged, problem: Problem) -> float:
-    return float(np.sum(problem.observations.residual(judged.result.response) ** 2)) / 2
+@dataclass(frozen=True)
+class _Promise:
+    """What an effect promises by one step of linear least squares from the best of its starts.
+
+    Attributes:
+        name: the effect.
+        gain: by how much the step lowers the cost.
+        start: the start's values, all of the law's parameters.
+        steps: the law with the effect at each of its starts, linearised.
+        starts: those starts.
+    """
+
+    name: str
+    gain: float
+    start: Mapping[str, float]
+    steps: Sequence[Linearised]
+    starts: Sequence[Mapping[str, float]]
 
 
-def _promise(
-    structure: Structure, name: str, problem: Problem, law: Judged, own: float
-) -> tuple[float, dict[str, float]] | None:
-    """Give what one step promises, from the best of an effect's starts, and that start; None if it can't be fitted."""
+def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> _Promise | None:
+    """Give what an effect promises; None if it can't be fitted."""
     try:
         larger = with_effect(structure, name)
         points = starting_points(larger, problem.observations, law.result.law.values)
     except UserError:
         return None
-    costs = [cost_after_one_step(larger, problem.observations, point) for point in points]
+    steps = [linearised(larger, problem.observations, point) for point in points]
+    costs = [step.cost_after_one_step() for step in steps]
     best = int(np.argmin(costs))
-    return own - costs[best], points[best]
+    return _Promise(name, law.result.cost - costs[best], points[best], steps, points)
+
+
+def _beside(promise: _Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], _Promise]:
+    """Give what an effect promises beside another one that has been fitted, where to start them, and the effect.
+
+    What the effect adds to the residuals, and its derivatives, are taken over from where it stood alone.
+
+    Args:
+        promise: the effect on the law as it is.
+        first: the law with the other effect.
+        law: the law as it is.
+    """
+    jacobian = first.fitted.jacobian.reshape(-1, first.fitted.jacobian.shape[2])
+    own = set(first.result.equations.names)
+    costs = []
+    for step in promise.steps:
+        new = [place for place, name in enumerate(step.free) if name not in own]
+        together = Linearised(
+            first.result.fitted + tuple(step.free[place] for place in new),
+            step.residual + (first.fitted.residual - law.fitted.residual).ravel(),
+            np.concatenate([jacobian, step.jacobian[:, new]], axis=1),
+        )
+        costs.append(together.cost_after_one_step())
+    best = int(np.argmin(costs))
+    return first.result.cost - costs[best], {**promise.starts[best], **first.result.law.values}, promise
 
 
 def _verdict(
@@ -259,7 +303,7 @@ def _verdict(
     pair = None
     if not _explains(best, law, limit):
         tell("two effects together")
-        pair = _best_pair(structure, problem, sound, tell)
+        pair = _best_pair(structure, problem, law, sound, tell)
         if pair is None or not _explains(pair, law, limit):
             return answer("unknown", (), pair, _unexplained_words(best, law))
         members = sorted(pair.effects, key=lambda name: _alone(name, sound))
@@ -289,29 +333,44 @@ def _alone(name: str, sound: Sequence[Judged]) -> float:
 
 
 def _best_pair(
-    structure: Structure, problem: Problem, sound: Sequence[Judged], tell: Callable[[str], None]
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    sound: Sequence[Judged],
+    tell: Callable[[str], None],
 ) -> Judged | None:
     """Fit the best candidates together with the second effects that promise most; give the best sound pair."""
     pairs: list[Judged] = []
     seen: set[frozenset[str]] = set()
+    promises = _promises(structure, problem, law, tell)
     for first in _distinct(sound)[:PAIRED]:
         larger = with_effect(structure, first.effects[0])
-        promises = {}
-        for name in candidate_names(larger, problem.loops.conditions):
-            both = frozenset((effect_id(first.effects[0]), effect_id(name)))
-            if (
-                len(both) == 2
-                and both not in seen
-                and (promise := _promise(larger, name, problem, first, first.result.cost))
-            ):
-                promises[name] = promise
-        for name in sorted(promises, key=lambda name: -promises[name][0])[:PAIRED]:
-            seen.add(frozenset((effect_id(first.effects[0]), effect_id(name))))
-            tell(f"fit {first.effects[0]} and {name}")
-            both_effects = (first.effects[0], name)
-            pairs.append(judge(both_effects, with_effect(larger, name), promises[name][1], problem))
+        beside = [
+            _beside(promise, first, law)
+            for promise in promises
+            if effect_id(promise.name) != effect_id(first.effects[0]) and _fits_beside(larger, promise.name)
+        ]
+        tried: set[str] = set()
+        for _, start, second in sorted(beside, key=lambda entry: -entry[0]):
+            both = frozenset((effect_id(first.effects[0]), effect_id(second.name)))
+            if both in seen or len(tried) == PAIRED:
+                continue
+            tried.add(second.name)
+            tell(f"fit {first.effects[0]} and {second.name}")
+            effects = (first.effects[0], second.name)
+            pairs.append(judge(effects, with_effect(larger, second.name), start, problem))
+        seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
     usable = [pair for pair in pairs if not pair.objections]
     return min(usable, key=lambda pair: pair.squares, default=None)
+
+
+def _fits_beside(structure: Structure, name: str) -> bool:
+    """Tell whether an effect can be added to a law that another effect has joined."""
+    try:
+        with_effect(structure, name)
+    except UserError:
+        return False
+    return True
 
 
 def _distinct(judged: Sequence[Judged]) -> list[Judged]:

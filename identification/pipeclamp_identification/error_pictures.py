@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import plotly.graph_objects as go
@@ -41,6 +41,7 @@ class ConditionsMap:
 def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
     """Draw the map: rows are amplitudes, columns frequencies; one colour scale for all, and the worst cell framed."""
     panels, across = len(conditions.panels), len(conditions.f)
+    classes = any(" to " in label for label in conditions.f)
     columns = min(panels, max(1, CELLS_ACROSS // across))
     rows = math.ceil(panels / columns)
     height = 70 + 50 * len(conditions.A)
@@ -50,13 +51,13 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
         shared_yaxes=True,
         subplot_titles=conditions.panels,
         horizontal_spacing=min(0.02, 0.2 / columns),
-        vertical_spacing=75 / (height * rows) if rows > 1 else 0.0,
+        vertical_spacing=(90 if classes else 75) / (height * rows) if rows > 1 else 0.0,
     )
     places = [{"row": panel // columns + 1, "col": panel % columns + 1} for panel in range(panels)]
     for panel, place in enumerate(places):
         figure.add_trace(
             go.Heatmap(
-                z=conditions.error[panel], x=list(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
+                z=conditions.error[panel], x=_ticks(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
                 text=_cell_texts(conditions.error[panel], conditions.scatter[panel]), texttemplate="%{text}",
                 hovertemplate="A %{y} mm, f %{x} Hz: %{z:.4g} %<extra></extra>", hoverongaps=False,
             ),
@@ -69,12 +70,19 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
         type="rect", x0=at_f - 0.5, x1=at_f + 0.5, y0=at_A - 0.5, y1=at_A + 0.5,
         line={"color": INK, "width": 3}, **places[worst],
     )  # fmt: skip
-    figure.update_xaxes(type="category").update_yaxes(type="category").update_yaxes(title_text="A / mm", col=1)
-    cell = 64 if max(map(len, conditions.f)) > 6 else 48
+    figure.update_xaxes(type="category", tickangle=0).update_yaxes(type="category").update_yaxes(
+        title_text="A / mm", col=1
+    )
+    cell = 56 if classes else 48
     figure = styled(figure, title, height=80 + height * rows, least_width=170 + cell * columns * across)
     top = float(np.nanmax(conditions.error))
     scale = {"colorscale": "YlOrRd", "cmin": 0.0, "cmax": top, "colorbar": {"title": {"text": "error / %"}}}
     return figure.update_layout(coloraxis=scale, margin={"t": 80})
+
+
+def _ticks(labels: Sequence[str]) -> list[str]:
+    """Give labels of classes on two lines, so that they stand beside each other."""
+    return [label.replace(" to ", "<br>to ") for label in labels]
 
 
 def _cell_texts(error: Array, scatter: Array) -> list[list[str]]:
@@ -109,20 +117,22 @@ def error_bars(panels: Sequence[ErrorBars], title: str) -> go.Figure:
     """Draw panels of bars for the errors, with a mark for the scatter in each."""
     columns = min(PANELS_PER_ROW, len(panels))
     rows = math.ceil(len(panels) / columns)
+    height = 110 + 240 * rows
     figure = make_subplots(
         rows=rows,
         cols=columns,
         subplot_titles=[panel.title for panel in panels],
         horizontal_spacing=0.06,
-        vertical_spacing=min(0.2, 0.6 / rows),
+        vertical_spacing=90 / (height - 160),
     )
     for index, panel in enumerate(panels):
         row, column = index // columns + 1, index % columns + 1
-        _add_bars(figure, panel, row, column, named=index == 0)
-        figure.update_xaxes(title_text=panel.axis, type="category", row=row, col=column)
+        shown = replace(panel, labels=_ticks([str(label) for label in panel.labels]))
+        _add_bars(figure, shown, row, column, named=index == 0)
+        figure.update_xaxes(title_text=panel.axis, type="category", tickangle=0, row=row, col=column)
     highest = max((error for panel in panels for error in panel.error if error is not None), default=1.0)
     figure.update_yaxes(range=[0, 1.05 * highest]).update_yaxes(title_text="error / %", col=1)
-    return _with_legend(styled(figure, title, height=110 + 240 * rows, least_width=300 * columns))
+    return _with_legend(styled(figure, title, height=height, least_width=330 * columns))
 
 
 def _add_bars(figure: go.Figure, panel: ErrorBars, row: int, column: int, *, named: bool) -> None:

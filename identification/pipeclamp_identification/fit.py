@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 import sympy as sp
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from pipeclamp.effect import Parameter
 from pipeclamp.errors import UserError
@@ -27,6 +27,7 @@ VARIES_OTHERWISE = 0.02
 by a few percent."""
 LEVELS_APART = 0.04
 """Values of a condition further apart than this share of its range are different levels."""
+MOST_EVALUATIONS = 100
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 SINGULAR = 1e-7
@@ -122,9 +123,13 @@ Progress = Callable[[str], None]
 
 
 def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
-    """Give the parameters that follow a condition which doesn't vary in the data, with the reason."""
+    """Give the parameters that nothing uses, or whose condition does not vary in the data, with the reason."""
     reasons: dict[str, str] = {}
+    used = equations.used_symbols
     for parameter in equations.parameters:
+        if parameter.symbol not in used:
+            reasons[parameter.name] = "the law has nothing that it scales"
+            continue
         for signal in parameter.follows:
             values = observations.motion.slow.get(str(signal))
             if values is None or not np.all(np.isfinite(values)):
@@ -217,16 +222,37 @@ def starting_points(
     return _starts(compose(structure), given, data_scales(observations))
 
 
-def cost_after_one_step(structure: Structure, observations: Observations, values: Mapping[str, float]) -> float:
-    """Give the cost that one step of linear least squares promises from a point: a cheap screen before a fit.
+@dataclass(frozen=True)
+class Linearised:
+    """A law's weighted residuals at a point, flat, with their derivatives by the parameters that a fit would free.
+
+    Attributes:
+        free: names of those parameters.
+        residual: shape (residuals,).
+        jacobian: shape (residuals, free).
+    """
+
+    free: tuple[str, ...]
+    residual: Array
+    jacobian: Array
+
+    def cost_after_one_step(self) -> float:
+        """Give half the sum of squared residuals that the derivatives can't explain: a cheap screen before a fit."""
+        with one_thread():
+            norms = np.linalg.norm(self.jacobian, axis=0)
+            basis = self.jacobian / np.where(norms > 0, norms, 1.0)
+            gain = basis.T @ self.residual
+            explained = gain @ np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True) @ gain
+        return float(self.residual @ self.residual - explained) / 2
+
+
+def linearised(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Linearised:
+    """Give a law's residuals at a point, linearised.
 
     Args:
         structure: the law's structure.
         observations: what it would be fitted to.
         values: the point, a value for each parameter.
-
-    Returns:
-        half the sum of squared residuals that the point's derivatives can't explain.
     """
     equations = compose(structure)
     out = set(structure.held()) | set(undetermined(equations, observations))
@@ -237,12 +263,7 @@ def cost_after_one_step(structure: Structure, observations: Observations, values
     evaluator = _Evaluator(observations, equations, smooth, begin, free)
     with one_thread():
         residual, jacobian = evaluator.residual(begin[free]), evaluator.jacobian(begin[free])
-        norms = np.linalg.norm(jacobian, axis=0)
-        basis = jacobian / np.where(norms > 0, norms, 1.0)
-        normal = basis.T @ basis
-        gain = basis.T @ residual
-        explained = gain @ np.linalg.pinv(normal, rcond=SINGULAR, hermitian=True) @ gain
-    return float(residual @ residual - explained) / 2
+    return Linearised(tuple(equations.names[index] for index in free), residual, jacobian)
 
 
 def unfitted(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Fit:
@@ -280,7 +301,7 @@ def _neutral(parameter: Parameter, scales: Mapping[sp.Symbol, float]) -> float:
 
 
 def _number(value: sp.Expr | float, scales: Mapping[sp.Symbol, float]) -> float:
-    return float(sp.sympify(value).subs(scales))
+    return float(value.subs(scales)) if isinstance(value, sp.Basic) else float(value)
 
 
 def _bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) -> tuple[Array, Array]:
@@ -340,18 +361,25 @@ def _minimise(
             f"the law gives forces beyond all reason at {dict(zip(equations.names, begin.tolist(), strict=True))}; "
             "expected held values of the size that the tests show"
         )
-    result = least_squares(
-        evaluator.residual,
-        x0,
-        jac=evaluator.jacobian,
-        bounds=(lower, upper),
-        x_scale="jac",
-        method="trf",
-        ftol=tolerance,
-        xtol=tolerance,
-        gtol=tolerance,
-        max_nfev=200,
-    )
+
+    def minimise(method: str, at: Array) -> OptimizeResult:
+        return least_squares(
+            evaluator.residual,
+            at,
+            jac=evaluator.jacobian,
+            bounds=(lower, upper),
+            x_scale="jac",
+            method=method,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            max_nfev=MOST_EVALUATIONS,
+        )
+
+    result = minimise("trf", x0)
+    if result.status == 0:
+        # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
+        result = minimise("dogbox", result.x)
     values = begin.copy()
     values[free] = result.x
     return float(result.cost), values, evaluator.count

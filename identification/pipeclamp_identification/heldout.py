@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp.law import Structure
+from pipeclamp.law import Law
 from pipeclamp.response import law_response
 from pipeclamp_identification.fit import fit
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.observations import LoopObservations, Rows
 
-FOLDS = 4
+FOLDS = 8
 
 
 def condition_groups(amplitude: npt.ArrayLike, frequency: npt.ArrayLike) -> npt.NDArray[np.intp]:
@@ -50,27 +50,25 @@ def folds(groups: npt.NDArray[np.intp], most: int) -> Iterator[tuple[Rows, Rows]
         yield np.flatnonzero(~left_out), np.flatnonzero(left_out)
 
 
-def heldout_nrmse(
-    structure: Structure, loops: Loops, observations: LoopObservations, start: Mapping[str, float], most: int = FOLDS
-) -> float:
-    """Give the error of a structure on (amplitude, frequency) groups that weren't used to fit it.
+def heldout_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> float:
+    """Give the error of a law's structure on (amplitude, frequency) groups that weren't used to fit it.
 
     Args:
-        structure: the law's structure.
+        law: the law, as fitted to all; each fit begins there and weighs by what it leaves over.
         loops: the tests.
         observations: the same, as observations.
-        start: values to start each fit from.
         most: most folds.
 
     Returns:
         error over all left-out loops as a share of their force, scatter included.
     """
     groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
+    widened = observations.with_discrepancy(law_response(law, observations.motion))
     error = force = 0.0
     for used, left_out in folds(groups, most):
-        law = fit(structure, observations.rows(used), start=start).law
+        refitted = fit(law.structure, widened.rows(used), start=law.values).law
         beyond = observations.rows(left_out)
-        misfit = beyond.mean_squares(law_response(law, beyond.motion))
+        misfit = beyond.mean_squares(law_response(refitted, beyond.motion))
         error += float(np.sum(misfit + loops.noise_rms_N[left_out] ** 2))
         force += float(np.sum(loops.force_rms_N[left_out] ** 2))
     return float(np.sqrt(error / force))

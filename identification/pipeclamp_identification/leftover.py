@@ -16,6 +16,8 @@ from pipeclamp_identification.problem import Judged, Problem
 POINTS = 360
 STRONGEST = 3
 NEIGHBOURS = 30
+NEAREST = 3
+"""Bins nearer to a line than this hold some of the line itself."""
 FEWEST_NEIGHBOURS = 8
 """Bins on either side from which a line's neighbouring level is told."""
 FEWEST_SHARE = 0.3
@@ -162,10 +164,9 @@ def pooled_lines(
         order = np.arange(len(spectrum)) * width / drive
         # What repeats with the motion is the law's own lack, not a line of its own.
         own = np.abs(order - np.round(order)) * drive < 1.6 * width
-        for index in np.flatnonzero((line >= 2) & (line < len(spectrum) - 2)):
-            background = _background(spectrum, ~own, int(line[index]))
-            if not own[line[index]] and background is not None:
-                level[row, index] = spectrum[line[index]] / background
+        inside = (line >= 2) & (line < len(spectrum) - 2)
+        over_noise = np.where(own, np.nan, spectrum / _backgrounds(spectrum, ~own))
+        level[row, inside] = over_noise[line[inside]]
     seen = np.isfinite(level)
     count = seen.sum(axis=0)
     mean = np.where(seen, level, 0.0).sum(axis=0) / np.maximum(count, 1)
@@ -175,17 +176,22 @@ def pooled_lines(
     )
 
 
-def _background(spectrum: Array, usable: npt.NDArray[np.bool_], line: int) -> float | None:
-    """Give the mean power that noise has at a line, from its neighbours on both sides; None where there are too few.
+def _backgrounds(spectrum: Array, usable: npt.NDArray[np.bool_]) -> Array:
+    """Give the mean power that noise has at each line, from its neighbours on both sides; NaN where there are too few.
 
     Coloured noise falls with frequency: the geometric mean of the medians on either side follows the slope.
     """
-    below = np.arange(max(line - NEIGHBOURS, 1), max(line - 2, 1))
-    above = np.arange(line + 3, min(line + NEIGHBOURS + 1, len(spectrum)))
-    sides = [spectrum[side[usable[side]]] for side in (below, above)]
-    if min(len(side) for side in sides) < FEWEST_NEIGHBOURS:
-        return None
-    return float(np.sqrt(np.median(sides[0]) * np.median(sides[1])) / np.log(2))
+    width = NEIGHBOURS - NEAREST + 1
+    lines = np.where(usable, spectrum, np.nan)
+    lines[0] = np.nan
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(lines, NEIGHBOURS, constant_values=np.nan), width)
+    ordered = np.sort(windows, axis=1)
+    count = np.sum(np.isfinite(ordered), axis=1)
+    row = np.arange(len(ordered))
+    medians = (ordered[row, np.maximum(count - 1, 0) // 2] + ordered[row, np.minimum(count // 2, width - 1)]) / 2
+    medians[count < FEWEST_NEIGHBOURS] = np.nan
+    below, above = medians[: len(spectrum)], medians[NEIGHBOURS + NEAREST :]
+    return np.asarray(np.sqrt(below * above) / np.log(2))
 
 
 def _largest_near(mean: Array, index: int) -> float:

@@ -101,11 +101,15 @@ class NoiseModel:
         """Give the scatter between runs in one number."""
         return self.stiffness_scatter + self.damping_scatter
 
-    def whitener(self) -> Array:
-        """Give the matrices that make each run's residuals independent with variance one, shape (R, m, m)."""
+    def whitener(self, discrepancy: float = 0.0) -> Array:
+        """Give the matrices that make each run's residuals independent with variance one, shape (R, m, m).
+
+        Args:
+            discrepancy: variance of each harmonic part that a law's form is granted besides the noise, N2.
+        """
         runs, size = self.variance.shape
         covariance = np.zeros((runs, size, size))
-        covariance[:, np.arange(size), np.arange(size)] = self.variance
+        covariance[:, np.arange(size), np.arange(size)] = self.variance + discrepancy
         for direction, scatter in ((self.elastic, self.stiffness_scatter), (self.damping, self.damping_scatter)):
             covariance += scatter**2 * direction[:, :, None] * direction[:, None, :]
         lower = np.linalg.cholesky(covariance)

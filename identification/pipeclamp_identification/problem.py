@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.evidence import (
     LackOfFit,
     LeftOutScore,
+    Whitened,
     drifts,
     lack_of_fit,
     left_out_score,
@@ -34,22 +36,30 @@ class Problem:
 
     Attributes:
         loops: one row a run; one a run and cycle where the law, or the stiffness, changes along the cycles.
-        observations: whitened by the noise model.
+        harmonics: the same, as they were measured.
         noise: the noise model.
         smooth: smooth functions of the conditions, (R, q).
         groups: (amplitude, frequency) group of each row.
+        discrepancy: variance of each harmonic part that the laws' form is granted besides the noise, N2. Where the
+            best law misses far more than noise, noise alone would let the quietest harmonics rule.
     """
 
     loops: Loops
-    observations: WhitenedObservations
+    harmonics: LoopObservations
     noise: NoiseModel
     smooth: Array
     groups: Rows
+    discrepancy: float = 0.0
 
-    @property
-    def harmonics(self) -> LoopObservations:
-        """The harmonics as they were measured."""
-        return self.observations.loops
+    @cached_property
+    def observations(self) -> WhitenedObservations:
+        """What laws are fitted to: whitened by noise and discrepancy."""
+        return WhitenedObservations(self.harmonics, self.noise.whitener(self.discrepancy))
+
+    @cached_property
+    def against_noise(self) -> WhitenedObservations:
+        """What lack of fit is told from: whitened by the noise alone."""
+        return WhitenedObservations(self.harmonics, self.noise.whitener())
 
 
 @dataclass(frozen=True)
@@ -58,7 +68,8 @@ class Judged:
 
     Attributes:
         effects: what was added to the law as it is.
-        result: the fit.
+        result: the fit; its response holds no derivatives.
+        fitted: whitened residuals and derivatives at the fit.
         score: how it foretells groups that were left out.
         lack: what it leaves over.
         heldout_nrmse: error on left-out groups as a share of the force, scatter included.
@@ -67,6 +78,7 @@ class Judged:
 
     effects: tuple[str, ...]
     result: Fit
+    fitted: Whitened
     score: LeftOutScore
     lack: LackOfFit
     heldout_nrmse: float
@@ -85,21 +97,23 @@ def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
     harmonics = loop_observations(loops)
     first = fit_structure(structure, loops, harmonics)
     noise = noise_model(loops, harmonics.plain_residual(first.response))
-    observations = WhitenedObservations(harmonics, noise.whitener())
     groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
-    problem = Problem(loops, observations, noise, smooth_basis(loops), groups)
+    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups)
     return problem, judge((), structure, first.law.values, problem)
 
 
-def sharpened(problem: Problem, best: Fit) -> Problem:
-    """Estimate the noise once more, with a better law: less physics hides in its residuals."""
-    again = noise_model(problem.loops, problem.harmonics.plain_residual(best.response))
+def weighed_for(problem: Problem, best: Fit) -> Problem:
+    """Estimate noise and discrepancy with the best law so far: the better it is, the less physics hides in them."""
+    residual = problem.harmonics.plain_residual(best.response)
+    again = noise_model(problem.loops, residual)
     noise = replace(
         again,
         stiffness_scatter=min(again.stiffness_scatter, problem.noise.stiffness_scatter),
         damping_scatter=min(again.damping_scatter, problem.noise.damping_scatter),
     )
-    return replace(problem, observations=WhitenedObservations(problem.harmonics, noise.whitener()), noise=noise)
+    seen = problem.harmonics.seen
+    excess = np.where(seen, residual**2 - noise.total_variance(), 0.0)
+    return replace(problem, noise=noise, discrepancy=max(float(excess.sum()) / np.count_nonzero(seen), 0.0))
 
 
 def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, float], problem: Problem) -> Judged:
@@ -112,14 +126,16 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
         problem: the data.
     """
     result = fit(structure, problem.observations, start=start, tolerance=CLOSELY)
-    residual = whitened(result, problem.observations)
-    score = left_out_score(result, problem.observations, residual, problem.groups)
+    fitted = whitened(result, problem.observations)
+    against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
+    score = left_out_score(result, problem.observations, fitted, problem.groups)
     plain = problem.harmonics.plain_residual(result.response)
-    lack = lack_of_fit(residual, plain, problem.noise, problem.smooth, problem.loops.noise_rms_N)
+    lack = lack_of_fit(against_noise, plain, problem.noise, problem.smooth, problem.loops.noise_rms_N)
     score = replace(score, squares=score.squares + _price_of_free_means(result, problem))
     loops = problem.loops
     error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
-    return Judged(effects, result, score, lack, float(np.sqrt(error)), objections(effects, result))
+    lean = replace(result, response=replace(result.response, jacobian=None))
+    return Judged(effects, lean, fitted, score, lack, float(np.sqrt(error)), objections(effects, result))
 
 
 def _price_of_free_means(result: Fit, problem: Problem) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pipeclamp.effects.damping_series import HIGHEST_ORDER as HIGHEST_DAMPING
 from pipeclamp.effects.elastic_series import HIGHEST_ORDER as HIGHEST_ELASTIC
 from pipeclamp.law import Structure
+from pipeclamp_identification.fit import fit
 from pipeclamp_identification.heldout import heldout_nrmse
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.observations import LoopObservations
@@ -24,7 +25,7 @@ def choose_series(loops: Loops, observations: LoopObservations, effects: tuple[s
 
     def error_of(orders: list[int]) -> float:
         structure = Structure(f"series:{orders[0]}:{orders[1]}", effects)
-        return heldout_nrmse(structure, loops, observations, {})
+        return heldout_nrmse(fit(structure, observations).law, loops, observations)
 
     orders = [1, 1]
     best = error_of(orders)

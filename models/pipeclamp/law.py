@@ -105,6 +105,13 @@ class Equations:
         return tuple(parameter.name for parameter in self.parameters)
 
     @property
+    def used_symbols(self) -> frozenset[sp.Symbol]:
+        """All symbols that the force depends on: a modifier may have a parameter with nothing to scale."""
+        expressions = [coefficient.expression for coefficient in self.coefficients]
+        expressions += [self.force, self.lag, *(state.update for state in self.states)]
+        return frozenset().union(*(expression.free_symbols for expression in expressions))
+
+    @property
     def slow_signals(self) -> frozenset[sp.Symbol]:
         """The slow signals (A, f, T, further conditions) that the law depends on."""
         free = set().union(*(coefficient.expression.free_symbols for coefficient in self.coefficients))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -149,7 +150,7 @@ def respond(
         state_count, coefficient_count = len(states), len(coefficients)
         for column, slope in zip(compiled.force_slope_index, compiled.force_slopes(*arguments), strict=True):
             if column < state_count:
-                jacobian += slope * state_slopes[column]
+                jacobian[list(march.moving)] += slope * state_slopes[column]
             elif column < state_count + coefficient_count:
                 for (entry, parameter), inner in coefficient_slopes.items():
                     if entry == column - state_count:
@@ -167,10 +168,9 @@ def _column_shape(value: npt.ArrayLike, rows: int) -> tuple[int, int]:
 
 def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, response: Response) -> Response:
     """Delay force and derivatives by the rig's lag, harmonic by harmonic; a record is taken for one long cycle."""
-    lag = float(compiled.lag(*values)[0])
-    slopes = compiled.lag_slopes(*values)
-    if lag == 0.0 and not slopes:
+    if compiled.in_time:
         return response
+    lag = float(compiled.lag(*values)[0])
     samples = motion.y.shape[1]
     omega = 2 * np.pi * np.arange(samples // 2 + 1) / (samples * motion.h)
     turn = np.exp(-1j * omega * lag)
@@ -179,7 +179,7 @@ def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, r
     if response.jacobian is None:
         return Response(late, None, response.adrift)
     jacobian = np.fft.irfft(np.fft.rfft(response.jacobian) * turn, samples)
-    for parameter, slope in zip(compiled.lag_slope_index, slopes, strict=True):
+    for parameter, slope in zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True):
         jacobian[parameter] -= slope * np.fft.irfft(1j * omega * force, samples)
     return Response(late, jacobian, response.adrift)
 
@@ -196,15 +196,32 @@ class _March:
     smoothing: tuple[float, float]
     motion: Motion
 
+    @cached_property
+    def moving(self) -> tuple[int, ...]:
+        """The parameters that the states' update depends on, M of them: no other has slopes to carry along."""
+        states, coefficients = len(self.equations.states), len(self.coefficients)
+        columns = {column - states for _, column in self.compiled.update_slope_index if column >= states}
+        direct = {column - coefficients for column in columns if column >= coefficients}
+        return tuple(sorted(direct | {place for entry, place in self.coefficient_slopes if entry in columns}))
+
+    @cached_property
+    def inner(self) -> Mapping[int, Sequence[tuple[int, Array]]]:
+        """The slopes of each coefficient by the moving parameters, by their places."""
+        slopes: dict[int, list[tuple[int, Array]]] = {entry: [] for entry in range(len(self.coefficients))}
+        for (entry, parameter), slope in self.coefficient_slopes.items():
+            if parameter in self.moving:
+                slopes[entry].append((self.moving.index(parameter), slope))
+        return slopes
+
     def states(self, *, derivatives: bool) -> tuple[list[Array], Array, npt.NDArray[np.bool_]]:
-        """Give the states, J arrays (R, n), their slopes by the parameters, (J, P, R, n), and the rows adrift, (R,).
+        """Give the states, J arrays (R, n), their slopes by the moving parameters, (J, M, R, n), and the rows adrift.
 
         On periodic motions the states' map over one cycle is brought to its fixed point by Newton's method from rest.
         Directions in which the map is the identity (an element that never slips) stay as the move from rest left them.
         """
         count = len(self.equations.states)
         rows, samples = self.motion.y.shape
-        parameters = len(self.values) if derivatives else 0
+        parameters = len(self.moving) if derivatives else 0
         if count == 0:
             return [], np.zeros((0, parameters, rows, samples)), np.zeros(rows, dtype=bool)
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
@@ -233,7 +250,7 @@ class _March:
         return list(trajectory), slopes_now, adrift
 
     def _walk(self, start: Array, slopes: Array, y_previous: Array, *, derivatives: bool) -> tuple[Array, Array]:
-        """Step along all samples from the one before the first; give states (J, R, n), slopes (J, J + P, R, n)."""
+        """Step along all samples from the one before the first; give states (J, R, n), slopes (J, J + M, R, n)."""
         samples = self.motion.y.shape[1]
         states = np.empty((*start.shape, samples))
         trail = np.empty((*slopes.shape, samples))
@@ -248,7 +265,7 @@ class _March:
     def _step(
         self, states: Array, slopes: Array, y_previous: Array, index: int, *, derivatives: bool
     ) -> tuple[Array, Array]:
-        """Make one step to sample `index`; give the states (J, R) and their slopes (J, J + P, R)."""
+        """Make one step to sample `index`; give the states (J, R) and their slopes (J, J + M, R)."""
         motion, count = self.motion, len(states)
         results = self.compiled.update_with_slopes(
             motion.y[:, index],
@@ -271,9 +288,8 @@ class _March:
             elif not derivatives:
                 continue
             elif column < count + len(self.coefficients):
-                for (entry, parameter), inner in self.coefficient_slopes.items():
-                    if entry == column - count:
-                        new_slopes[row, count + parameter] += slope * inner[:, index if inner.shape[1] > 1 else 0]
+                for place, inner in self.inner[column - count]:
+                    new_slopes[row, count + place] += slope * inner[:, index if inner.shape[1] > 1 else 0]
             else:
-                new_slopes[row, column - len(self.coefficients)] += slope
+                new_slopes[row, count + self.moving.index(column - count - len(self.coefficients))] += slope
         return new_states, new_slopes

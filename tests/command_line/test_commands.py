@@ -214,3 +214,9 @@ def test_the_measured_damper_is_read_identified_and_compared(pipeclamp, measured
     answer = read(path)
     assert answer["nrmse"] < 0.6 * base["fit"]["nrmse"], "the force follows the current"
     assert answer["noise_nrmse"] < 0.025
+
+
+def test_a_native_clamp_is_built(pipeclamp, law, tmp_path):
+    done = pipeclamp("build-fmu", law, "-o", "c.fmu", "--kind", "native", "--fmi", "3", "--platforms", "", cwd=tmp_path)
+    assert "FMI 3.0 co-simulation and model exchange, native (sources alone" in done.stdout.replace("\n", " ")
+    assert "sources/fmi3.c" in zipfile.ZipFile(tmp_path / "c.fmu").namelist()

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+
+
+def without_numbers(text):
+    return " ".join(re.sub(r"\d+", "#", text.replace("> ", "")).split())
+
+
+README = without_numbers((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8"))
 
 
 def read(path):
@@ -49,10 +57,12 @@ def test_every_breakdown_adds_up_and_is_told(compared, law, clamp_a):
     # clamp_a's damping depends on temperature, and the base law's doesn't
     strongest = max(where["harmonics"], key=lambda part: part["share"])
     assert strongest["part"] == "harmonic 1 in quadrature"
-    assert "T = 20" in where["words"][0]
+    by_temperature = [part["share"] for part in where["conditions"]["temperature_C"]]
+    assert min(by_temperature[0], by_temperature[-1]) > max(by_temperature[1:-1])
     for sentence in where["words"]:
         assert sentence in " ".join(printed.split())
         assert sentence in page
+        assert without_numbers(sentence) in README, "the README tells of this very law and campaign"
     for title in ("Along the loop", "By harmonic", "Along cycles", "By condition", "All runs"):
         assert f"<h2>{title}</h2>" in page
 

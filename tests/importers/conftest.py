@@ -176,7 +176,7 @@ def native_fmus(tmp_path_factory: pytest.TempPathFactory, law_with_memory: LawFi
     if system_compiler() is None:
         pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
     folder = tmp_path_factory.mktemp("native")
-    paths = {fmi: folder / f"fmi{fmi}.fmu" for fmi in (2,)}
+    paths = {fmi: folder / f"fmi{fmi}.fmu" for fmi in (2, 3)}
     for fmi, path in paths.items():
         build_native_clamp(law_with_memory, path, fmi)
     return paths

@@ -2,12 +2,14 @@
 
 import math
 import zipfile
+from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Model
+from fmpy.validation import validate_fmu
+from native_driver import NativeDriver
 
 from pipeclamp.errors import UserError
 from pipeclamp_fmu.build import build_native_clamp
@@ -17,48 +19,18 @@ H = 1e-3
 ERROR = 3
 
 
-class Exchanged:
-    """The clamp of FMI 2.0 in model exchange, driven point by point."""
-
-    def __init__(self, path, folder, start):
-        description = fmpy.read_model_description(str(path))
-        fmpy.extract(str(path), unzipdir=str(folder))
-        self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
-        self.model = FMU2Model(
-            guid=description.guid,
-            unzipDirectory=str(folder),
-            modelIdentifier=description.modelExchange.modelIdentifier,
-            instanceName="exchanged",
-        )
-        self.model.instantiate()
-        self.model.setupExperiment(startTime=0.0)
-        for name, value in start.items():
-            (self.model.setBoolean if isinstance(value, bool) else self.model.setReal)([self.references[name]], [value])
-        self.model.enterInitializationMode()
-        self.model.exitInitializationMode()
-        self.model.newDiscreteStates()
-        self.model.enterContinuousTimeMode()
-
-    def move(self, time, s, v):
-        self.model.setTime(time)
-        self.model.setReal([self.references["flange.s"], self.references["flange.v"]], [s, v])
-
-    def get(self, *names):
-        return self.model.getReal([self.references[name] for name in names])
-
-
 @pytest.fixture
-def exchanged(native_fmus, tmp_path):
-    """Give a function that makes a clamp in model exchange."""
+def native(native_fmus, tmp_path):
+    """Give a function that makes a clamp for a version of FMI and an interface."""
     made = []
 
-    def make(**start):
-        made.append(Exchanged(native_fmus[2], tmp_path / str(len(made)), start))
+    def make(fmi, kind, **start):
+        made.append(NativeDriver(native_fmus[fmi], tmp_path / str(len(made)), kind, start))
         return made[-1]
 
     yield make
     for clamp in made:
-        clamp.model.freeInstance()
+        clamp.free()
 
 
 def waves(count):
@@ -71,24 +43,30 @@ def waves(count):
 OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated", "memory.z")
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmpy_finds_nothing_to_object_to(native_fmus, fmi):
+    assert validate_fmu(str(native_fmus[fmi])) == []
+
+
 @pytest.mark.parametrize("track", [False, True])
-def test_model_exchange_gives_what_co_simulation_gives(drive, native_fmus, exchanged, track):
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_model_exchange_gives_what_co_simulation_gives(native, fmi, track):
     """Where integrator steps end at the communication points; whatever the integrator tries between leaves no trace."""
-    stepped, clamp = drive(native_fmus[2], {"track": track}), exchanged(track=track)
+    stepped, clamp = native(fmi, "CoSimulation", track=track), native(fmi, "ModelExchange", track=track)
     for n, (s, v) in enumerate(waves(800)):
-        time = (n + 1) * H
-        stepped.step(H, flange__s=s, flange__v=v)
+        stepped.step(H, s, v)
         for share in (0.3, 1.7):
-            clamp.move(time - (1 - 0.5 * share) * H, share * s, -v)
+            clamp.place((n + 0.5 * share) * H, share * s, -v)
             clamp.get("flange.f")
-        clamp.move(time, s, v)
-        expected = [stepped.get(name) for name in OUTPUTS]
+        clamp.place((n + 1) * H, s, v)
+        expected = stepped.get(*OUTPUTS)
         np.testing.assert_allclose(clamp.get(*OUTPUTS), expected, rtol=1e-9, atol=1e-12)
-        assert clamp.model.completedIntegratorStep() == (0, 0)
+        assert clamp.fmu.completedIntegratorStep() == (0, 0)
         np.testing.assert_allclose(clamp.get(*OUTPUTS), expected, rtol=1e-9, atol=1e-12)
 
 
-def test_fmpy_integrates_it_and_the_energy_is_the_loop_area(native_fmus):
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmpy_integrates_it_and_the_energy_is_the_loop_area(native_fmus, fmi):
     f, A = 2.0, 5e-4
     time = np.linspace(0.0, 2.0, 4001)
     signals = np.rec.fromarrays(
@@ -97,7 +75,7 @@ def test_fmpy_integrates_it_and_the_energy_is_the_loop_area(native_fmus):
     )
     outputs = ["flange.s", "flange.f", "energyDissipated"]
     result = fmpy.simulate_fmu(
-        str(native_fmus[2]), fmi_type="ModelExchange", stop_time=2.0, output_interval=5e-4, input=signals,
+        str(native_fmus[fmi]), fmi_type="ModelExchange", stop_time=2.0, output_interval=5e-4, input=signals,
         start_values={"A": A, "f": f}, output=outputs,
     )  # fmt: skip
     cycle = result[result["time"] >= 1.5]
@@ -106,13 +84,14 @@ def test_fmpy_integrates_it_and_the_energy_is_the_loop_area(native_fmus):
     assert np.ptp(cycle["energyDissipated"]) == pytest.approx(area, rel=2e-3)
 
 
-def test_a_reversal_is_an_event(exchanged):
-    clamp = exchanged()
+def test_a_reversal_is_an_event(native):
+    clamp = native(2, "ModelExchange")
     indicators = (fmpy.fmi2.fmi2Real * 1)()
     for v in (0.02, -0.03):
-        clamp.move(H, 1e-4, v)
-        clamp.model.getEventIndicators(indicators, 1)
+        clamp.place(H, 1e-4, v)
+        clamp.fmu.getEventIndicators(indicators, 1)
         assert list(indicators) == [v]
+        assert clamp.get("memory.v") == [v]
 
 
 KNOWN = ("flange.s", "flange.v", "T_in", "A", "f", "T")
@@ -122,30 +101,53 @@ UNKNOWN = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated")
 
 @pytest.mark.parametrize("switches", [{}, {"track": True}, {"useTemperatureInput": True}])
 @pytest.mark.parametrize("steps", [37, 80, 301])
-def test_directional_derivatives_are_those_of_the_step(drive, native_fmus, switches, steps):
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_directional_derivatives_are_those_of_the_step(native, fmi, switches, steps):
     """Against differences of the step's outcome, made by going back to before it."""
-    clamp = drive(native_fmus[2], {"A": 5e-4, "f": 3.0, "T": 400.0, "T_in": 350.0, **switches})
-    path = waves(steps + 1)
-    for s, v in path[:-1]:
-        clamp.step(H, flange__s=s, flange__v=v)
-    before = clamp.save()
-    base = dict(zip(KNOWN[:2], path[-1], strict=True)) | {"A": 5e-4, "f": 3.0, "T": 400.0, "T_in": 350.0}
+    conditions = {"A": 5e-4, "f": 3.0, "T": 400.0, "T_in": 350.0}
+    clamp = native(fmi, "CoSimulation", **conditions, **switches)
+    *path, end = waves(steps + 1)
+    for s, v in path:
+        clamp.step(H, s, v)
+    before = clamp.fmu.getFMUstate() if fmi == 2 else clamp.fmu.getFMUState()
+    base = dict(zip(KNOWN[:2], end, strict=True)) | conditions
 
     def outcome(values):
-        clamp.restore(before)
+        (clamp.fmu.setFMUstate if fmi == 2 else clamp.fmu.setFMUState)(before)
         clamp.set(values)
-        clamp.step(H)
-        return np.array([clamp.get(name) for name in UNKNOWN])
+        clamp.fmu.doStep(0.0, H)
+        return np.array(clamp.get(*UNKNOWN))
 
     here = outcome(base)
-    rows, columns = ([clamp.fmu.variables[name].reference for name in names] for names in (UNKNOWN, KNOWN))
-    exact = np.array([clamp.slave.getDirectionalDerivative(rows, [column], [1.0]) for column in columns]).T
+    exact = np.array(clamp.jacobian(UNKNOWN, KNOWN))
     for index, (name, width) in enumerate(zip(KNOWN, WIDTHS, strict=True)):
-        numeric = (outcome(base | {name: base[name] + width}) - outcome(base | {name: base[name] - width})) / (
-            2 * width
-        )
+        ahead, behind = (outcome(base | {name: base[name] + aside}) for aside in (width, -width))
+        numeric = (ahead - behind) / (2 * width)
         rounding = 1e-13 * (np.abs(here) + 1e-3) / width
         assert (np.abs(exact[:, index] - numeric) <= 1e-5 * np.abs(numeric) + rounding).all(), name
+
+
+def test_adjoint_derivatives_are_the_transposed_ones(native):
+    clamp = native(3, "CoSimulation", track=True)
+    for s, v in waves(50):
+        clamp.step(H, s, v)
+    jacobian = np.array(clamp.jacobian(UNKNOWN, KNOWN))
+    seed = [1.0, -2.0, 0.5, 3.0, 7.0]
+    rows, columns = ([clamp.references[name] for name in names] for names in (UNKNOWN, KNOWN))
+    adjoint = clamp.fmu.getAdjointDerivative(rows, columns, seed, nSensitivity=len(KNOWN))
+    np.testing.assert_allclose(adjoint, np.array(seed) @ jacobian, rtol=1e-14)
+
+
+def test_fmi_3_has_time_a_flange_and_no_event_mode_in_co_simulation(native, native_fmus):
+    clamp = native(3, "CoSimulation")
+    clamp.step(H, 1e-4, 0.0)
+    assert clamp.get("time") == [H]
+    with pytest.raises(Exception, match="instantiate"):
+        clamp.fmu.instantiate(eventModeUsed=True)
+    with zipfile.ZipFile(native_fmus[3]) as archive:
+        (terminal,) = ElementTree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml")).iter("Terminal")
+    assert terminal.get("terminalKind") == "Modelica.Mechanics.Translational.Interfaces.Flange_a"
+    assert {member.get("variableName") for member in terminal} <= set(clamp.references)
 
 
 def refused(call, *arguments):
@@ -169,8 +171,8 @@ def test_wrong_value_references_are_errors_and_do_no_harm(drive, native_fmus, sh
     assert shaken(clamp, 20, 40) == shaken(twin, 20, 40)
 
 
-def test_calls_in_the_wrong_order_are_errors_and_do_no_harm(drive, native_fmus, exchanged):
-    model = exchanged().model
+def test_calls_in_the_wrong_order_are_errors_and_do_no_harm(drive, native_fmus, native):
+    model = native(2, "ModelExchange").fmu
     for call in (model.newDiscreteStates, model.enterContinuousTimeMode, model.exitInitializationMode):
         assert refused(call) == ERROR
     clamp = drive(native_fmus[2])
@@ -185,15 +187,14 @@ def test_calls_in_the_wrong_order_are_errors_and_do_no_harm(drive, native_fmus, 
     clamp.step(H)
 
 
-def test_states_of_others_are_refused(drive, native_fmus, exchanged):
+def test_states_of_others_are_refused(drive, native_fmus, native):
     clamp = drive(native_fmus[2])
     data = clamp.serialised()
     state = clamp.save()
     for bad in (b"", b"no state", data[:-1], bytes(len(data)), b"\xff" + data[1:]):
         assert refused(clamp.slave.deSerializeFMUstate, bad) == ERROR
         assert "not a state" in clamp.messages.errors[-1]
-    other = exchanged()
-    assert refused(other.model.deSerializeFMUstate, data) == ERROR
+    assert refused(native(2, "ModelExchange").fmu.deSerializeFMUstate, data) == ERROR
     clamp.restore(state)
 
 

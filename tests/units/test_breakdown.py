@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification import breakdown
-from pipeclamp_identification.concentration import drift_sentence, harmonic_sentence, region, region_sentence
+from pipeclamp_identification.concentration import (
+    cycles_sentence,
+    drift_sentence,
+    harmonic_sentence,
+    region,
+    region_sentence,
+)
 from pipeclamp_identification.error_sums import error_sums
 from pipeclamp_identification.loops import loops_of
 
@@ -77,6 +83,10 @@ def test_an_error_in_late_cycles_alone(sums_of):
         "cycle 7": pytest.approx(0.5, abs=0.01),
         "cycle 8": pytest.approx(0.5, abs=0.01),
     }
+    assert (
+        cycles_sentence(sums)
+        == "By cycle, 100% of it lies from cycle 7 of the records on; spread evenly, it would be 25%."
+    )
 
 
 def test_many_cycles_are_grouped(sums_of):
@@ -84,6 +94,17 @@ def test_many_cycles_are_grouped(sums_of):
     parts = breakdown.along_cycles(sums).parts
     assert len(parts) == breakdown.MOST_CYCLES
     assert parts[0].label == "cycles 1 to 5"
+    assert cycles_sentence(sums) is None
+
+
+def test_an_error_in_the_first_cycle_alone(sums_of):
+    def settling(phase, cycle):
+        return np.where(cycle == 0, 5.0, 0.0)
+
+    sums, _ = sums_of(({"cycles": 4}, {}, settling), ({"cycles": 6}, {}, settling))
+    assert cycles_sentence(sums) == (
+        "By cycle, 100% of it lies up to cycle 1 of the records; spread evenly, it would be 20%."
+    )
 
 
 def test_an_error_in_one_specimen_alone(sums_of):
@@ -132,7 +153,7 @@ def test_one_sentence_says_where_it_sits(sums_of):
 def test_an_error_that_is_everywhere_alike_has_no_place(sums_of):
     sums, _ = sums_of(*[({}, {}, lambda phase, cycle: np.cos(40 * phase))] * 2)
     assert region(sums, ()) is None
-    assert "spread over the loop" in region_sentence(None, breakdown.along_loop(sums))
+    assert "No place or condition" in region_sentence(None, breakdown.along_loop(sums))
 
 
 def test_an_error_that_is_scatter_is_said_to_be(sums_of):

@@ -17,9 +17,6 @@ enum { RUNNING = STEPPING | EVENT | CONTINUOUS, SETTABLE = INSTANTIATED | INITIA
 
 /* --- Messages */
 
-static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
-                                         "logStatusFatal"};
-
 /* The logger takes a format as of printf: percent signs are doubled. */
 static void hand_over(fmi2CallbackLogger logger, void *environment, const char *name, Status status, const char *text)
 {
@@ -32,7 +29,7 @@ static void hand_over(fmi2CallbackLogger logger, void *environment, const char *
     }
     format[length] = '\0';
     if (logger)
-        logger(environment, name ? name : "", (fmi2Status)status, CATEGORIES[status], format);
+        logger(environment, name ? name : "", (fmi2Status)status, LOG_CATEGORIES[status], format);
 }
 
 static void tell(const Instance *instance, Status status, const char *text)
@@ -163,17 +160,6 @@ FMU_API(fmi2Status, fmi2Reset)(fmi2Component component)
 
 /* --- Variables */
 
-static fmi2Status missing(const Instance *instance, const char *what)
-{
-    instance_say(instance, STATUS_ERROR, "%s is missing", what);
-    return fmi2Error;
-}
-
-static Status worse(Status first, Status second)
-{
-    return first > second ? first : second;
-}
-
 FMU_API(fmi2Status, fmi2GetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                  fmi2Real values[])
 {
@@ -181,7 +167,7 @@ FMU_API(fmi2Status, fmi2GetReal)(fmi2Component component, const fmi2ValueReferen
     size_t i;
     REQUIRE(READABLE);
     if (count > 0 && (!references || !values))
-        return missing(instance, "an array of value references or values");
+        return (fmi2Status)instance_misses(instance, "an array of value references or values");
     for (i = 0; i < count; i++)
         status = worse(status, instance_get_real(instance, references[i], &values[i]));
     return (fmi2Status)status;
@@ -194,7 +180,7 @@ FMU_API(fmi2Status, fmi2SetReal)(fmi2Component component, const fmi2ValueReferen
     size_t i;
     REQUIRE(SETTABLE);
     if (count > 0 && (!references || !values))
-        return missing(instance, "an array of value references or values");
+        return (fmi2Status)instance_misses(instance, "an array of value references or values");
     for (i = 0; i < count; i++)
         status = worse(status, instance_set_real(instance, references[i], values[i]));
     return (fmi2Status)status;
@@ -207,7 +193,7 @@ FMU_API(fmi2Status, fmi2GetBoolean)(fmi2Component component, const fmi2ValueRefe
     size_t i;
     REQUIRE(READABLE);
     if (count > 0 && (!references || !values))
-        return missing(instance, "an array of value references or values");
+        return (fmi2Status)instance_misses(instance, "an array of value references or values");
     for (i = 0; i < count; i++)
         status = worse(status, instance_get_flag(instance, references[i], &values[i]));
     return (fmi2Status)status;
@@ -220,22 +206,10 @@ FMU_API(fmi2Status, fmi2SetBoolean)(fmi2Component component, const fmi2ValueRefe
     size_t i;
     REQUIRE(SETTABLE);
     if (count > 0 && (!references || !values))
-        return missing(instance, "an array of value references or values");
+        return (fmi2Status)instance_misses(instance, "an array of value references or values");
     for (i = 0; i < count; i++)
         status = worse(status, instance_set_flag(instance, references[i], values[i]));
     return (fmi2Status)status;
-}
-
-/* There are no variables of these types. */
-static fmi2Status none_of_type(fmi2Component component, int modes, const char *function, size_t count)
-{
-    const Instance *instance = component;
-    if (!instance_may(instance, modes, function))
-        return fmi2Error;
-    if (count == 0)
-        return fmi2OK;
-    instance_say(instance, STATUS_ERROR, "%s: there are no variables of this type", function);
-    return fmi2Error;
 }
 
 #define NONE_OF_TYPE(function, value, modes)                                                                           \
@@ -244,7 +218,7 @@ static fmi2Status none_of_type(fmi2Component component, int modes, const char *f
     {                                                                                                                  \
         (void)references;                                                                                              \
         (void)values;                                                                                                  \
-        return none_of_type(component, (modes), __func__, count);                                                      \
+        return (fmi2Status)instance_none(component, (modes), __func__, count);                                         \
     }
 
 NONE_OF_TYPE(fmi2GetInteger, fmi2Integer, READABLE)
@@ -258,7 +232,7 @@ FMU_API(fmi2Status, fmi2GetDirectionalDerivative)(fmi2Component component, const
 {
     REQUIRE(READABLE);
     if ((unknown_count > 0 && (!unknowns || !product)) || (known_count > 0 && (!knowns || !seed)))
-        return missing(instance, "an array of value references or values");
+        return (fmi2Status)instance_misses(instance, "an array of value references or values");
     return (fmi2Status)instance_derivatives(instance, unknowns, unknown_count, knowns, known_count, 0, seed, product);
 }
 
@@ -267,7 +241,8 @@ FMU_API(fmi2Status, fmi2GetDirectionalDerivative)(fmi2Component component, const
 FMU_API(fmi2Status, fmi2GetFMUstate)(fmi2Component component, fmi2FMUstate *state)
 {
     REQUIRE(ANY_MODE);
-    return state ? (fmi2Status)instance_save(instance, (Saved **)state) : missing(instance, "the state's place");
+    return state ? (fmi2Status)instance_save(instance, (Saved **)state)
+                 : (fmi2Status)instance_misses(instance, "the state's place");
 }
 
 FMU_API(fmi2Status, fmi2SetFMUstate)(fmi2Component component, fmi2FMUstate state)
@@ -290,7 +265,7 @@ FMU_API(fmi2Status, fmi2SerializedFMUstateSize)(fmi2Component component, fmi2FMU
 {
     REQUIRE(ANY_MODE);
     if (!state || !size)
-        return missing(instance, "the state or its size's place");
+        return (fmi2Status)instance_misses(instance, "the state or its size's place");
     *size = saved_size();
     return fmi2OK;
 }
@@ -299,7 +274,7 @@ FMU_API(fmi2Status, fmi2SerializeFMUstate)(fmi2Component component, fmi2FMUstate
 {
     REQUIRE(ANY_MODE);
     if (!state || !bytes || size < saved_size())
-        return missing(instance, "the state or room for its bytes");
+        return (fmi2Status)instance_misses(instance, "the state or room for its bytes");
     saved_serialise(state, (unsigned char *)bytes);
     return fmi2OK;
 }
@@ -309,7 +284,7 @@ FMU_API(fmi2Status, fmi2DeSerializeFMUstate)(fmi2Component component, const fmi2
 {
     REQUIRE(ANY_MODE);
     if (!state)
-        return missing(instance, "the state's place");
+        return (fmi2Status)instance_misses(instance, "the state's place");
     return (fmi2Status)instance_deserialise(instance, (const unsigned char *)bytes, size, (Saved **)state);
 }
 
@@ -323,17 +298,9 @@ FMU_API(fmi2Status, fmi2DoStep)(fmi2Component component, fmi2Real time, fmi2Real
 }
 
 /* A step is done when fmi2DoStep returns: nothing can be cancelled, and inputs and outputs have no derivatives. */
-static fmi2Status not_able(fmi2Component component, const char *function)
-{
-    const Instance *instance = component;
-    if (instance_may(instance, ANY_MODE, function))
-        instance_say(instance, STATUS_ERROR, "%s: this FMU doesn't have that ability", function);
-    return fmi2Error;
-}
-
 FMU_API(fmi2Status, fmi2CancelStep)(fmi2Component component)
 {
-    return not_able(component, __func__);
+    return (fmi2Status)instance_lacks(component, __func__);
 }
 
 FMU_API(fmi2Status, fmi2SetRealInputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
@@ -343,7 +310,7 @@ FMU_API(fmi2Status, fmi2SetRealInputDerivatives)(fmi2Component component, const 
     (void)count;
     (void)order;
     (void)values;
-    return not_able(component, __func__);
+    return (fmi2Status)instance_lacks(component, __func__);
 }
 
 FMU_API(fmi2Status, fmi2GetRealOutputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
@@ -353,7 +320,7 @@ FMU_API(fmi2Status, fmi2GetRealOutputDerivatives)(fmi2Component component, const
     (void)count;
     (void)order;
     (void)values;
-    return not_able(component, __func__);
+    return (fmi2Status)instance_lacks(component, __func__);
 }
 
 /* Steps are never pending: only the last successful time has an answer. */
@@ -401,7 +368,7 @@ FMU_API(fmi2Status, fmi2NewDiscreteStates)(fmi2Component component, fmi2EventInf
 {
     REQUIRE(EVENT);
     if (!info)
-        return missing(instance, "the event's information");
+        return (fmi2Status)instance_misses(instance, "the event's information");
     memset(info, 0, sizeof *info);
     return fmi2OK;
 }
@@ -437,22 +404,11 @@ FMU_API(fmi2Status, fmi2GetEventIndicators)(fmi2Component component, fmi2Real in
     return (fmi2Status)instance_indicators(instance, indicators, count);
 }
 
-static fmi2Status no_states(fmi2Component component, int modes, const char *function, size_t count)
-{
-    const Instance *instance = component;
-    if (!instance_may(instance, modes, function))
-        return fmi2Error;
-    if (count == 0)
-        return fmi2OK;
-    instance_say(instance, STATUS_ERROR, "%s: there are no continuous states", function);
-    return fmi2Error;
-}
-
 #define OF_STATES(function, type, modes)                                                                               \
     FMU_API(fmi2Status, function)(fmi2Component component, type values[], size_t count)                                \
     {                                                                                                                  \
         (void)values;                                                                                                  \
-        return no_states(component, (modes), __func__, count);                                                         \
+        return (fmi2Status)instance_none(component, (modes), __func__, count);                                         \
     }
 
 OF_STATES(fmi2SetContinuousStates, const fmi2Real, CONTINUOUS)

@@ -80,6 +80,36 @@ static int instance_may(const Instance *instance, int modes, const char *functio
     return 0;
 }
 
+static Status instance_misses(const Instance *instance, const char *what)
+{
+    instance_say(instance, STATUS_ERROR, "%s is missing", what);
+    return STATUS_ERROR;
+}
+
+/* A function of an ability that this FMU doesn't claim. */
+static Status instance_lacks(const Instance *instance, const char *function)
+{
+    if (instance_may(instance, ANY_MODE, function))
+        instance_say(instance, STATUS_ERROR, "%s: this FMU doesn't have that ability", function);
+    return STATUS_ERROR;
+}
+
+/* A function of variables or states of which there are none: it may be called for none of them. */
+static Status instance_none(const Instance *instance, int modes, const char *function, size_t count)
+{
+    if (!instance_may(instance, modes, function))
+        return STATUS_ERROR;
+    if (count == 0)
+        return STATUS_OK;
+    instance_say(instance, STATUS_ERROR, "%s: this FMU has none of these", function);
+    return STATUS_ERROR;
+}
+
+static Status worse(Status first, Status second)
+{
+    return first > second ? first : second;
+}
+
 /* --- Steps */
 
 static void warn_once(Instance *instance)

@@ -19,6 +19,9 @@ typedef enum {
     ANY_MODE = 63
 } Mode;
 
+static const char *const LOG_CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
+                                             "logStatusFatal"};
+
 typedef struct Instance Instance;
 
 struct Instance {
@@ -48,6 +51,13 @@ static void instance_say(const Instance *instance, Status status, const char *fo
 
 /* Tell whether a function may be called now, and complain where it may not. */
 static int instance_may(const Instance *instance, int modes, const char *function);
+
+/* Answers to calls that can't be served. */
+static Status instance_misses(const Instance *instance, const char *what);
+static Status instance_lacks(const Instance *instance, const char *function);
+static Status instance_none(const Instance *instance, int modes, const char *function, size_t count);
+
+static Status worse(Status first, Status second);
 
 static Status instance_set_real(Instance *instance, unsigned reference, double value);
 static Status instance_set_flag(Instance *instance, unsigned reference, int value);

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from pipeclamp.law import Equations
 
 Array = npt.NDArray[np.float64]
 Compiled = Callable[..., Sequence[Any]]
+Slopes = tuple[tuple[tuple[int, int], ...], list[sp.Expr]]
 
 
 class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
@@ -43,30 +43,114 @@ class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
         return self._extremum("numpy.minimum", expression.args)
 
 
-@dataclass(frozen=True)
 class ArrayRealisation:
-    """Compiled functions of one set of equations.
+    """Functions of one set of equations, each compiled when it is first asked for.
 
     Arguments of `coefficients` are the slow signals, the parameters and v_r, y_r; `force` takes the fast signals,
     the states, the coefficients, the parameters and v_r, y_r; `update` the same as `force`; `lag` the parameters. The
-    derivative functions
-    return one entry for each pair in the matching index tuple; pairs that are absent are zero.
+    derivative functions return one entry for each pair in the matching index tuple; pairs that are absent are zero.
     """
 
-    slow: tuple[str, ...]
-    coefficients: Compiled
-    coefficient_slopes: Compiled
-    coefficient_slope_index: tuple[tuple[int, int], ...]
-    force: Compiled
-    force_slopes: Compiled
-    force_slope_index: tuple[int, ...]
-    update: Compiled
-    update_with_slopes: Compiled
-    update_slope_index: tuple[tuple[int, int], ...]
-    energy: Compiled
-    lag: Compiled
-    lag_slopes: Compiled
-    lag_slope_index: tuple[int, ...]
+    def __init__(self, equations: Equations) -> None:
+        self._equations = equations
+        self._parameters = [parameter.symbol for parameter in equations.parameters]
+        self._states = [state.symbol for state in equations.states]
+        self._updates = [state.update for state in equations.states]
+        self._coefficients = [entry.symbol for entry in equations.coefficients]
+        self._expressions = [entry.expression for entry in equations.coefficients]
+        slow = sorted(equations.slow_signals, key=str)
+        smoothing = [symbols.v_r, symbols.y_r]
+        self._slow_arguments = [*slow, *self._parameters, *smoothing]
+        self._fast_arguments = [*FAST_ARGUMENTS, *self._states, *self._coefficients, *self._parameters, *smoothing]
+        # What the fast functions are differentiated by, in this order: states, coefficients, parameters.
+        self._by = [*self._states, *self._coefficients, *self._parameters]
+        self.slow = tuple(str(symbol) for symbol in slow)
+
+    @cached_property
+    def coefficients(self) -> Compiled:
+        """The coefficients."""
+        return _compile(self._slow_arguments, self._expressions)
+
+    @cached_property
+    def _coefficient_slopes(self) -> Slopes:
+        return _nonzero_slopes(self._expressions, self._parameters)
+
+    @property
+    def coefficient_slope_index(self) -> tuple[tuple[int, int], ...]:
+        """(coefficient, parameter) of each of `coefficient_slopes`."""
+        return self._coefficient_slopes[0]
+
+    @cached_property
+    def coefficient_slopes(self) -> Compiled:
+        """The coefficients' derivatives by the parameters."""
+        return _compile(self._slow_arguments, self._coefficient_slopes[1])
+
+    @cached_property
+    def force(self) -> Compiled:
+        """The force in N, of states after their update."""
+        return _compile(self._fast_arguments, [self._equations.force])
+
+    @cached_property
+    def _force_slopes(self) -> Slopes:
+        return _nonzero_slopes([self._equations.force], self._by)
+
+    @property
+    def force_slope_index(self) -> tuple[int, ...]:
+        """What each of `force_slopes` is by: its place among states, coefficients, parameters."""
+        return tuple(column for _, column in self._force_slopes[0])
+
+    @cached_property
+    def force_slopes(self) -> Compiled:
+        """The force's derivatives by states, coefficients and parameters."""
+        return _compile(self._fast_arguments, self._force_slopes[1])
+
+    @cached_property
+    def update(self) -> Compiled:
+        """The states after a step."""
+        return _compile(self._fast_arguments, self._updates)
+
+    @cached_property
+    def _update_slopes(self) -> Slopes:
+        return _nonzero_slopes(self._updates, self._by)
+
+    @property
+    def update_slope_index(self) -> tuple[tuple[int, int], ...]:
+        """(state, place among states, coefficients, parameters) of each slope of `update_with_slopes`."""
+        return self._update_slopes[0]
+
+    @cached_property
+    def update_with_slopes(self) -> Compiled:
+        """The states after a step, then their derivatives."""
+        return _compile(self._fast_arguments, [*self._updates, *self._update_slopes[1]])
+
+    @cached_property
+    def energy(self) -> Compiled:
+        """The stored energy in N mm."""
+        return _compile(self._fast_arguments, [self._equations.energy])
+
+    @property
+    def in_time(self) -> bool:
+        """Whether the measured force has no lag."""
+        return bool(self._equations.lag == 0)
+
+    @cached_property
+    def lag(self) -> Compiled:
+        """The time in s by which the measured force is late."""
+        return _compile(self._parameters, [self._equations.lag])
+
+    @cached_property
+    def _lag_slopes(self) -> Slopes:
+        return _nonzero_slopes([self._equations.lag], self._parameters)
+
+    @property
+    def lag_slope_index(self) -> tuple[int, ...]:
+        """Parameter of each of `lag_slopes`."""
+        return tuple(column for _, column in self._lag_slopes[0])
+
+    @cached_property
+    def lag_slopes(self) -> Compiled:
+        """The lag's derivatives by the parameters."""
+        return _compile(self._parameters, self._lag_slopes[1])
 
 
 REFERENCES = {symbol: sp.sympify(value) for symbol, value in symbols.REFERENCES.items()}
@@ -80,9 +164,7 @@ def _compile(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> 
     return compiled
 
 
-def _nonzero_slopes(
-    expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol]
-) -> tuple[tuple[tuple[int, int], ...], list[sp.Expr]]:
+def _nonzero_slopes(expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol]) -> Slopes:
     """Give the derivatives that don't vanish and their (expression, symbol) indices."""
     index: list[tuple[int, int]] = []
     slopes: list[sp.Expr] = []
@@ -96,35 +178,5 @@ def _nonzero_slopes(
 
 @lru_cache(maxsize=128)
 def realise(equations: Equations) -> ArrayRealisation:
-    """Compile the equations; the same equations are compiled once."""
-    parameters = [parameter.symbol for parameter in equations.parameters]
-    smoothing = [symbols.v_r, symbols.y_r]
-    slow = sorted(equations.slow_signals, key=str)
-    coefficients = [entry.symbol for entry in equations.coefficients]
-    coefficient_expressions = [entry.expression for entry in equations.coefficients]
-    states = [state.symbol for state in equations.states]
-    updates = [state.update for state in equations.states]
-    slow_arguments = [*slow, *parameters, *smoothing]
-    fast_arguments = [*FAST_ARGUMENTS, *states, *coefficients, *parameters, *smoothing]
-    coefficient_index, coefficient_slopes = _nonzero_slopes(coefficient_expressions, parameters)
-    # What the fast functions are differentiated by, in this order: states, coefficients, parameters.
-    by = [*states, *coefficients, *parameters]
-    force_index, force_slopes = _nonzero_slopes([equations.force], by)
-    update_index, update_slopes = _nonzero_slopes(updates, by)
-    lag_index, lag_slopes = _nonzero_slopes([equations.lag], parameters)
-    return ArrayRealisation(
-        slow=tuple(str(symbol) for symbol in slow),
-        coefficients=_compile(slow_arguments, coefficient_expressions),
-        coefficient_slopes=_compile(slow_arguments, coefficient_slopes),
-        coefficient_slope_index=coefficient_index,
-        force=_compile(fast_arguments, [equations.force]),
-        force_slopes=_compile(fast_arguments, force_slopes),
-        force_slope_index=tuple(column for _, column in force_index),
-        update=_compile(fast_arguments, updates),
-        update_with_slopes=_compile(fast_arguments, [*updates, *update_slopes]),
-        update_slope_index=update_index,
-        energy=_compile(fast_arguments, [equations.energy]),
-        lag=_compile(parameters, [equations.lag]),
-        lag_slopes=_compile(parameters, lag_slopes),
-        lag_slope_index=tuple(column for _, column in lag_index),
-    )
+    """Give the equations as array functions; the same equations are compiled once."""
+    return ArrayRealisation(equations)

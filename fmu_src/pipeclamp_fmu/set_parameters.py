@@ -1,0 +1,69 @@
+"""Putting another law's parameters into a finished clamp FMU, without a compiler."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_whole
+from pipeclamp.parameter_file import LawFile
+from pipeclamp_fmu.build import build_clamp, native_clamp_content
+from pipeclamp_fmu.native_fmu import native_files
+from pipeclamp_fmu.native_sources import c_sources
+from pipeclamp_fmu.packing import zipped
+
+GENERATED = ("sources/law.h", "sources/layout.h")
+"""What says which equations and variables a native FMU has."""
+
+PYTHON_CLAMP = re.compile(r"resources/clamp_[0-9a-f]{16}\.py")
+
+
+def set_parameters(fmu: Path, file: LawFile, output: Path) -> None:
+    """Put a law's parameters, range and documentation into a clamp FMU.
+
+    A native FMU keeps its libraries, so that the law must have the equations that they were compiled from. A Python FMU
+    takes any law.
+
+    Args:
+        fmu: an FMU built by this program, of either kind.
+        file: the law.
+        output: the FMU to write, whole or not at all; may be `fmu`.
+
+    Raises:
+        UserError: the file is no such FMU, the law has other equations, or as `build_clamp`.
+    """
+    files = _read(fmu)
+    if set(GENERATED) <= files.keys():
+        write_whole(output, zipped(_native_with(fmu, files, file)))
+    elif any(PYTHON_CLAMP.fullmatch(name) for name in files):
+        build_clamp(file, output)
+    else:
+        raise UserError(f"{fmu}: not a clamp FMU; expected one made by `pipeclamp build-fmu`")
+
+
+def _read(fmu: Path) -> dict[str, bytes]:
+    try:
+        with zipfile.ZipFile(fmu) as archive:
+            return {name: archive.read(name) for name in archive.namelist()}
+    except (OSError, zipfile.BadZipFile) as error:
+        raise UserError(f"{fmu}: not a readable FMU ({error}); expected one made by `pipeclamp build-fmu`") from error
+
+
+def _native_with(fmu: Path, files: dict[str, bytes], file: LawFile) -> dict[str, bytes]:
+    """Give the files of a native FMU with another law's values."""
+    description = ElementTree.fromstring(files["modelDescription.xml"])
+    fmi = int(description.get("fmiVersion", "")[0])
+    identifier = next(description.iter("CoSimulation")).get("modelIdentifier", "")
+    content = native_clamp_content(file)
+    sources = c_sources(content.model, fmi, identifier)
+    for name in GENERATED:
+        if files[name] != sources[name.removeprefix("sources/")].encode("utf-8"):
+            raise UserError(
+                f"{fmu}: compiled for other equations than those of law {file.name!r} (base {file.base}, effects "
+                f"{', '.join(file.effects) or 'none'}); expected a law of the same base and effects, else build anew: "
+                "pipeclamp build-fmu --kind native"
+            )
+    return files | native_files(content, identifier, fmi)

@@ -1,0 +1,217 @@
+"""One law in every realisation: arrays, plain Python, the Python slave, native FMI 2.0 and 3.0, both interfaces."""
+
+import math
+import random
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from native_driver import INTERFACES, NativeDriver
+from test_effect_contract import SMOOTHING, STRUCTURES, name_of, sound_values
+
+from pipeclamp.bundled import open_law
+from pipeclamp.law import Structure, compose
+from pipeclamp.parameter_file import CoefficientEntry, Interval
+from pipeclamp.response import Motion, respond
+from pipeclamp_fmu.build import KNOWN_SIGNALS, clamp_model, native_clamp_content
+from pipeclamp_fmu.clamp import clamp_module
+from pipeclamp_fmu.compile import default_platforms
+from pipeclamp_fmu.native_fmu import write_native_fmu
+from pipeclamp_fmu.passivity import loaded
+
+CLAMP = ("base", "clamp")
+IN_AN_FMU = [
+    structure
+    for structure in STRUCTURES
+    if compose(structure, CLAMP).slow_signals <= KNOWN_SIGNALS
+    and not any(effect.part == "rig" for effect in structure.all_effects())
+]
+COMPOSED = [
+    Structure("power", ("memory:2", "relaxation", "gap", "directional_damping", "damping_temperature")),
+    Structure("series:5:2", ("hardening", "coulomb", "contact_growth", "memory")),
+    Structure("memory", ("end_stop", "asymmetry", "stiffness_frequency", "viscous")),
+]
+CONDITIONS = {"A": 0.6, "f": 3.0, "T": 400.0}
+H = 2e-3
+SAME = {"rtol": 1e-10, "atol": 1e-9}
+
+
+def law_file(structure, values):
+    """A law as a parameter file, over the usual range."""
+    names = compose(structure, CLAMP).names
+    return open_law("emwm2").model_copy(
+        update={
+            "name": name_of(structure),
+            "base": structure.base,
+            "effects": structure.effects,
+            "smoothing": {"v_r": SMOOTHING[0], "y_r": SMOOTHING[1]},
+            "coefficients": {name: CoefficientEntry(value=values[name], unit="", state="given") for name in names},
+            "range": {
+                name: Interval(minimum=low, maximum=high, unit="")
+                for name, (low, high) in {"A": (0.2, 1.0), "f": (1.0, 5.0), "T": (293.15, 573.15)}.items()
+            },
+        }
+    )
+
+
+def wandering(seed, count=60):
+    """A motion from rest that turns round at irregular points, y in mm and v in mm/s as of the straight way."""
+    rng = random.Random(seed)
+    y = [0.0]
+    for _ in range(count):
+        y.append(min(max(y[-1] + rng.gauss(0.0, 0.2), -1.0), 1.0))
+    return np.array(y[1:]), np.diff(y) / H
+
+
+def by_arrays(structure, values, y, v):
+    """Force from the vectorised realisation."""
+    equations = compose(structure, CLAMP)
+    slow = {name: np.array([[value]]) for name, value in CONDITIONS.items()}
+    motion = Motion(y[None], v[None], 0 * y[None], slow, np.array([[H]]), periodic=False)
+    return respond(equations, [values[name] for name in equations.names], SMOOTHING, motion).force[0]
+
+
+def by_scalars(model, y, v):
+    """Force, dissipated energy (J) and states from the plain source."""
+    law = loaded(model.source)
+    k, state, y_before = law.coefficients(*CONDITIONS.values()), tuple(start for _, start in law.states), 0.0
+    force_before, energy_before, _ = law.step(k, state, 0.0, 0.0, 0.0, 0.0)
+    rows, lost = [], 0.0
+    for place, speed in zip(y.tolist(), v.tolist(), strict=True):
+        force, energy, state = law.step(k, state, y_before, place, speed, H)
+        lost += 1e-3 * ((force_before + force) / 2 * (place - y_before) - (energy - energy_before))
+        y_before, force_before, energy_before = place, force, energy
+        rows.append((force, lost, *state))
+    return np.array(rows)
+
+
+def by_slave(model, y, v):
+    """Force and dissipated energy from the Python FMU's own module."""
+    scope = {"__name__": "clamp_under_test"}
+    exec(clamp_module(model), scope)
+    slave = scope["ClampSlave"](instance_name="slave")
+    slave.set_real([3, 4, 5], [1e-3 * CONDITIONS["A"], CONDITIONS["f"], CONDITIONS["T"]])
+    slave.exit_initialization_mode()
+    rows = []
+    for index, (place, speed) in enumerate(zip(y.tolist(), v.tolist(), strict=True)):
+        slave.set_real([0, 1], [1e-3 * place, 1e-3 * speed])
+        assert slave.do_step(index * H, H)
+        rows.append(slave.get_real([6, 10]))
+    return np.array(rows)
+
+
+def native_start(**further):
+    return {"A": 1e-3 * CONDITIONS["A"], "f": CONDITIONS["f"], "T": CONDITIONS["T"], **further}
+
+
+def by_native(driver, states, y, v):
+    """Force, dissipated energy and states from a native FMU."""
+    rows = []
+    for place, speed in zip(y.tolist(), v.tolist(), strict=True):
+        driver.step(H, 1e-3 * place, 1e-3 * speed)
+        rows.append(driver.get("flange.f", "energyDissipated", *(f"memory.{name}" for name in states)))
+    return np.array(rows)
+
+
+@contextmanager
+def native(file, folder):
+    """Build a law's native FMUs; give a function that makes an instance for a version and an interface."""
+    platforms = {fmi: default_platforms(fmi) for fmi in (2, 3)}
+    if not all(platforms.values()):
+        pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
+    content = native_clamp_content(file)
+    for fmi in (2, 3):
+        write_native_fmu(content, folder / f"{fmi}.fmu", fmi, platforms[fmi])
+    made = []
+
+    def make(fmi, kind, start):
+        made.append(NativeDriver(folder / f"{fmi}.fmu", folder / str(len(made)), kind, start))
+        return made[-1]
+
+    try:
+        yield make
+    finally:
+        for driver in made:
+            driver.free()
+
+
+@pytest.mark.parametrize("structure", IN_AN_FMU + COMPOSED, ids=name_of)
+def test_every_realisation_gives_the_same(structure, tmp_path):
+    """Forces, states and energies to 1e-10."""
+    values = sound_values(structure)
+    file = law_file(structure, values)
+    y, v = wandering(seed=len(name_of(structure)))
+    model = clamp_model(file)
+    states = [str(state.symbol) for state in compose(structure, CLAMP).states]
+    expected = by_scalars(model, y, v)
+    np.testing.assert_allclose(by_arrays(structure, values, y, v), expected[:, 0], **SAME)
+    np.testing.assert_allclose(by_slave(model, y, v), expected[:, :2], **SAME)
+    with native(file, tmp_path) as make:
+        for fmi, kind in INTERFACES:
+            driver = make(fmi, kind, native_start())
+            np.testing.assert_allclose(by_native(driver, states, y, v), expected, **SAME, err_msg=f"{fmi} {kind}")
+
+
+@pytest.fixture(scope="module")
+def composed(tmp_path_factory):
+    """Give an instance of every interface for a composed law, and the law's parameter file."""
+    structure = COMPOSED[0]
+    file = law_file(structure, sound_values(structure))
+    with native(file, tmp_path_factory.mktemp("composed")) as make:
+        yield structure, file, [make(fmi, kind, native_start()) for fmi, kind in INTERFACES]
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seed=st.integers(0, 10**6), shares=st.lists(st.floats(0.5, 2.0), min_size=30, max_size=30))
+def test_random_laws_and_motions_give_the_same(composed, seed, shares):
+    """Coefficients are set through the FMU's parameters, so that one build serves every law."""
+    structure, file, drivers = composed
+    values = {
+        name: share * entry.value for (name, entry), share in zip(file.coefficients.items(), shares, strict=False)
+    }
+    y, v = wandering(seed)
+    states = [str(state.symbol) for state in compose(structure, CLAMP).states]
+    expected = by_scalars(clamp_model(law_file(structure, values)), y, v)
+    for driver in drivers:
+        driver.fmu.reset()
+        driver.start(native_start(**{f"law.{name}": value for name, value in values.items()}))
+        np.testing.assert_allclose(by_native(driver, states, y, v), expected, **SAME)
+
+
+bad_values = st.one_of(st.sampled_from([math.nan, math.inf, -math.inf, 0.0, -1.0, 1e300]), st.floats(1e-4, 2e-3))
+names = st.sampled_from(["flange.s", "flange.v", "T_in", "A", "f", "T"])
+moves = st.lists(st.tuples(names, bad_values, st.sampled_from([1e-3, 0.0, -1e-3, math.nan])), max_size=12)
+
+
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(sequence=moves, track=st.booleans(), from_input=st.booleans())
+def test_guards_are_those_of_the_python_slave(composed, sequence, track, from_input):
+    """The same steps are discarded, with the same outputs after them and inRange alike."""
+    _, file, drivers = composed
+    scope = {"__name__": "clamp_under_test"}
+    exec(clamp_module(clamp_model(file)), scope)
+    slave = scope["ClampSlave"](instance_name="slave")
+    slave.set_boolean([11, 12], [from_input, track])
+    slave.exit_initialization_mode()
+    order = ["flange.s", "flange.v", "T_in", "A", "f", "T"]
+    outputs = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated")
+    steppers = [driver for driver in drivers if not driver.exchanged]
+    for driver in steppers:
+        driver.fmu.reset()
+        driver.start({"useTemperatureInput": from_input, "track": track})
+    for name, value, h in sequence:
+        slave.set_real([order.index(name)], [value])
+        done = slave.do_step(0.0, h)
+        expected = slave.get_real(list(range(6, 11)))
+        for driver in steppers:
+            driver.set({name: value})
+            try:
+                driver.fmu.doStep(0.0, h)
+                status = 0
+            except Exception as refusal:
+                status = refusal.status
+            assert status == (0 if done else 2)
+            np.testing.assert_allclose(driver.get(*outputs), expected, **SAME)
+            assert driver.flag("inRange") == slave.get_boolean([13])[0]
