@@ -100,6 +100,7 @@ def balance(law: ScalarLaw, cycle: Cycle, A: float, f: float, T: float, samples:
         motion.append((A * y, A * angular * v))
     state = tuple(start for _, start in law.states)
     y_previous = motion[0][0]
+    law.step(k, state, y_previous, y_previous, 0.0, 0.0)  # as where conditions change: it must have a value there
     work = moved = before = energy = 0.0
     for turn in range(2):
         work = moved = 0.0

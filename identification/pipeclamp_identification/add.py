@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from pipeclamp.catalogue import find_effect
+from pipeclamp.declaration import Declaration
 from pipeclamp.effect import Effect
 from pipeclamp.errors import UserError
 from pipeclamp.law import Structure, compose
@@ -47,6 +47,7 @@ def add_effect(
     *,
     command: str,
     date: str | None,
+    declared: Iterable[Declaration] = (),
     progress: Progress | None = None,
 ) -> Addition:
     """Add an effect to a law and refit everything to a campaign.
@@ -55,6 +56,7 @@ def add_effect(
         file: the law.
         effect: name of the effect.
         campaign: the tests to refit to.
+        declared: a user's own effects.
         command: the command that makes the new file again.
         date: when it is made; None leaves the line out.
         progress: is told what is being done.
@@ -62,7 +64,7 @@ def add_effect(
     Raises:
         UserError: the effect isn't known or is there already, or the data can't serve it.
     """
-    new = with_effect(structure_of(file), effect)
+    new = with_effect(structure_of(file).with_declared(declared), effect)
     return _changed(file, new, f"+ {effect}", campaign, command=command, date=date, progress=progress)
 
 
@@ -127,13 +129,12 @@ def with_effect(structure: Structure, effect: str) -> Structure:
     Raises:
         UserError: the effect is there already, or it is part of the base law.
     """
-    added = Structure(structure.base, (effect,), declared=structure.declared).all_effects()[-1]
+    added = structure.effect(effect)
     if added.part == "base":
         raise UserError(f"effect {effect!r} is a term of base laws; choose a base with identify --base")
     if added.name in {present.name for present in structure.all_effects()}:
         raise UserError(f"effect {effect!r} is in the law already, base {structure.base!r} with {structure.effects}")
-    declared = dict(structure.declared)
-    kept = tuple(name for name in structure.effects if not _replaces(added, find_effect(name, declared)))
+    kept = tuple(name for name in structure.effects if not _replaces(added, structure.effect(name)))
     return replace(structure, effects=(*kept, effect))
 
 

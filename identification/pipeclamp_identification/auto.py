@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pipeclamp.declaration import Declaration
 from pipeclamp.parameter_file import LawFile
 from pipeclamp_identification.add import Addition, add_effect
 from pipeclamp_identification.campaign import Campaign
@@ -28,6 +30,7 @@ def add_until_settled(
     campaign: Campaign,
     *,
     command: str,
+    declared: Sequence[Declaration] = (),
     limits: Limits | None = None,
     progress: Progress | None = None,
 ) -> Settled:
@@ -38,10 +41,12 @@ def add_until_settled(
     """
     additions: list[Addition] = []
     while True:
-        answer = answer_for(file, campaign, limits=limits, progress=progress)
+        answer = answer_for(file, campaign, declared=declared, limits=limits, progress=progress)
         if answer.verdict != "missing" or len(additions) == MOST_EFFECTS:
             return Settled(file, answer, tuple(additions))
-        addition = add_effect(file, named(answer), campaign, command=command, date=file.date, progress=progress)
+        addition = add_effect(
+            file, named(answer), campaign, command=command, date=file.date, declared=declared, progress=progress
+        )
         if addition.heldout[1] >= addition.heldout[0]:
             return Settled(file, answer, tuple(additions))
         additions.append(addition)

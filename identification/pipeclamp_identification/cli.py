@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -91,7 +92,13 @@ LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or th
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
 ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
 StrictOption = Annotated[bool, typer.Option("--strict", help="A run that can't be used is an error.")]
-EffectsOption = Annotated[str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`.")]
+EffectsOption = Annotated[
+    str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")
+]
+DeclaredOption = Annotated[
+    list[Path] | None,
+    typer.Option("--declared", metavar="F.toml", help="An effect of your own, by declaration; any number of times."),
+]
 ReproducibleOption = Annotated[bool, typer.Option("--reproducible", help="Leave out the date.")]
 
 
@@ -137,20 +144,24 @@ def identify(
     ] = BaseLaw.power,
     method: Annotated[FitMethod, typer.Option(help="All at once, or the paper's route by itself.")] = FitMethod.joint,
     freeze: Annotated[str, typer.Option(metavar="name=value,...", help="Parameters that are held, not fitted.")] = "",
+    declared: DeclaredOption = None,
     name: Annotated[str | None, typer.Option(help="Name of the law; the campaign's by default.")] = None,
     report: ReportOption = None,
     strict: StrictOption = False,
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
+    from pipeclamp.declaration import read_effects
     from pipeclamp.parameter_file import law_text
     from pipeclamp_identification import identify as identification
 
     with told("identify") as tell:
+        ids, declarations = read_effects(_names(effects), declared or ())
         tests = _read(campaign, strict, tell)
         found = identification.identify(
-            tests, base=base.value, effects=_names(effects), frozen=_values(freeze), method=method.value, progress=tell
-        )
+            tests, base=base.value, effects=ids, frozen=_values(freeze), method=method.value, declared=declarations,
+            progress=tell,
+        )  # fmt: skip
         file = identification.law_file(
             found, tests, name=name or tests.name, command=_command(), date=None if reproducible else _now()
         )
@@ -209,10 +220,12 @@ def diagnose(
     limits: Annotated[
         str, typer.Option(metavar="A=0.1..2,f=0.5..20,T=20..300", help="What the rig can do, for the next test.")
     ] = "",
+    declared: DeclaredOption = None,
     strict: StrictOption = False,
 ) -> None:
     """Which physical effect does the law lack? Or which test would tell?"""
     from pipeclamp.bundled import open_law
+    from pipeclamp.declaration import read_effects
     from pipeclamp.parameter_file import law_text
     from pipeclamp_identification import diagnosis_report
     from pipeclamp_identification.auto import add_until_settled
@@ -220,10 +233,13 @@ def diagnose(
 
     with told("diagnose") as tell:
         file = open_law(law)
+        _, declarations = read_effects((), declared or ())
         tests = _read(campaign, strict, tell)
         reach = parse_limits(limits) if limits else None
         if auto:
-            settled = add_until_settled(file, tests, command=_command(), limits=reach, progress=tell)
+            settled = add_until_settled(
+                file, tests, command=_command(), declared=declarations, limits=reach, progress=tell
+            )
             file, answer = settled.file, settled.answer
             for addition in settled.additions:
                 console.print(
@@ -232,7 +248,7 @@ def diagnose(
                     highlight=False,
                 )
         else:
-            answer = diagnosis_report.answer_for(file, tests, limits=reach, progress=tell)
+            answer = diagnosis_report.answer_for(file, tests, declared=declarations, limits=reach, progress=tell)
         sections = diagnosis_report.answer_sections(answer) if report else []
     if auto:
         write_whole(auto, law_text(file))
@@ -257,32 +273,38 @@ def remove(
     """Take an effect out of a law, refit the rest, and say what the error did."""
     from pipeclamp_identification.add import remove_effect
 
-    _change(remove_effect, "remove", law, effect, campaign, output, strict=strict, reproducible=reproducible)
+    _change(partial(remove_effect, effect=effect), "remove", law, campaign, output, strict, reproducible)
 
 
 @app.command(epilog="Example: pipeclamp add law.json memory my_campaign -o law2.json")
 def add(
     law: LawArgument,
-    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect to add, see `pipeclamp effects`.")],
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect, see `pipeclamp effects`, or F.toml.")],
     campaign: CampaignFolder,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW2.json", help="The parameter file to write.")],
+    declared: DeclaredOption = None,
     strict: StrictOption = False,
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Add an effect to a law, refit everything, and say what the error did."""
+    from pipeclamp.declaration import read_effects
     from pipeclamp_identification.add import add_effect
 
-    _change(add_effect, "add", law, effect, campaign, output, strict=strict, reproducible=reproducible)
+    (name,), declarations = read_effects((effect,), declared or ())
+    change = partial(add_effect, effect=name, declared=declarations)
+    _change(change, "add", law, campaign, output, strict, reproducible)
 
 
 @app.command(epilog="Example: pipeclamp effects")
-def effects() -> None:
+def effects(declared: DeclaredOption = None) -> None:
     """The catalogue: every effect, what it looks like when it is missing, and what imitates it."""
     from pipeclamp.catalogue import entries, find_effect
+    from pipeclamp.declaration import effect_of, read_effects
     from pipeclamp_identification.report import Table
 
     needs_argument = {name for name, entry in entries().items() if getattr(entry, "default", "") is None}
     catalogue = [find_effect(f"{name}:column" if name in needs_argument else name) for name in entries()]
+    catalogue += [effect_of(declaration) for declaration in read_effects((), declared or ())[1]]
     rows = [
         (effect.name, effect.part, effect.looks_like, ", ".join(effect.imitated_by), effect.told_apart_by)
         for effect in catalogue
@@ -297,6 +319,7 @@ def rig(
         Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")
     ],
     effects: EffectsOption = "",
+    declared: DeclaredOption = None,
     set_values: Annotated[str, typer.Option("--set", metavar="name=value,...", help="Values of parameters.")] = "",
     amplitudes: Annotated[str, typer.Option(metavar="mm,...")] = "0.2,0.5,0.8,1",
     frequencies: Annotated[str, typer.Option(metavar="Hz,...")] = "1,3,5",
@@ -316,6 +339,7 @@ def rig(
 ) -> None:
     """A virtual campaign of a law: would this test plan see that effect?"""
     from pipeclamp.bundled import open_law
+    from pipeclamp.declaration import read_effects
     from pipeclamp_identification import rig as virtual
 
     with told("rig") as tell:
@@ -335,7 +359,8 @@ def rig(
             temperature_error=temperature_error,
             seed=seed,
         )
-        truth, conditions = virtual.truth_law(open_law(law), _names(effects), _values(set_values))
+        ids, declarations = read_effects(_names(effects), declared or ())
+        truth, conditions = virtual.truth_law(open_law(law), ids, _values(set_values), declarations)
         count = virtual.write_campaign(
             output, virtual.virtual_runs(truth, plan, conditions), name=output.name, notes=f"Virtual rig: {_command()}",
             format=format.value, progress=tell,
@@ -500,10 +525,8 @@ def _change(
     change: Callable[..., Addition],
     title: str,
     law: str,
-    effect: str,
     campaign: Path,
     output: Path,
-    *,
     strict: bool,
     reproducible: bool,
 ) -> None:
@@ -516,7 +539,7 @@ def _change(
         file = open_law(law)
         tests = _read(campaign, strict, tell)
         date = None if reproducible else _now()
-        changed = change(file, effect, tests, command=_command(), date=date, progress=tell)
+        changed = change(file, campaign=tests, command=_command(), date=date, progress=tell)
     write_whole(output, law_text(changed.after))
     _print_table(addition_table(changed))
     _print_law(changed.after, output)
@@ -589,7 +612,11 @@ def _numbers(text: str, where: str) -> tuple[float, ...]:
 
 def _command() -> str:
     """Give the command as it was called, paths by their last part, so that it reads the same everywhere."""
-    words = [word if word.startswith("-") else Path(word).name or word for word in sys.argv[1:]]
+
+    def last(word: str) -> str:
+        return ",".join(Path(part).name or part for part in word.split(","))
+
+    words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
     return " ".join(["pipeclamp", *words])
 
 

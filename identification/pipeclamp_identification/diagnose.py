@@ -151,7 +151,8 @@ def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str
             names += [size for size in MEMORY_SIZES if _elements(size) > _elements_present(structure)]
         elif name not in present:
             names.append(name)
-    further = [*(f"condition:{column}" for column in conditions), *(name for name, _ in structure.declared)]
+    declared = (declaration.id for declaration in structure.declared)
+    further = [*(f"condition:{column}" for column in conditions), *declared]
     return names + [name for name in further if name not in structure.effects]
 
 
@@ -209,7 +210,7 @@ def _simplest(judged: Sequence[Judged]) -> list[Judged]:
 def _alive(judged: Judged, structure: Structure, problem: Problem) -> Judged:
     """Give a law of several slip elements without those that came out dead, refitted from the living ones."""
     name = judged.effects[-1]
-    states = len(find_effect(name, dict(structure.declared)).states)
+    states = len(structure.effect(name).states)
     if effect_id(name) != "memory" or states < 2:
         return judged
     values = judged.result.law.values
@@ -249,6 +250,8 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
         larger = with_effect(structure, name)
         points = starting_points(larger, problem.observations, law.result.law.values)
     except UserError:
+        if any(declaration.id == name for declaration in structure.declared):
+            raise  # who declares an effect wants to know why it can't be tried
         return None
     steps = [linearised(larger, problem.observations, point) for point in points]
     costs = [step.cost_after_one_step() for step in steps]

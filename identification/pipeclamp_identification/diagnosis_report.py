@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from pipeclamp.declaration import Declaration
 from pipeclamp.parameter_file import LawFile, structure_of
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.compare import Comparison, compare
@@ -59,15 +61,20 @@ class Answer:
 
 
 def answer_for(
-    file: LawFile, campaign: Campaign, *, limits: Limits | None = None, progress: Progress | None = None
+    file: LawFile,
+    campaign: Campaign,
+    *,
+    declared: Iterable[Declaration] = (),
+    limits: Limits | None = None,
+    progress: Progress | None = None,
 ) -> Answer:
-    """Diagnose the law of a parameter file on a campaign.
+    """Diagnose the law of a parameter file on a campaign; a user's declared effects are candidates too.
 
     Raises:
         UserError: the data can't serve the law.
     """
     comparison = compare(file, campaign)
-    diagnosis = diagnose(structure_of(file), comparison.loops, progress=progress)
+    diagnosis = diagnose(structure_of(file).with_declared(declared), comparison.loops, progress=progress)
     if progress:
         progress("what is left over")
     best = misfits(diagnosis.best.result.law, campaign, comparison.loops)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import importlib.metadata
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
 from pipeclamp.law import Structure, compose
 from pipeclamp.parameter_file import (
@@ -67,6 +68,7 @@ def identify(
     effects: Sequence[str] = (),
     frozen: Mapping[str, float] | None = None,
     method: Method = "joint",
+    declared: Iterable[Declaration] = (),
     progress: Progress | None = None,
 ) -> Identification:
     """Identify a law from all runs of a campaign.
@@ -78,6 +80,7 @@ def identify(
         frozen: values of parameters that are not to be fitted, by name.
         method: "joint" fits everything at once; "surfaces" is the paper's route by itself, loop by loop and then
             surfaces over the conditions (power base without effects).
+        declared: a user's own effects.
         progress: is told what is being done.
 
     Raises:
@@ -87,10 +90,11 @@ def identify(
     tell(f"loops of {len(campaign.runs)} runs")
     loops = loops_of(campaign)
     observations = loop_observations(loops)
+    structure = Structure(base, tuple(effects)).with_declared(declared)
     if base == "series":
         tell("orders of the series")
-        base = choose_series(loops, observations, tuple(effects))
-    structure = Structure(base, tuple(effects), tuple(sorted((frozen or {}).items())))
+        structure = choose_series(loops, observations, structure)
+    structure = replace(structure, frozen=tuple(sorted((frozen or {}).items())))
     _refuse_unknown(structure)
     result = fit_structure(structure, loops, observations, method=method, progress=tell)
     tell("error on every sample")
@@ -174,6 +178,7 @@ def law_file(
         name=name,
         base=result.law.structure.base,
         effects=result.law.structure.effects,
+        declared=tuple(entry for entry in result.law.structure.declared if entry.id in result.law.structure.effects),
         smoothing={"v_r": rounded(result.law.v_r), "y_r": rounded(result.law.y_r)},
         coefficients=coefficient_entries(result),
         covariance=Covariance(names=names, matrix=tuple(tuple(rounded(entry) for entry in row) for row in matrix)),

@@ -6,7 +6,7 @@ import gzip
 import itertools
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 import polars as pl
 
+from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
 from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile, law_of
@@ -249,13 +250,16 @@ def _encoded(table: pl.DataFrame, format: Format) -> bytes:
     return gzip.compress(content, mtime=0) if format == "csv.gz" else content
 
 
-def truth_law(file: LawFile, effects: Sequence[str], values: Mapping[str, float]) -> tuple[Law, dict[str, float]]:
+def truth_law(
+    file: LawFile, effects: Sequence[str], values: Mapping[str, float], declared: Iterable[Declaration] = ()
+) -> tuple[Law, dict[str, float]]:
     """Give the law that the virtual clamp obeys: a law file's, with further effects and other values.
 
     Args:
         file: the law to begin with.
         effects: names of effects to add; their parameters must be given.
         values: parameters by name; what is no parameter is a further condition, the same in every run.
+        declared: a user's own effects.
 
     Returns:
         the law, and the further conditions.
@@ -264,7 +268,7 @@ def truth_law(file: LawFile, effects: Sequence[str], values: Mapping[str, float]
         UserError: an effect isn't known, or a parameter of an added one isn't given.
     """
     law = law_of(file)
-    structure = replace(law.structure, effects=(*law.structure.effects, *effects), frozen=())
+    structure = replace(law.structure.with_declared(declared), effects=(*law.structure.effects, *effects), frozen=())
     names = compose(structure).names
     known = {**law.values, **values}
     missing = [name for name in names if name not in known]

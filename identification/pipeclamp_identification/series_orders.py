@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from pipeclamp.effects.damping_series import HIGHEST_ORDER as HIGHEST_DAMPING
 from pipeclamp.effects.elastic_series import HIGHEST_ORDER as HIGHEST_ELASTIC
 from pipeclamp.law import Structure
@@ -14,18 +16,20 @@ WORTH = 0.98
 """A higher order stays when it brings the error on left-out conditions below this share of the one before."""
 
 
-def choose_series(loops: Loops, observations: LoopObservations, effects: tuple[str, ...]) -> str:
-    """Give the name of the series base, orders raised in turn while the error on left-out conditions falls.
+def choose_series(loops: Loops, observations: LoopObservations, structure: Structure) -> Structure:
+    """Give the structure on a series base, orders raised in turn while the error on left-out conditions falls.
 
     Args:
         loops: the tests.
         observations: the same, as observations.
-        effects: effects that are fitted with the series.
+        structure: the effects that are fitted with the series.
     """
 
+    def of(orders: list[int]) -> Structure:
+        return replace(structure, base=f"series:{orders[0]}:{orders[1]}")
+
     def error_of(orders: list[int]) -> float:
-        structure = Structure(f"series:{orders[0]}:{orders[1]}", effects)
-        return heldout_nrmse(fit(structure, observations).law, loops, observations)
+        return heldout_nrmse(fit(of(orders), observations).law, loops, observations)
 
     orders = [1, 1]
     best = error_of(orders)
@@ -43,4 +47,4 @@ def choose_series(loops: Loops, observations: LoopObservations, effects: tuple[s
                 if error < WORTH * best:
                     orders, best, raised = trial, error, True
                     break
-    return f"series:{orders[0]}:{orders[1]}"
+    return of(orders)

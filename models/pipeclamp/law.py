@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -10,10 +10,16 @@ import sympy as sp
 
 from pipeclamp import symbols
 from pipeclamp.catalogue import find_effect
+from pipeclamp.declaration import Declaration, effect_of, merged
 from pipeclamp.effect import Coefficient, Effect, Parameter, Part, State
 from pipeclamp.errors import UserError
 
 FAST_SYMBOLS = frozenset(signal.symbol for signal in symbols.FAST)
+FIXED_SYMBOLS = frozenset((*symbols.REFERENCES, symbols.v_r, symbols.y_r))
+
+
+HELD = "_"
+"""What the symbol of a slow signal ends in where it is held over a cycle, as no symbol of an effect does."""
 
 
 @dataclass(frozen=True)
@@ -59,18 +65,33 @@ class Structure:
         base: name of the base law.
         effects: names of the effects added to it, in the order they were added.
         frozen: parameters that are not identified, with the value they are held at.
-        declared: a user's own effects by id.
+        declared: a user's own effects, in use or not.
     """
 
     base: str = "power"
     effects: tuple[str, ...] = ()
     frozen: tuple[tuple[str, float], ...] = ()
-    declared: tuple[tuple[str, Effect], ...] = ()
+    declared: tuple[Declaration, ...] = ()
 
     def all_effects(self) -> tuple[Effect, ...]:
         """Give the base's terms and the effects added to them, in order."""
-        declared = dict(self.declared)
-        return tuple(find_effect(name, declared) for name in (*find_base(self.base).terms, *self.effects))
+        return tuple(self.effect(name) for name in (*find_base(self.base).terms, *self.effects))
+
+    def effect(self, name: str) -> Effect:
+        """Give an effect by its name: of the catalogue, or declared.
+
+        Raises:
+            UserError: there is no such effect.
+        """
+        return find_effect(name, {declaration.id: effect_of(declaration) for declaration in self.declared})
+
+    def with_declared(self, declarations: Iterable[Declaration]) -> Structure:
+        """Give the structure with further declarations at hand.
+
+        Raises:
+            UserError: two that differ have one id.
+        """
+        return replace(self, declared=merged(self.declared, declarations))
 
     def held(self) -> dict[str, float]:
         """Give the values at which the base's form and `frozen` hold parameters."""
@@ -115,8 +136,7 @@ class Equations:
     def slow_signals(self) -> frozenset[sp.Symbol]:
         """The slow signals (A, f, T, further conditions) that the law depends on."""
         free = set().union(*(coefficient.expression.free_symbols for coefficient in self.coefficients))
-        known = {parameter.symbol for parameter in self.parameters} | {symbols.v_r, symbols.y_r}
-        return frozenset(free - known - set(symbols.REFERENCES))
+        return frozenset(free - {parameter.symbol for parameter in self.parameters} - FIXED_SYMBOLS)
 
 
 @lru_cache(maxsize=256)
@@ -131,6 +151,8 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
     coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
     # A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
     fast_factors: dict[sp.Symbol, sp.Expr] = {}
+    states = tuple(state for effect in effects for state in effect.states)
+    fast = FAST_SYMBOLS | {state.symbol for state in states}
     for effect in effects:
         scaled = [
             (index, factor)
@@ -144,33 +166,44 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
             )
         for index, factor in scaled:
             entry = coefficients[index]
-            if factor.free_symbols & FAST_SYMBOLS:
+            if factor.free_symbols & fast:
                 fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
             else:
                 coefficients[index] = replace(entry, expression=entry.expression * factor)
-    force = sp.Add(*(effect.force for effect in effects))
-    energy = sp.Add(*(effect.energy for effect in effects))
     in_series: dict[sp.Symbol, sp.Expr] = {symbols.x: symbols.y}
     in_series |= {signal: path for effect in effects for signal, path in effect.replaces.items()}
+
+    def whole(expression: sp.Expr) -> sp.Expr:
+        return expression.xreplace(fast_factors).xreplace(in_series)
+
+    parameters = tuple(parameter for effect in effects for parameter in effect.parameters)
+    force = whole(sp.Add(*(effect.force for effect in effects)))
+    energy = whole(sp.Add(*(effect.energy for effect in effects)))
+    states = tuple(replace(state, update=whole(state.update)) for state in states)
+    # A slow signal within a force is a coefficient of its own, held over a cycle as the others are.
+    known = fast | FIXED_SYMBOLS | {entry.symbol for entry in parameters} | {entry.symbol for entry in coefficients}
+    bare = set().union(*(entry.free_symbols for entry in (force, energy, *(state.update for state in states)))) - known
+    held = {symbol: sp.Symbol(f"{symbol}{HELD}", real=True) for symbol in sorted(bare, key=str)}
+    coefficients += [Coefficient(symbol, symbols.unit(signal), None, signal) for signal, symbol in held.items()]
     return Equations(
         effects=effects,
-        parameters=tuple(parameter for effect in effects for parameter in effect.parameters),
+        parameters=parameters,
         coefficients=tuple(coefficients),
-        force=force.xreplace(fast_factors).xreplace(in_series),
-        states=tuple(state for effect in effects for state in effect.states),
-        energy=energy.xreplace(fast_factors).xreplace(in_series),
+        force=force.xreplace(held),
+        states=tuple(replace(state, update=state.update.xreplace(held)) for state in states),
+        energy=energy.xreplace(held),
         lag=sp.Add(*(effect.lag for effect in effects)),
     )
 
 
 def _refuse_clashes(effects: tuple[Effect, ...]) -> None:
-    """Refuse effects that are named twice or that share a symbol."""
-    owner: dict[sp.Symbol, Effect] = {}
+    """Refuse effects that are named twice or that share a symbol: its name is what files and sources know."""
+    owner: dict[str, Effect] = {}
     for effect in effects:
         own = (
-            [parameter.symbol for parameter in effect.parameters]
-            + [coefficient.symbol for coefficient in effect.coefficients]
-            + [state.symbol for state in effect.states]
+            [str(parameter.symbol) for parameter in effect.parameters]
+            + [str(coefficient.symbol) for coefficient in effect.coefficients]
+            + [str(state.symbol) for state in effect.states]
         )
         for symbol in own:
             if symbol in owner:

@@ -8,6 +8,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 from pipeclamp.law import Law, Structure, compose
@@ -118,8 +119,9 @@ class HistoryStep(Part):
 class LawFile(Part):
     """A law with its parameters, their uncertainty, its range and where it comes from.
 
-    `smoothing` holds v_r (mm/s) and y_r (mm), below which sgn v and sgn y are smooth. `range` is keyed by A (mm),
-    f (Hz), T (K) and further conditions. `date` is the one line that `--reproducible` leaves out.
+    `declared` holds the declarations of a user's own effects. `smoothing` holds v_r (mm/s) and y_r (mm), below which
+    sgn v and sgn y are smooth. `range` is keyed by A (mm), f (Hz), T (K) and further conditions. `date` is the one line
+    that `--reproducible` leaves out.
     """
 
     schema_name: Literal["pipeclamp-law-1"] = Field(alias="schema")
@@ -127,6 +129,7 @@ class LawFile(Part):
     notes: str = ""
     base: str
     effects: tuple[str, ...] = ()
+    declared: tuple[Declaration, ...] = ()
     smoothing: dict[Literal["v_r", "y_r"], Annotated[float, Field(gt=0, allow_inf_nan=False)]]
     coefficients: dict[str, CoefficientEntry]
     covariance: Covariance | None = None
@@ -153,7 +156,7 @@ class LawFile(Part):
 def structure_of(file: LawFile) -> Structure:
     """Give the structure that the file names, with what it holds."""
     held = tuple(sorted((name, entry.value) for name, entry in file.coefficients.items() if entry.state == "held"))
-    return Structure(file.base, file.effects, held)
+    return Structure(file.base, file.effects, held, file.declared)
 
 
 def law_of(file: LawFile) -> Law:

@@ -50,6 +50,12 @@ SLOW = (
     Signal(rho, "g/cm3", "density of the wire mesh"),
 )
 
+
+def unit(symbol: sp.Symbol) -> str:
+    """Give the unit of a slow signal; a further condition's is in its column's name."""
+    return next((signal.unit for signal in SLOW if signal.symbol == symbol), "in its name")
+
+
 A_0 = sp.Symbol("A_0", positive=True)
 f_0 = sp.Symbol("f_0", positive=True)
 T_0 = sp.Symbol("T_0", positive=True)

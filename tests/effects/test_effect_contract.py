@@ -1,4 +1,4 @@
-"""What every effect of the folder owes: parametrised over it, so that a new file is tested by being there."""
+"""What every effect owes: parametrised over the catalogue's folder and over declarations, tested by being there."""
 
 import ctypes
 import math
@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ import sympy as sp
 
 from pipeclamp import symbols
 from pipeclamp.catalogue import entries, find_effect
+from pipeclamp.declaration import read_declaration
 from pipeclamp.effect import Effect, Family
 from pipeclamp.law import BASES, Law, Structure, compose
 from pipeclamp.realise.arrays import realise
@@ -22,10 +24,13 @@ from pipeclamp.realise.scalar import python_source
 from pipeclamp.response import Motion, respond, sinusoids
 
 ARGUMENTS = {"condition": "condition:current_A"}
-NAMES = [ARGUMENTS.get(name, name) for name in entries()]
+DECLARED = tuple(read_declaration(path) for path in sorted((Path(__file__).parent / "declared").glob("*.toml")))
+WITH_DECLARED = Structure(declared=DECLARED)
+NAMES = [*(ARGUMENTS.get(name, name) for name in entries()), *(declaration.id for declaration in DECLARED)]
 FURTHER = {"rho": 2.5, "N": 40.0, "u_current_A": 0.6}
-ON_A_BASE = [name for name in NAMES if find_effect(name).part != "base"]
-STRUCTURES = [Structure(base) for base in BASES] + [Structure("power", (name,)) for name in ON_A_BASE]
+ON_A_BASE = [name for name in NAMES if WITH_DECLARED.effect(name).part != "base"]
+STRUCTURES = [Structure(base) for base in BASES] + [replace(WITH_DECLARED, effects=(name,)) for name in ON_A_BASE]
+COPIES = [declaration.id for declaration in DECLARED if declaration.id.endswith("_copy")]
 SMOOTHING = (0.0126, 0.002)
 SCALES = {
     symbols.A_typical: 0.6, symbols.A_highest: 1.0, symbols.F_typical: 1500.0, symbols.f_typical: 3.0,
@@ -97,7 +102,7 @@ def name_of(structure):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_an_effect_states_itself(name):
-    effect = find_effect(name)
+    effect = WITH_DECLARED.effect(name)
     assert isinstance(effect, Effect)
     assert re.fullmatch(r"[a-z_]+", effect.id)
     for text in (effect.source, effect.looks_like, effect.told_apart_by):
@@ -114,7 +119,7 @@ def test_an_effect_states_itself(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_an_effect_changes_something(name):
-    effect = find_effect(name)
+    effect = WITH_DECLARED.effect(name)
     assert effect.force != 0 or effect.scales or effect.replaces or effect.lag != 0
 
 
@@ -129,7 +134,7 @@ def test_neutral_parameters_change_nothing(structure):
     """With every parameter that has a neutral value at it, the law is the one without those parameters' effects."""
     if not structure.effects:
         pytest.skip("a base law has nothing to be neutral against")
-    effect = find_effect(structure.effects[0])
+    effect = structure.effect(structure.effects[0])
     if any(parameter.neutral is None for parameter in effect.parameters):
         pytest.skip("the effect is a force of its own, which vanishes at no value in the middle of its range")
     motion = sines([0.2, 1.0], [1.0, 5.0], [293.15, 550.0])
@@ -258,3 +263,25 @@ def test_a_record_becomes_its_steady_cycle(structure):
     steady = respond(equations, vector, SMOOTHING, one).force
     record = respond(equations, vector, SMOOTHING, many).force[:, -128:]
     np.testing.assert_allclose(record, steady, rtol=1e-9, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", COPIES)
+def test_a_declared_copy_is_the_catalogues_effect(name):
+    """Force and derivatives along motions, to 1e-12 of the force; bounds and starts as stated in the catalogue."""
+    ours = replace(WITH_DECLARED, effects=(name,))
+    theirs = Structure("power", (name.removesuffix("_copy"),))
+    motion = sines([0.2, 0.5, 1.0], [1.0, 3.0, 5.0], [300.0, 450.0, 570.0], samples=64)
+    values = sound_values(ours)
+    both = [
+        respond(equations, [values[parameter] for parameter in equations.names], SMOOTHING, motion, derivatives=True)
+        for equations in (compose(ours), compose(theirs))
+    ]
+    scale = np.max(np.abs(both[0].force))
+    np.testing.assert_allclose(both[0].force, both[1].force, rtol=1e-12, atol=1e-12 * scale)
+    np.testing.assert_allclose(both[0].jacobian, both[1].jacobian, rtol=1e-12, atol=1e-10 * scale)
+    for mine, original in zip(ours.effect(name).parameters, theirs.effect(theirs.effects[0]).parameters, strict=True):
+        for what in ("lower", "upper", "starts"):
+            pair = [np.atleast_1d(getattr(parameter, what)) for parameter in (mine, original)]
+            one, other = ([float(sp.sympify(value).subs(SCALES)) for value in values] for values in pair)
+            np.testing.assert_allclose(*np.broadcast_arrays(one, other), rtol=1e-12)
+        assert (mine.name, mine.neutral, mine.levels) == (original.name, original.neutral, original.levels)

@@ -160,7 +160,10 @@ FAST_ARGUMENTS = tuple(signal.symbol for signal in symbols.FAST if signal.symbol
 def _compile(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Compiled:
     printer = ArrayPrinter({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True})
     with_references = [sp.sympify(expression).xreplace(REFERENCES) for expression in expressions]
-    compiled: Compiled = sp.lambdify(list(arguments), with_references, modules="numpy", printer=printer, cse=True)
+    # Dummies for arguments: no effect's symbol can then hide a function of NumPy or a common part.
+    compiled: Compiled = sp.lambdify(
+        list(arguments), with_references, modules="numpy", printer=printer, cse=True, dummify=True
+    )
     return compiled
 
 
@@ -172,7 +175,8 @@ def _nonzero_slopes(expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol]) -> 
         for column, symbol in enumerate(by):
             if symbol in expression.free_symbols:
                 index.append((row, column))
-                slopes.append(sp.diff(expression, symbol))
+                # A jump has no slope but on a point, where none is needed.
+                slopes.append(sp.diff(expression, symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0)))
     return tuple(index), slopes
 
 

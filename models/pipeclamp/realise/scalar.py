@@ -12,21 +12,55 @@ from pipeclamp.law import Equations, Law, compose
 
 
 class ScalarPrinter(PythonCodePrinter):  # type: ignore[misc]
-    """Print sign as NumPy understands it: zero at zero."""
+    """Print sign as NumPy understands it, zero at zero, and powers so that none is complex."""
 
     def _print_sign(self, expression: sp.Expr) -> str:
         argument = self._print(expression.args[0])
         return f"((({argument}) > 0) - (({argument}) < 0))"
 
+    def _print_Pow(self, expression: sp.Pow, rational: bool = False) -> str:
+        base, exponent = expression.as_base_exp()
+        if exponent.is_integer or abs(exponent) == sp.Rational(1, 2) or base.is_nonnegative:
+            return str(super()._print_Pow(expression, rational))
+        return f"math.pow({self._print(base)}, {self._print(exponent)})"
+
 
 def _statements(targets: Sequence[str], expressions: Sequence[sp.Expr]) -> list[str]:
     """Give assignments of the expressions to the targets, common parts computed once."""
     printer = ScalarPrinter({"fully_qualified_modules": True})
-    names = sp.numbered_symbols("u_")
-    parts, reduced = sp.cse(list(expressions), symbols=names)
+    parts, reduced = _guarded(*sp.cse(list(expressions), symbols=sp.numbered_symbols("_")))
     lines = [f"{symbol} = {printer.doprint(expression)}" for symbol, expression in parts]
     lines += [f"{target} = {printer.doprint(part)}" for target, part in zip(targets, reduced, strict=True)]
     return lines
+
+
+Parts = Sequence[tuple[sp.Symbol, sp.Expr]]
+
+
+def _guarded(parts: Parts, reduced: Sequence[sp.Expr]) -> tuple[Parts, Sequence[sp.Expr]]:
+    """Put back into its branches what only they need and what may have no value elsewhere.
+
+    A choice such as "log y where y > 0, else 0" guards the logarithm, which would raise if it were computed before.
+    """
+    needed = set().union(*(_unconditional(expression) for expression in reduced))
+    for symbol, part in reversed(parts):
+        if symbol in needed:
+            needed |= _unconditional(part)
+    kept: list[tuple[sp.Symbol, sp.Expr]] = []
+    back: dict[sp.Symbol, sp.Expr] = {}
+    for symbol, part in parts:
+        whole = part.xreplace(back)
+        if symbol not in needed and whole.has(sp.Pow, sp.exp, sp.log):
+            back[symbol] = whole
+        else:
+            kept.append((symbol, whole))
+    return kept, [expression.xreplace(back) for expression in reduced]
+
+
+def _unconditional(expression: sp.Expr) -> set[sp.Symbol]:
+    """Give the symbols that an expression needs whichever way its choices fall."""
+    choices = expression.atoms(sp.Piecewise)
+    return set(expression.xreplace({choice: sp.Dummy() for choice in choices}).free_symbols)
 
 
 def _number(value: float) -> sp.Expr:
@@ -60,7 +94,8 @@ def python_source(law: Law) -> str:
     conditions = tuple(sorted({str(symbol) for symbol in equations.slow_signals} - {"A", "f", "T"}))
     coefficient_names = [str(entry.symbol) for entry in equations.coefficients]
     state_names = [str(state.symbol) for state in equations.states]
-    after = {state.symbol: sp.Symbol(f"{state.symbol}_new", real=True) for state in equations.states}
+    # Names of the source's own begin with an underscore, which no effect's symbol does.
+    after = {state.symbol: sp.Symbol(f"_{state.symbol}", real=True) for state in equations.states}
     new_names = [str(symbol) for symbol in after.values()]
     lines = [
         f"STATES = {tuple((str(state.symbol), state.start) for state in equations.states)!r}",
@@ -77,14 +112,14 @@ def python_source(law: Law) -> str:
         f"    return {_tuple(coefficient_names)}",
         "",
         "",
-        "def step(k, state, y_previous, y, v, h):",
-        f"    {_tuple(coefficient_names)} = k",
+        "def step(_k, _state, y_previous, y, v, h):",
+        f"    {_tuple(coefficient_names)} = _k",
     ]
     if state_names:
         updates = [state.update.xreplace(exact) for state in equations.states]
-        lines.append(f"    {_tuple(state_names)} = state")
+        lines.append(f"    {_tuple(state_names)} = _state")
         lines += [f"    {line}" for line in _statements(new_names, updates)]
     results = [equations.force.xreplace(exact).xreplace(after), equations.energy.xreplace(exact).xreplace(after)]
-    lines += [f"    {line}" for line in _statements(["force", "energy"], results)]
-    lines += [f"    return force, energy, {_tuple(new_names) if new_names else '()'}", ""]
+    lines += [f"    {line}" for line in _statements(["_force", "_energy"], results)]
+    lines += [f"    return _force, _energy, {_tuple(new_names) if new_names else '()'}", ""]
     return "\n".join(lines)

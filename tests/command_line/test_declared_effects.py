@@ -1,0 +1,118 @@
+"""An effect of a user's own, from its declaration in the README to a law that travels alone, and its FMU."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from pipeclamp.bundled import open_law
+from pipeclamp.response import law_response, sinusoids
+from pipeclamp.parameter_file import law_of
+
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+PLAN = ("--amplitudes", "0.3,0.6,1", "--frequencies", "1,4", "--temperatures", "20,250", "--rate", "400")
+Run = Callable[..., object]
+
+
+@pytest.fixture(scope="module")
+def folder(pipeclamp: Run, law: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The README's declaration, a campaign of a clamp that has this effect, and a law without it."""
+    folder = tmp_path_factory.mktemp("declared")
+    text = next(text for text in re.findall(r"```toml\n(.*?)```", README, re.S) if "looks_like" in text)
+    (folder / "bracket.toml").write_text(text, encoding="utf-8")
+    values = ("--set", "k_b=150,y_b=0.45")
+    pipeclamp("rig", law, "-o", "bracketed", "--effects", "bracket.toml", *values, *PLAN, cwd=folder)
+    pipeclamp("identify", "bracketed", "-o", "law.json", "--reproducible", cwd=folder)
+    return folder
+
+
+def test_diagnose_names_it_where_the_catalogue_has_nothing(pipeclamp: Run, folder: Path):
+    pipeclamp("diagnose", "law.json", "bracketed", "--declared", "bracket.toml", "--json", "found.json", cwd=folder)
+    found = json.loads((folder / "found.json").read_text(encoding="utf-8"))
+    assert (found["verdict"], found["effects"]) == ("missing", ["bracket"])
+
+
+@pytest.fixture(scope="module")
+def with_bracket(pipeclamp: Run, folder: Path) -> Path:
+    """The law with the effect added; from here on the declaration's file is gone."""
+    pipeclamp("add", "law.json", "bracket.toml", "bracketed", "-o", "law2.json", cwd=folder)
+    alone = folder / "alone"
+    alone.mkdir()
+    return (folder / "law2.json").rename(alone / "law2.json")
+
+
+def test_adding_it_brings_the_error_down_to_the_scatter(with_bracket: Path):
+    file = open_law(str(with_bracket))
+    assert file.effects == ("bracket",)
+    before, after = file.history[-2:]
+    assert after.heldout_nrmse < 0.6 * before.heldout_nrmse
+    assert file.fit.nrmse < 1.1 * file.fit.noise_nrmse
+    assert abs(file.coefficients["k_b"].value - 150) < 5 * file.coefficients["k_b"].standard_error
+    assert abs(file.coefficients["y_b"].value - 0.45) < 5 * file.coefficients["y_b"].standard_error
+
+
+def test_the_law_serves_alone(pipeclamp: Run, folder: Path, with_bracket: Path):
+    pipeclamp("compare", with_bracket, folder / "bracketed", "--json", "error.json", cwd=with_bracket.parent)
+    error = json.loads((with_bracket.parent / "error.json").read_text(encoding="utf-8"))
+    assert error["nrmse"] < 1.1 * error["noise_nrmse"]
+    pipeclamp("remove", with_bracket, "bracket", folder / "bracketed", "-o", "bare.json", cwd=with_bracket.parent)
+    bare = open_law(str(with_bracket.parent / "bare.json"))
+    assert bare.effects == bare.declared == ()
+
+
+def test_its_fmu_steps_in_fmpy_and_rolls_back(pipeclamp: Run, with_bracket: Path):
+    fmu = with_bracket.with_suffix(".fmu")
+    pipeclamp("build-fmu", with_bracket, "-o", fmu)
+    law = law_of(open_law(str(with_bracket)))
+    A, f, T = 0.8, 3.0, 400.0
+    motion = sinusoids([A], [f], [T], samples=256)
+    expected = law_response(law, motion).force[0]
+    description = fmpy.read_model_description(str(fmu))
+    place = {variable.name: variable.valueReference for variable in description.modelVariables}
+    instance = fmpy.instantiate_fmu(fmpy.extract(str(fmu), str(fmu.with_suffix(""))), description)
+    instance.setupExperiment()
+    instance.setReal([place[name] for name in ("A", "f", "T")], [A / 1000, f, T])
+    instance.enterInitializationMode()
+    instance.exitInitializationMode()
+
+    def step(index: int) -> float:
+        values = [motion.y[0, index] / 1000, motion.v[0, index] / 1000]
+        instance.setReal([place["flange.s"], place["flange.v"]], values)
+        instance.doStep(float(index * motion.h[0, 0]), float(motion.h[0, 0]))
+        return instance.getReal([place["flange.f"]])[0]
+
+    first = [step(index) for index in range(128)]
+    saved = instance.getFMUState()
+    second = [step(index) for index in range(128, 256)]
+    instance.setFMUState(saved)
+    assert [step(index) for index in range(128, 256)] == second
+    np.testing.assert_allclose(first + second, expected, rtol=1e-9, atol=1e-6)
+    instance.freeFMUState(saved)
+    instance.terminate()
+    instance.freeInstance()
+
+
+def test_the_catalogue_shows_it(pipeclamp: Run, folder: Path):
+    shown = pipeclamp("effects", "--declared", folder / "bracket.toml").stdout  # type: ignore[attr-defined]
+    assert "bracket" in shown
+
+
+def test_mistakes_in_a_declaration_are_one_message(refused: Callable[..., str], folder: Path, clamp_a: Path):
+    bad = folder / "bad.toml"
+    bad.write_text((folder / "bracket.toml").read_text(encoding="utf-8").replace("max(", "maxx("), encoding="utf-8")
+    for words in (
+        ("effects", "--declared", bad),
+        ("identify", clamp_a, "-o", folder / "no.json", "--effects", bad),
+        ("add", folder / "law.json", bad, clamp_a, "-o", folder / "no.json"),
+        ("diagnose", folder / "law.json", clamp_a, "--declared", bad),
+        ("rig", "emwm2", "-o", folder / "no", "--effects", bad),
+    ):
+        message = refused(*words)
+        assert "bad.toml" in message and "did you mean max" in message
+    assert not (folder / "no.json").exists()

@@ -1,0 +1,145 @@
+"""A user's declared effects: what is refused, and a law file that carries them by itself."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import pytest
+
+from pipeclamp.bundled import open_law
+from pipeclamp.declaration import Declaration, effect_of, merged, read_declaration, read_effects
+from pipeclamp.errors import UserError
+from pipeclamp.law import Structure, compose
+from pipeclamp.parameter_file import law_of, law_text, parse_law
+from pipeclamp.toml_file import parse_table
+
+EXAMPLES = Path(__file__).parents[1] / "effects" / "declared"
+GOOD = """
+id = "stop"
+title = "A stop"
+looks_like = "a kink"
+force = "k_b * max(y - y_b, 0)"
+parameters = [
+  { symbol = "k_b", unit = "N/mm", meaning = "stiffness", start = 100, lower = 0 },
+  { symbol = "y_b", unit = "mm", meaning = "place", start = ["0.5 * A_highest", 0.6], upper = "A_highest" },
+]
+"""
+
+
+def declared(text: str) -> Declaration:
+    declaration = parse_table(text, Declaration, "stop.toml")
+    effect_of(declaration)
+    return declaration
+
+
+def test_a_good_one_is_read():
+    effect = effect_of(declared(GOOD))
+    assert [parameter.name for parameter in effect.parameters] == ["k_b", "y_b"]
+    assert len(effect.parameters[1].starts) == 2
+    assert effect.part == "clamp"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('id = "stop"', 'id = "A stop"', ["id", "pattern"]),
+        ('title = "A stop"', "", ["title", "required"]),
+        ('force = "', 'forse = "', ["forse", "did you mean 'force'"]),
+        ("max(y - y_b, 0)", "max(y - yb, 0)", ["'stop', force, character 15", "did you mean y_b"]),
+        ("max(y - y_b, 0)", "max(y - y_b, 0", ["force, character", "never closed"]),
+        ("max(y - y_b, 0)", "max(a - y_b, 0)", ["name 'a'"]),
+        ("max(y - y_b, 0)", "y", ["'y_b' is declared but no force"]),
+        ("y_b", "T", ["is the temperature of the specimen"]),
+        ("y_b", "sin", ["is a word of expressions"]),
+        ("y_b", "lambda", ["is reserved", "lambda0"]),
+        ("y_b", "u_x", ["is reserved"]),
+        ("y_b", "_y", ["pattern"]),
+        ("y_b", "y_", ["pattern"]),
+        ("k_b", "y_b", ["'y_b' is used twice"]),
+        ('"0.5 * A_highest"', '"0.5 * A_highst"', ["y_b, start, character 7", "did you mean A_highest"]),
+        ('"0.5 * A_highest"', "true", ["expected a number or an expression"]),
+        ("lower = 0", "lower = nan", ["finite"]),
+        ("lower = 0", "lower = 200", ["k_b", "200.0", "expected rising numbers"]),
+        ("lower = 0", 'follows = ["T"]', ["no neutral value"]),
+        ("lower = 0", 'follows = ["y"], neutral = 0', ["got 'y'; expected one of A, f, T, N, rho"]),
+        ('force = "', 'lag = "k_b"\nforce = "', ['expected part = "rig"']),
+        ('force = "', 'conditions = ["T"]\nforce = "', ["'T' can't stand in an expression"]),
+        ('force = "', 'path = "y - v"\nforce = "', ["path, character 5", "name 'v'"]),
+        ('force = "k_b * max(y - y_b, 0)"', 'energy = "k_b * y_b"', ["it does nothing"]),
+        ("id =", "id ==", ["not valid TOML"]),
+    ],
+)  # fmt: skip
+def test_what_cannot_serve_is_refused_with_its_place(old, new, words):
+    assert old in GOOD
+    with pytest.raises(UserError) as refused:
+        declared(GOOD.replace(old, new))
+    for word in words:
+        assert word in str(refused.value)
+
+
+def test_an_id_of_the_catalogue_is_refused(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(GOOD.replace('"stop"', '"viscous"'), encoding="utf-8")
+    with pytest.raises(UserError, match="effect of the catalogue"):
+        read_declaration(path)
+
+
+def test_paths_stand_in_place_of_names(tmp_path):
+    (tmp_path / "one.toml").write_text(GOOD, encoding="utf-8")
+    (tmp_path / "two.toml").write_text(GOOD.replace("a kink", "another kink"), encoding="utf-8")
+    names, declarations = read_effects(["memory", str(tmp_path / "one.toml")], [tmp_path / "one.toml"])
+    assert names == ("memory", "stop")
+    assert [declaration.id for declaration in declarations] == ["stop"]
+    with pytest.raises(UserError, match="declared twice"):
+        read_effects([str(tmp_path / "one.toml")], [tmp_path / "two.toml"])
+    with pytest.raises(UserError, match=r"none\.toml: can't read"):
+        read_effects([str(tmp_path / "none.toml")], [])
+
+
+def test_equal_declarations_are_one():
+    one, same = declared(GOOD), declared(GOOD)
+    assert merged((one,), (same,)) == (one,)
+    assert effect_of(one) is effect_of(same)
+    assert pickle.loads(pickle.dumps(one)) == one
+    assert compose(Structure(effects=("stop",), declared=(one,))) is compose(
+        Structure(effects=("stop",), declared=(same,))
+    )
+
+
+def test_a_symbol_of_the_law_is_refused():
+    clash = declared(GOOD.replace("k_b", "k10"))
+    with pytest.raises(UserError, match="'linear_stiffness' and 'stop' both use the symbol k10"):
+        compose(Structure(effects=("stop",), declared=(clash,)))
+
+
+def law_with(declaration: Declaration) -> dict:
+    """The bundled law's file with an effect that the reader has to find in the file itself."""
+    content = json.loads(law_text(open_law("emwm2")))
+    base = compose(Structure(content["base"])).names
+    content["coefficients"] = {name: content["coefficients"][name] for name in base}
+    content["effects"] = [declaration.id]
+    content["declared"] = [declaration.model_dump(mode="json", exclude_none=True)]
+    for table in declaration.parameters:
+        content["coefficients"][table.symbol] = {"value": 0.5, "unit": table.unit, "state": "fitted"}
+    return content
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_a_law_file_travels_alone(path):
+    file = parse_law(json.dumps(law_with(read_declaration(path))), "alone")
+    assert file.declared == (read_declaration(path),)
+    again = parse_law(law_text(file), "again")
+    assert again == file
+    assert compose(law_of(again).structure) is compose(law_of(file).structure)
+
+
+def test_reading_a_law_executes_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    content = law_with(declared(GOOD))
+    for force in ("__import__('pathlib').Path('made').touch()", "k_b*y_b*(9**9**9)", "k_b * y_b.__class__"):
+        content["declared"][0]["force"] = force
+        with pytest.raises(UserError, match="effect 'stop', force, character"):
+            parse_law(json.dumps(content), "hostile")
+    assert not list(tmp_path.iterdir())
