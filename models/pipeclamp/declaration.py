@@ -54,7 +54,9 @@ def _one_or_several(value: Any) -> Any:
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z]([A-Za-z0-9_]*[A-Za-z0-9])?$", max_length=32), AfterValidator(_free_symbol)]
+Name = Annotated[
+    str, Field(pattern=r"^[A-Za-z]([A-Za-z0-9_]*[A-Za-z0-9])?$", max_length=32), AfterValidator(_free_symbol)
+]
 Phrase = Annotated[str, Field(min_length=4, max_length=400)]
 Unit = Annotated[str, Field(min_length=1, max_length=32)]
 Quantity = Annotated[float | str, BeforeValidator(_number_or_text)]

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from pipeclamp.bundled import open_law
-from pipeclamp.response import law_response, sinusoids
 from pipeclamp.parameter_file import law_of
+from pipeclamp.response import law_response, sinusoids
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 PLAN = ("--amplitudes", "0.3,0.6,1", "--frequencies", "1,4", "--temperatures", "20,250", "--rate", "400")
@@ -24,7 +24,7 @@ Run = Callable[..., object]
 def folder(pipeclamp: Run, law: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The README's declaration, a campaign of a clamp that has this effect, and a law without it."""
     folder = tmp_path_factory.mktemp("declared")
-    text = next(text for text in re.findall(r"```toml\n(.*?)```", README, re.S) if "looks_like" in text)
+    text = next(text for text in re.findall(r"```toml\n(.*?)```", README, re.S) if text.startswith("id ="))
     (folder / "bracket.toml").write_text(text, encoding="utf-8")
     values = ("--set", "k_b=150,y_b=0.45")
     pipeclamp("rig", law, "-o", "bracketed", "--effects", "bracket.toml", *values, *PLAN, cwd=folder)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
+from pipeclamp.declaration import Declaration, effect_of
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp.toml_file import parse_table
 from pipeclamp_fmu import clamp_slave
@@ -18,7 +19,7 @@ from pipeclamp_identification.system import SystemDescription
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-CAMPAIGN, PIPE, SYSTEM = re.findall(r"```toml\n(.*?)```", TEXT, re.S)
+EFFECT, CAMPAIGN, PIPE, SYSTEM = re.findall(r"```toml\n(.*?)```", TEXT, re.S)
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 
 
@@ -28,6 +29,7 @@ def with_optional_lines(text: str) -> str:
 
 
 def test_the_examples_are_read():
+    assert len(effect_of(parse_table(EFFECT, Declaration, "README")).parameters) == 2
     assert parse_table(CAMPAIGN, CampaignDescription, "README").columns.force_N is not None
     for text in (PIPE, with_optional_lines(PIPE)):
         assert parse_pipe(text, "README").clamps[0].name == "clamp1"
