@@ -46,6 +46,7 @@ def law_file(structure, values):
             "name": name_of(structure),
             "base": structure.base,
             "effects": structure.effects,
+            "declared": structure.declared,
             "smoothing": {"v_r": SMOOTHING[0], "y_r": SMOOTHING[1]},
             "coefficients": {name: CoefficientEntry(value=values[name], unit="", state="given") for name in names},
             "range": {
