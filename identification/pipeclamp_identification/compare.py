@@ -144,7 +144,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
 
 def _where_json(comparison: Comparison) -> dict[str, Any]:
     sums = comparison.sums
-    drift = breakdown.drift(sums)
+    drift, densest = breakdown.drift(sums), region(sums, comparison.varied)
     phases = _parts_json(breakdown.along_loop(sums))
     for index, phase in enumerate(phases):
         place, branch = place_of(index)
@@ -152,6 +152,7 @@ def _where_json(comparison: Comparison) -> dict[str, Any]:
         phase["place"], phase["branch"] = PLACES[place][0], breakdown.BRANCHES[branch]
     return {
         "words": where_words(comparison),
+        "region": densest and {"words": list(densest.words), "share": densest.share, "even_share": densest.even},
         "phases": phases,
         "places": _parts_json(breakdown.by_place(sums)),
         "branches": _parts_json(breakdown.by_branch(sums)),
@@ -177,6 +178,7 @@ def _parts_json(parts: Breakdown) -> list[dict[str, Any]]:
             "noise_nrmse": part.noise_nrmse,
             "share": parts.share(part),
             "noise_share": parts.noise_share(part),
+            "even_share": parts.even_share(part),
             "runs": part.runs,
         }
 

@@ -39,7 +39,7 @@ HARMONICS_SHOWN = 12
 def how_much(comparison: Comparison) -> list[str]:
     """Say how much the law errs, and what of it is scatter."""
     runs, single = len(comparison.runs), comparison.single_cycles
-    errs = f"The law errs by {comparison.nrmse:.2%} of the rms force over {runs} runs"
+    errs = f"The law errs by {comparison.nrmse:.2%} of the rms force over {runs} run{'s' if runs > 1 else ''}"
     if single == runs:
         return [f"{errs}; each holds one cycle, so that no scatter from cycle to cycle can be known."]
     words = [f"{errs}; {comparison.noise_nrmse:.2%} is cycle-to-cycle scatter, which no law can explain."]
@@ -106,6 +106,8 @@ def map_section(comparison: Comparison) -> Section:
         return -breakdown.by_condition(comparison.sums, condition).unevenness
 
     A, f, *further = comparison.conditions
+    if not comparison.varied:
+        return Section("Where", [f"All tests are at A {A.words(A.levels[0])} and f {f.words(f.levels[0])}."])
     varied = sorted((condition for condition in further if condition.varies), key=evenness)
     panelled: Sequence[Condition | None] = varied or [None]
     maps = []

@@ -15,6 +15,7 @@ from pipeclamp_identification.breakdown import (
     Condition,
     Drift,
     along_cycles,
+    along_loop,
     cycle_edges,
     excess_table,
     phase_edges,
@@ -85,26 +86,29 @@ def region(sums: Sequence[RunSums], conditions: Sequence[Condition]) -> Region |
     Restrictions are added one by one, each the one after which the region's share of the error diverges most from the
     share of an even spread (Kullback-Leibler), as a scan statistic has it (Kulldorff, 1997).
     """
-    excess, force = excess_table(sums)
-    whole = float(np.sum(excess))
-    if whole <= MOSTLY_SCATTER * sum(run.squared_error for run in sums):
+    if _is_scatter(along_loop(sums)):
         return None
-    excess, force = excess / whole, force / np.sum(force)
+    excess, force = (table / np.sum(table) for table in excess_table(sums))
     factors = [*_place_factors(len(sums)), *_condition_factors(len(sums), conditions)]
     chosen: list[_Factor] = []
     best = 0.0
     while len(chosen) < FACTORS:
         free = [factor for factor in factors if factor.name not in {one.name for one in chosen}]
         rated = [(_divergence(*_inside([*chosen, factor], excess, force)), factor) for factor in free]
-        gain, factor = max(rated, key=lambda entry: entry[0], default=(0.0, None))
-        if factor is None or gain < best + STANDS_OUT:
+        reached, factor = max(rated, key=lambda entry: entry[0])
+        if reached < best + STANDS_OUT:
             break
         chosen.append(factor)
-        best = gain
+        best = reached
     if not chosen:
         return None
     share, even = _inside(chosen, excess, force)
     return Region(tuple(factor.words for factor in sorted(chosen, key=factors.index)), min(share, 1.0), even)
+
+
+def _is_scatter(parts: Breakdown) -> bool:
+    """Tell whether what the law leaves is scatter, or nothing: then there is no place to look for more."""
+    return parts.squared_error <= 0.0 or parts.excess <= MOSTLY_SCATTER * parts.squared_error
 
 
 def _inside(factors: Sequence[_Factor], excess: Array, force: Array) -> tuple[float, float]:
@@ -165,7 +169,7 @@ def region_sentence(found: Region | None, whole: Breakdown) -> str:
     """Say where the error sits."""
     scatter_known = any(part.squared_scatter is not None for part in whole.parts)
     beyond = "of the squared error that is not scatter" if scatter_known else "of the squared error"
-    if whole.squared_error <= 0.0 or whole.excess <= MOSTLY_SCATTER * whole.squared_error:
+    if _is_scatter(whole):
         return "What the law leaves is scatter, nearly all of it: there is no place to look for more."
     if found is None:
         return f"No place or condition holds much more than its share {beyond}: look at its harmonics."
@@ -174,7 +178,7 @@ def region_sentence(found: Region | None, whole: Breakdown) -> str:
 
 def harmonic_sentence(harmonics: Breakdown) -> str | None:
     """Say which harmonics the error lies in; None where it is scatter."""
-    if harmonics.squared_error <= 0.0 or harmonics.excess <= MOSTLY_SCATTER * harmonics.squared_error:
+    if _is_scatter(harmonics):
         return None
     named: list[str] = []
     held = 0.0
@@ -198,7 +202,7 @@ def _meaning(label: str) -> str:
 def cycles_sentence(sums: Sequence[RunSums]) -> str | None:
     """Say whether the records' first or last cycles hold most of the error; None where they don't, or it is scatter."""
     cycles, edges = along_cycles(sums), cycle_edges(sums)
-    if cycles.squared_error <= 0.0 or cycles.excess <= MOSTLY_SCATTER * cycles.squared_error:
+    if _is_scatter(cycles):
         return None
     share, even = (np.cumsum([of(part) for part in cycles.parts]) for of in (cycles.excess_share, cycles.even_share))
     choices = [

@@ -44,7 +44,7 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
     classes = any(" to " in label for label in conditions.f)
     columns = min(panels, max(1, CELLS_ACROSS // across))
     rows = math.ceil(panels / columns)
-    height = 70 + 50 * len(conditions.A)
+    height = 70 + 50 * max(len(conditions.A), 3)
     figure = make_subplots(
         rows=rows,
         cols=columns,

@@ -16,6 +16,7 @@ from pipeclamp_identification.report import MEASURED, MODEL, SERIES, styled
 PANELS_PER_ROW = 4
 PANEL_HEIGHT = 250
 LEAST_PANEL_WIDTH = 230
+STEP_WIDTH = 140
 BESIDE = "published "
 
 
@@ -144,7 +145,8 @@ def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, l
         label: the error's name.
         title: the picture's title.
     """
-    names = [name for name, _ in steps]
+    # one effect a line, so that the names stand beside each other
+    names = [name.replace(" + ", "<br>+ ") for name, _ in steps]
     figure = go.Figure(
         go.Bar(
             x=names, y=[100 * error for _, error in steps], marker={"color": SERIES[0]}, name=label,
@@ -156,5 +158,8 @@ def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, l
             y=100 * floor, line={"color": MODEL, "dash": "dash"},
             annotation={"text": f"scatter<br>{100 * floor:.2g} %", "x": 1.0, "xanchor": "left", "yanchor": "middle"},
         )  # fmt: skip
+    figure.update_xaxes(tickangle=0)
     figure.update_yaxes(title_text=f"{label} / %", rangemode="tozero")
-    return styled(figure, title).update_layout(showlegend=False, margin={"r": 70})
+    return styled(figure, title, least_width=130 + STEP_WIDTH * len(steps)).update_layout(
+        showlegend=False, margin={"r": 70}
+    )

@@ -88,6 +88,14 @@ def test_records_of_one_cycle_show_no_scatter(pipeclamp, compared, tmp_path, cyc
         assert whole(parts) == pytest.approx(1.0)
 
 
+def test_one_run_is_enough(compared, campaign_folder):
+    printed, answer, page = compared("emwm2", campaign_folder())
+    assert "over 1 run;" in printed
+    assert answer["where"]["conditions"] == {}
+    assert whole(answer["where"]["phases"]) == pytest.approx(1.0)
+    assert "All tests are at A 0.8 mm and f 3 Hz." in page
+
+
 @pytest.mark.parametrize("per_cycle", [40, 2000])
 def test_specimens_density_and_no_temperature(compared, campaign_folder, harmonic_record, csv_text, per_cycle):
     """Two specimens, of which the second is much stiffer than the law has it; densities, one of them not known."""
