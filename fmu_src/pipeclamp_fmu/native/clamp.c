@@ -106,15 +106,15 @@ static int take_settings(const Model *model, double u[LAW_CONDITIONS], char reas
     return 1;
 }
 
-/* Put the motion under other conditions, or say that the law has no value there.
+/* Give the coefficients of other conditions and put a place under them, or say that the law has no value there.
  *
  * Force and stored energy at the old place become those of the new coefficients, so that what a change of conditions
  * does to the stored energy is not taken for dissipation.
  */
-static int put_under(Motion *motion, const Conditions *conditions, const Model *model, const Values *values,
+static int put_under(Place *place, double k[], const Conditions *conditions, const Model *model, const Values *values,
                      char reason[TEXT])
 {
-    double used[LAW_CONDITIONS], k[ROOM(LAW_COEFFICIENTS)] = {0}, unused[ROOM(LAW_STATES)], result[2];
+    double used[LAW_CONDITIONS], unused[ROOM(LAW_STATES)], result[2];
     int i, same = 1;
     in_use(conditions, values, used);
     law_coefficients(parameters(model), used, k);
@@ -123,14 +123,13 @@ static int put_under(Motion *motion, const Conditions *conditions, const Model *
             snprintf(reason, TEXT, "the law has no value at A = %g mm, f = %g Hz", conditions->u[0], conditions->u[1]);
             return 0;
         }
-        same = same && k[i] == motion->k[i];
+        same = same && k[i] == model->memory.k[i];
     }
     if (same)
         return 1;
-    memcpy(motion->k, k, sizeof k);
-    law_step(parameters(model), k, motion->z, motion->y, motion->y, motion->v, 0.0, result, unused);
-    motion->force = result[0];
-    motion->energy = result[1];
+    law_step(parameters(model), k, place->z, place->y, place->y, place->v, 0.0, result, unused);
+    place->force = result[0];
+    place->energy = result[1];
     return 1;
 }
 
@@ -150,16 +149,21 @@ static void take(Model *model, const Conditions *conditions, const Values *value
     model->settled = !conditions->tracking;
 }
 
+static const Place *now(const Memory *memory)
+{
+    return &memory->places[memory->now != 0];
+}
+
 static void show_motion(Model *model, const Values *values)
 {
-    const Motion *now = &model->memory.now;
+    const Place *place = now(&model->memory);
     int i;
-    model->real[FORCE] = now->force;
-    model->real[KEPT_S] = now->y / MM;
-    model->real[KEPT_V] = now->v / MM;
+    model->real[FORCE] = place->force;
+    model->real[KEPT_S] = model->real[S];
+    model->real[KEPT_V] = model->real[V];
     for (i = 0; i < LAW_STATES; i++)
-        model->real[KEPT_Z + i] = now->z[i];
-    model->flag[IN_RANGE] = model->memory.inside && fabs(now->y) <= values->range[0][1] * (1 + SLACK);
+        model->real[KEPT_Z + i] = place->z[i];
+    model->flag[IN_RANGE] = model->memory.inside && fabs(place->y) <= values->range[0][1] * (1 + SLACK);
 }
 
 static void model_reset(Model *model, const Values *values)
@@ -168,7 +172,7 @@ static void model_reset(Model *model, const Values *values)
     memset(model, 0, sizeof *model);
     memcpy(model->real, values->start, sizeof values->start);
     memcpy(model->real + FIRST_FIXED, values->fixed, sizeof values->fixed);
-    memcpy(memory->now.z, law_rest, LAW_STATES * sizeof law_rest[0]);
+    memcpy(memory->places[0].z, law_rest, LAW_STATES * sizeof law_rest[0]);
     memcpy(memory->conditions.u, values->start + A, sizeof memory->conditions.u);
     memory->conditions.u[0] *= MM;
     memory->inside = model->flag[IN_RANGE] = 1;
@@ -176,29 +180,32 @@ static void model_reset(Model *model, const Values *values)
 
 static int model_start(Model *model, const Values *values, char reason[TEXT])
 {
+    Memory *memory = &model->memory;
     Conditions conditions = {{0}, 0, {0}};
-    Motion motion;
+    Place place;
+    double k[ROOM(LAW_COEFFICIENTS)] = {0};
     if (!take_settings(model, conditions.u, reason))
         return 0;
     conditions.tracking = model->flag[TRACK];
     if (conditions.tracking)
         start_tracking(conditions.averages, conditions.u[0], conditions.u[1]);
-    memset(&motion, 0, sizeof motion);
-    motion.k[0] = NAN; /* unlike any coefficients, so that force and energy are evaluated */
-    motion.y = MM * model->real[S];
-    motion.v = MM * model->real[V];
-    memcpy(motion.z, law_rest, LAW_STATES * sizeof law_rest[0]);
-    if (!put_under(&motion, &conditions, model, values, reason))
+    memset(&place, 0, sizeof place);
+    place.y = MM * model->real[S];
+    place.v = MM * model->real[V];
+    memcpy(place.z, law_rest, LAW_STATES * sizeof law_rest[0]);
+    memory->k[0] = NAN; /* unlike any coefficients, so that force and energy are evaluated */
+    if (!put_under(&place, k, &conditions, model, values, reason))
         return 0;
-    model->memory.now = model->memory.from = motion;
-    model->memory.h = model->memory.share = 0.0;
+    memcpy(memory->k, k, sizeof k);
+    memory->places[0] = memory->places[1] = place;
+    memory->h = memory->share = 0.0;
     take(model, &conditions, values);
     show_motion(model, values);
     return 1;
 }
 
-/* Give the conditions of a step and what it starts from, or why it can't be; nothing is changed. */
-static int prepare(const Model *model, const Values *values, double h, Conditions *conditions, Motion *from,
+/* Give the conditions of a step, their coefficients and the place that it starts from; nothing is changed. */
+static int prepare(const Model *model, const Values *values, double h, Conditions *conditions, double k[], Place *from,
                    double *share, char reason[TEXT])
 {
     const Conditions *before = &model->memory.conditions;
@@ -215,8 +222,8 @@ static int prepare(const Model *model, const Values *values, double h, Condition
         conditions->u[1] = before->u[1];
         amplitude_and_frequency(conditions->averages, values, &conditions->u[0], &conditions->u[1]);
     }
-    *from = model->memory.now;
-    return put_under(from, conditions, model, values, reason);
+    *from = *now(&model->memory);
+    return put_under(from, k, conditions, model, values, reason);
 }
 
 static int model_step(Model *model, const Values *values, double h, char reason[TEXT])
@@ -224,35 +231,38 @@ static int model_step(Model *model, const Values *values, double h, char reason[
     Memory *memory = &model->memory;
     const double y = MM * model->real[S], v = MM * model->real[V];
     const int as_before = model->settled && isfinite(y + v);
-    double result[2], z[ROOM(LAW_STATES)], share = 0.0;
+    double result[2], z[ROOM(LAW_STATES)], new_k[ROOM(LAW_COEFFICIENTS)] = {0}, share = 0.0;
     Conditions conditions;
-    Motion prepared;
-    const Motion *from = &memory->now;
+    Place prepared, *to;
+    const Place *from = now(memory);
+    const double *k = memory->k;
     if (!as_before) {
-        if (!prepare(model, values, h, &conditions, &prepared, &share, reason))
+        if (!prepare(model, values, h, &conditions, new_k, &prepared, &share, reason))
             return 0;
         from = &prepared;
+        k = new_k;
     }
-    law_step(parameters(model), from->k, from->z, from->y, y, v, h, result, z);
+    law_step(parameters(model), k, from->z, from->y, y, v, h, result, z);
     if (!isfinite(result[0] + result[1])) {
         snprintf(reason, TEXT, "the law has no value there");
         return 0;
     }
-    if (!as_before)
+    /* Trapezoid of the force over the straight way, less what is stored; N mm to J. */
+    model->real[DISSIPATED] += 0.001 * (0.5 * (from->force + result[0]) * (y - from->y) - (result[1] - from->energy));
+    if (!as_before) {
         take(model, &conditions, values);
-    memory->from = *from;
+        memory->places[memory->now != 0] = prepared;
+        memcpy(memory->k, new_k, sizeof new_k);
+    }
     memory->h = h;
     memory->share = share;
-    /* Trapezoid of the force over the straight way, less what is stored; N mm to J. */
-    model->real[DISSIPATED] += 0.001 * (0.5 * (memory->from.force + result[0]) * (y - memory->from.y)
-                                        - (result[1] - memory->from.energy));
-    if (!as_before)
-        memcpy(memory->now.k, memory->from.k, sizeof memory->now.k);
-    memory->now.y = y;
-    memory->now.v = v;
-    memory->now.force = result[0];
-    memory->now.energy = result[1];
-    memcpy(memory->now.z, z, LAW_STATES * sizeof z[0]);
+    memory->now = !memory->now;
+    to = &memory->places[memory->now != 0];
+    to->y = y;
+    to->v = v;
+    to->force = result[0];
+    to->energy = result[1];
+    memcpy(to->z, z, LAW_STATES * sizeof z[0]);
     show_motion(model, values);
     return 1;
 }
@@ -264,7 +274,7 @@ static void tracker_slopes(const Memory *memory, const Values *values, double sl
     const double *averages = conditions->averages;
     const double gain = memory->share * memory->share; /* of both stages */
     const double variance = averages[3] - averages[1] * averages[1];
-    const double by_y = gain * 2 * (memory->now.y - averages[1]), by_v = gain * 2 * memory->now.v;
+    const double by_y = gain * 2 * (now(memory)->y - averages[1]), by_v = gain * 2 * now(memory)->v;
     memset(slope, 0, 4 * sizeof(double));
     if (conditions->u[0] > values->range[0][0] && conditions->u[0] < values->range[0][1])
         slope[0][0] = by_y / conditions->u[0];
@@ -278,13 +288,13 @@ static void model_jacobian(const Model *model, const Values *values, double jaco
 {
     enum { BY = 2 + LAW_CONDITIONS }; /* y, v, conditions */
     const Memory *memory = &model->memory;
-    const Motion *now = &memory->now, *from = &memory->from;
-    const double way = now->y - from->y;
+    const Place *end = now(memory), *from = &memory->places[!memory->now];
+    const double way = end->y - from->y;
     double used[LAW_CONDITIONS], law[2 * BY], old[2 * BY], tracker[2][2] = {{0, 0}, {0, 0}};
     int column, i;
     in_use(&memory->conditions, values, used);
-    law_slopes(parameters(model), used, now->k, from->z, from->y, now->y, now->v, memory->h, law);
-    law_slopes(parameters(model), used, now->k, from->z, from->y, from->y, from->v, 0.0, old);
+    law_slopes(parameters(model), used, memory->k, from->z, from->y, end->y, end->v, memory->h, law);
+    law_slopes(parameters(model), used, memory->k, from->z, from->y, from->y, from->v, 0.0, old);
     if (memory->conditions.tracking)
         tracker_slopes(memory, values, tracker);
     memset(jacobian, 0, OUTPUTS * FIRST_OUTPUT * sizeof(double));
@@ -317,7 +327,7 @@ static void model_jacobian(const Model *model, const Values *values, double jaco
         jacobian[F_USED - FIRST_OUTPUT][column] = change[3];
         jacobian[T_USED - FIRST_OUTPUT][column] = change[4];
         jacobian[DISSIPATED - FIRST_OUTPUT][column] =
-            0.001 * (0.5 * ((force_before + force) * way + (from->force + now->force) * change[0])
+            0.001 * (0.5 * ((force_before + force) * way + (from->force + end->force) * change[0])
                      - (energy - energy_before));
     }
 }
@@ -331,7 +341,7 @@ static int model_beyond_range(const Model *model, const Values *values, char tex
         return 0;
     length = snprintf(text, TEXT, "law %s is used beyond its range: ", values->name);
     for (i = 0; i <= RANGES; i++) {
-        const double value = i < RANGES ? memory->conditions.u[i] : fabs(memory->now.y);
+        const double value = i < RANGES ? memory->conditions.u[i] : fabs(now(memory)->y);
         const double *range = i < RANGES ? values->range[i] : end;
         const char *name = i < RANGES ? REAL_NAMES[A + i] : "|flange.s|";
         const char *unit = i < RANGES ? RANGE_UNITS[i] : RANGE_UNITS[0];

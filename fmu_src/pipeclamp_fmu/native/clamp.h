@@ -4,12 +4,11 @@
 
 #define ROOM(count) ((count) > 0 ? (count) : 1)
 
-/* Coefficients, and what they make of a place. */
+/* A place on the way, with what the law makes of it. */
 typedef struct {
-    double k[ROOM(LAW_COEFFICIENTS)];
     double y, v, force, energy;
     double z[ROOM(LAW_STATES)];
-} Motion;
+} Place;
 
 /* A (mm), f (Hz), T (K) and further conditions of the motion, before A and f are held inside the range. */
 typedef struct {
@@ -19,9 +18,10 @@ typedef struct {
 } Conditions;
 
 typedef struct {
-    Motion now;  /* at the end of the last step */
-    Motion from; /* where that step began, under its coefficients */
-    double h;    /* how long it was, s */
+    double k[ROOM(LAW_COEFFICIENTS)];
+    Place places[2]; /* the ends of the last step, the earlier one under its coefficients */
+    int now; /* whether the later one is the second; its bytes may come from anywhere */
+    double h;     /* how long the step was, s */
     double share; /* by which the tracker's averages moved in it */
     Conditions conditions;
     int inside; /* whether the conditions are inside the law's range */
