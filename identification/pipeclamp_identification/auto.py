@@ -32,6 +32,7 @@ def add_until_settled(
     command: str,
     declared: Sequence[Declaration] = (),
     limits: Limits | None = None,
+    jobs: int = 1,
     progress: Progress | None = None,
 ) -> Settled:
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
@@ -41,7 +42,7 @@ def add_until_settled(
     """
     additions: list[Addition] = []
     while True:
-        answer = answer_for(file, campaign, declared=declared, limits=limits, progress=progress)
+        answer = answer_for(file, campaign, declared=declared, limits=limits, jobs=jobs, progress=progress)
         if answer.verdict != "missing" or len(additions) == MOST_EFFECTS:
             return Settled(file, answer, tuple(additions))
         addition = add_effect(

@@ -221,6 +221,7 @@ def diagnose(
         str, typer.Option(metavar="A=0.1..2,f=0.5..20,T=20..300", help="What the rig can do, for the next test.")
     ] = "",
     declared: DeclaredOption = None,
+    jobs: Annotated[int, typer.Option(help="Processes for large campaigns; -1: one a core.")] = -1,
     strict: StrictOption = False,
 ) -> None:
     """Which physical effect does the law lack? Or which test would tell?"""
@@ -238,7 +239,7 @@ def diagnose(
         reach = parse_limits(limits) if limits else None
         if auto:
             settled = add_until_settled(
-                file, tests, command=_command(), declared=declarations, limits=reach, progress=tell
+                file, tests, command=_command(), declared=declarations, limits=reach, jobs=jobs, progress=tell
             )
             file, answer = settled.file, settled.answer
             for addition in settled.additions:
@@ -248,7 +249,9 @@ def diagnose(
                     highlight=False,
                 )
         else:
-            answer = diagnosis_report.answer_for(file, tests, declared=declarations, limits=reach, progress=tell)
+            answer = diagnosis_report.answer_for(
+                file, tests, declared=declarations, limits=reach, jobs=jobs, progress=tell
+            )
         sections = diagnosis_report.answer_sections(answer) if report else []
     if auto:
         write_whole(auto, law_text(file))

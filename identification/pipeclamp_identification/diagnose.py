@@ -8,15 +8,15 @@ from typing import Literal
 
 import numpy as np
 
-from pipeclamp.catalogue import entries, find_effect
 from pipeclamp.errors import UserError
 from pipeclamp.law import Structure
 from pipeclamp_identification.add import with_effect
 from pipeclamp_identification.evidence import LackOfFit
-from pipeclamp_identification.fit import Linearised, Progress, linearised, starting_points
+from pipeclamp_identification.fit import Progress
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import Loops
-from pipeclamp_identification.problem import Judged, Problem, judge, prepare, weighed_for
+from pipeclamp_identification.problem import Contender, Judged, Problem, judge, judge_each, prepare, weighed_for
+from pipeclamp_identification.screen import Promise, beside, effect_id, fits_beside, screened
 
 Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
 
@@ -24,6 +24,9 @@ SIGNIFICANT = 1e-3
 """Lack of fit less likely than this under noise alone is real."""
 MATERIAL = 0.1
 """Lack of fit below this share of the force noise (rms) isn't worth an effect: it costs half a percent of the floor."""
+PRECISE = 5e-4
+"""Nor is what lies below this share of the force (rms): no load cell is truer, and identification itself errs by so
+much where friction steps between samples."""
 FORM = 0.1
 """An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
 exact form."""
@@ -41,7 +44,6 @@ PAIRED = 3
 FEWEST_RUNS = 4
 ABOUT_AS_WELL = 10.0
 """Difference in whitened squares that is no reason for a further slip element."""
-MEMORY_SIZES = ("memory", "memory:2", "memory:3")
 
 
 @dataclass(frozen=True)
@@ -77,12 +79,13 @@ class Diagnosis:
         return min(found, key=lambda judged: judged.squares)
 
 
-def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = None) -> Diagnosis:
+def diagnose(structure: Structure, loops: Loops, *, jobs: int = 1, progress: Progress | None = None) -> Diagnosis:
     """Find which effect a law lacks.
 
     Args:
         structure: the law's structure; its parameters are refitted.
         loops: the tests.
+        jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
         progress: is told what is being done.
 
     Raises:
@@ -93,30 +96,29 @@ def diagnose(structure: Structure, loops: Loops, *, progress: Progress | None = 
         raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least {FEWEST_RUNS}")
     tell("law as it is")
     problem, law = prepare(structure, loops)
-    limit = max(MATERIAL, FORM * _bare_lack(structure, problem))
+    limit = max(MATERIAL, _precision(loops), FORM * _bare_lack(structure, problem))
     if _adequate(law.lack, limit):
         reasons = (_scatter_words(law.lack, problem),)
         return Diagnosis("complete", (), law, (), {}, None, problem, limit, reasons)
     problem, law = _weighed_again(problem, law, law)
-    promises = _promises(structure, problem, law, tell)
-    candidates, screened_out = _candidates(structure, problem, promises, tell)
+    promises = screened(structure, problem, law, tell)
+    candidates, screened_out = _candidates(structure, problem, promises, jobs, tell)
     if candidates and not candidates[0].objections:
         tell("evidence weighed by the best law's own residuals")
         problem, law = _weighed_again(problem, law, candidates[0])
-        candidates = _ranked(_again(judged, problem) for judged in candidates)
-    return _verdict(structure, problem, law, candidates, screened_out, limit, tell)
+        candidates = _ranked(judge_each([_as_it_is(judged) for judged in candidates], problem, jobs, tell))
+    return _verdict(structure, problem, law, candidates, screened_out, limit, jobs, tell)
 
 
 def _weighed_again(problem: Problem, law: Judged, best: Judged) -> tuple[Problem, Judged]:
     """Weigh the data, and judge the law as it is, by noise and discrepancy as the best law so far shows them."""
     weighed = weighed_for(problem, best.result)
-    return weighed, _again(law, weighed)
+    return weighed, judge((), law.result.law.structure, law.result.law.values, weighed)
 
 
-def _again(judged: Judged, problem: Problem) -> Judged:
-    """Refit a law to the problem as it is weighted now."""
-    law = judged.result.law
-    return judge(judged.effects, law.structure, law.values, problem)
+def _as_it_is(judged: Judged) -> Contender:
+    """Give a law for judging it once more, from its own values."""
+    return Contender(judged.effects, judged.result.law.structure, judged.result.law.values)
 
 
 def _ranked(judged: Iterable[Judged]) -> list[Judged]:
@@ -131,66 +133,27 @@ def _bare_lack(structure: Structure, problem: Problem) -> float:
     return judge((), bare, fit_structure(bare, problem.loops, problem.harmonics).law.values, problem).lack.share
 
 
+def _precision(loops: Loops) -> float:
+    """Give the force below which nothing can be told, as a share of the force noise."""
+    return PRECISE * float(np.sqrt(np.sum(loops.force_rms_N**2) / np.sum(loops.noise_rms_N**2)))
+
+
 def _adequate(lack: LackOfFit, limit: float) -> bool:
     return lack.p_value > SIGNIFICANT or lack.share < limit
 
 
-def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str]:
-    """Give the effects that could be missing: those of the catalogue and the user's that the law hasn't got yet.
-
-    Args:
-        structure: the law's structure.
-        conditions: further columns of the tests.
-    """
-    present = {effect.id for effect in structure.all_effects()}
-    names = []
-    for name, entry in entries().items():
-        if getattr(entry, "part", None) == "base" or name in ("elastic_series", "damping_series", "condition"):
-            continue
-        if name == "memory":
-            names += [size for size in MEMORY_SIZES if _elements(size) > _elements_present(structure)]
-        elif name not in present:
-            names.append(name)
-    declared = (declaration.id for declaration in structure.declared)
-    further = [*(f"condition:{column}" for column in conditions), *declared]
-    return names + [name for name in further if name not in structure.effects]
-
-
-def _elements(name: str) -> int:
-    return len(find_effect(name).states)
-
-
-def _elements_present(structure: Structure) -> int:
-    return max((len(effect.states) for effect in structure.all_effects() if effect.id == "memory"), default=0)
-
-
-def _promises(structure: Structure, problem: Problem, law: Judged, tell: Callable[[str], None]) -> list[_Promise]:
-    """Screen every effect by one step; most promising first."""
-    promises = []
-    for name in candidate_names(structure, problem.loops.conditions):
-        tell(f"screen {name}")
-        promise = _promise(structure, name, problem, law)
-        if promise is not None:
-            promises.append(promise)
-    return sorted(promises, key=lambda promise: -promise.gain)
-
-
 def _candidates(
-    structure: Structure, problem: Problem, promises: Sequence[_Promise], tell: Callable[[str], None]
+    structure: Structure, problem: Problem, promises: Sequence[Promise], jobs: int, tell: Callable[[str], None]
 ) -> tuple[list[Judged], dict[str, float]]:
     """Fit the effects that promise something; best first, and what was screened out."""
     top = promises[0].gain if promises else 0.0
     ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:SCREENED]
     worth = max(WORTH_FITTING * top, 1e-300)
-    judged, left = [], {}
-    for promise in promises:
-        if effect_id(promise.name) in ids and promise.gain >= worth:
-            tell(f"fit {promise.name}")
-            larger = with_effect(structure, promise.name)
-            judged.append(_alive(judge((promise.name,), larger, promise.start, problem), structure, problem))
-        else:
-            left[promise.name] = promise.gain / top if top > 0 else 0.0
-    return _ranked(_simplest(judged)), left
+    chosen = [promise for promise in promises if effect_id(promise.name) in ids and promise.gain >= worth]
+    left = {promise.name: promise.gain / top if top > 0 else 0.0 for promise in promises if promise not in chosen}
+    contenders = [Contender((promise.name,), with_effect(structure, promise.name), promise.start) for promise in chosen]
+    judged = judge_each(contenders, problem, jobs, tell)
+    return _ranked(_simplest([_alive(each, structure, problem) for each in judged])), left
 
 
 def _simplest(judged: Sequence[Judged]) -> list[Judged]:
@@ -225,65 +188,6 @@ def _alive(judged: Judged, structure: Structure, problem: Problem) -> Judged:
     return judge((*judged.effects[:-1], smaller), with_effect(structure, smaller), start, problem)
 
 
-@dataclass(frozen=True)
-class _Promise:
-    """What an effect promises by one step of linear least squares from the best of its starts.
-
-    Attributes:
-        name: the effect.
-        gain: by how much the step lowers the cost.
-        start: the start's values, all of the law's parameters.
-        steps: the law with the effect at each of its starts, linearised.
-        starts: those starts.
-    """
-
-    name: str
-    gain: float
-    start: Mapping[str, float]
-    steps: Sequence[Linearised]
-    starts: Sequence[Mapping[str, float]]
-
-
-def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> _Promise | None:
-    """Give what an effect promises; None if it can't be fitted."""
-    try:
-        larger = with_effect(structure, name)
-        points = starting_points(larger, problem.observations, law.result.law.values)
-    except UserError:
-        if any(declaration.id == name for declaration in structure.declared):
-            raise  # who declares an effect wants to know why it can't be tried
-        return None
-    steps = [linearised(larger, problem.observations, point) for point in points]
-    costs = [step.cost_after_one_step() for step in steps]
-    best = int(np.argmin(costs))
-    return _Promise(name, law.result.cost - costs[best], points[best], steps, points)
-
-
-def _beside(promise: _Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], _Promise]:
-    """Give what an effect promises beside another one that has been fitted, where to start them, and the effect.
-
-    What the effect adds to the residuals, and its derivatives, are taken over from where it stood alone.
-
-    Args:
-        promise: the effect on the law as it is.
-        first: the law with the other effect.
-        law: the law as it is.
-    """
-    jacobian = first.fitted.jacobian.reshape(-1, first.fitted.jacobian.shape[2])
-    own = set(first.result.equations.names)
-    costs = []
-    for step in promise.steps:
-        new = [place for place, name in enumerate(step.free) if name not in own]
-        together = Linearised(
-            first.result.fitted + tuple(step.free[place] for place in new),
-            step.residual + (first.fitted.residual - law.fitted.residual).ravel(),
-            np.concatenate([jacobian, step.jacobian[:, new]], axis=1),
-        )
-        costs.append(together.cost_after_one_step())
-    best = int(np.argmin(costs))
-    return first.result.cost - costs[best], {**promise.starts[best], **first.result.law.values}, promise
-
-
 def _verdict(
     structure: Structure,
     problem: Problem,
@@ -291,6 +195,7 @@ def _verdict(
     candidates: Sequence[Judged],
     screened_out: Mapping[str, float],
     limit: float,
+    jobs: int,
     tell: Callable[[str], None],
 ) -> Diagnosis:
     """Weigh the candidates."""
@@ -306,7 +211,7 @@ def _verdict(
     pair = None
     if not _explains(best, law, limit):
         tell("two effects together")
-        pair = _best_pair(structure, problem, law, sound, tell)
+        pair = _best_pair(structure, problem, law, sound, jobs, tell)
         if pair is None or not _explains(pair, law, limit):
             return answer("unknown", (), pair, _unexplained_words(best, law))
         members = sorted(pair.effects, key=lambda name: _alone(name, sound))
@@ -319,12 +224,6 @@ def _verdict(
     if len(distinct) > 1:
         return answer("ambiguous", distinct, None, f"this data can't tell {' from '.join(distinct)}")
     return answer("missing", distinct, None, f"{best.effects[0]} explains it and no rival comes near")
-
-
-def effect_id(name: str) -> str:
-    """Give the name that stays: with its argument for a condition, without for the number of memory elements."""
-    identifier = name.partition(":")[0]
-    return name if identifier == "condition" else identifier
 
 
 def _explains(candidate: Judged, law: Judged, limit: float) -> bool:
@@ -340,40 +239,30 @@ def _best_pair(
     problem: Problem,
     law: Judged,
     sound: Sequence[Judged],
+    jobs: int,
     tell: Callable[[str], None],
 ) -> Judged | None:
     """Fit the best candidates together with the second effects that promise most; give the best sound pair."""
-    pairs: list[Judged] = []
+    contenders: list[Contender] = []
     seen: set[frozenset[str]] = set()
-    promises = _promises(structure, problem, law, tell)
+    promises = screened(structure, problem, law, tell)
     for first in _distinct(sound)[:PAIRED]:
         larger = with_effect(structure, first.effects[0])
-        beside = [
-            _beside(promise, first, law)
+        seconds = [
+            beside(promise, first, law)
             for promise in promises
-            if effect_id(promise.name) != effect_id(first.effects[0]) and _fits_beside(larger, promise.name)
+            if effect_id(promise.name) != effect_id(first.effects[0]) and fits_beside(larger, promise.name)
         ]
         tried: set[str] = set()
-        for _, start, second in sorted(beside, key=lambda entry: -entry[0]):
+        for _, start, second in sorted(seconds, key=lambda entry: -entry[0]):
             both = frozenset((effect_id(first.effects[0]), effect_id(second.name)))
             if both in seen or len(tried) == PAIRED:
                 continue
             tried.add(second.name)
-            tell(f"fit {first.effects[0]} and {second.name}")
-            effects = (first.effects[0], second.name)
-            pairs.append(judge(effects, with_effect(larger, second.name), start, problem))
+            contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), start))
         seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
-    usable = [pair for pair in pairs if not pair.objections]
+    usable = [pair for pair in judge_each(contenders, problem, jobs, tell) if not pair.objections]
     return min(usable, key=lambda pair: pair.squares, default=None)
-
-
-def _fits_beside(structure: Structure, name: str) -> bool:
-    """Tell whether an effect can be added to a law that another effect has joined."""
-    try:
-        with_effect(structure, name)
-    except UserError:
-        return False
-    return True
 
 
 def _distinct(judged: Sequence[Judged]) -> list[Judged]:

@@ -66,15 +66,17 @@ def answer_for(
     *,
     declared: Iterable[Declaration] = (),
     limits: Limits | None = None,
+    jobs: int = 1,
     progress: Progress | None = None,
 ) -> Answer:
-    """Diagnose the law of a parameter file on a campaign; a user's declared effects are candidates too.
+    """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
 
     Raises:
         UserError: the data can't serve the law.
     """
     comparison = compare(file, campaign)
-    diagnosis = diagnose(structure_of(file).with_declared(declared), comparison.loops, progress=progress)
+    structure = structure_of(file).with_declared(declared)
+    diagnosis = diagnose(structure, comparison.loops, jobs=jobs, progress=progress)
     if progress:
         progress("what is left over")
     best = misfits(diagnosis.best.result.law, campaign, comparison.loops)

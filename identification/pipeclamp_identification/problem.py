@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp.law import Structure, compose
 from pipeclamp.realise.arrays import Array
@@ -28,6 +29,8 @@ from pipeclamp_identification.observations import LoopObservations, Rows, loop_o
 
 CLOSELY = 1e-7
 """Tolerance of a candidate's fit."""
+WORTH_PROCESSES = 100
+"""Rows from which on fits are shared out to processes, which take some seconds to start."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,11 @@ class Problem:
     smooth: Array
     groups: Rows
     discrepancy: float = 0.0
+
+    @property
+    def is_large(self) -> bool:
+        """Whether fits take so long that starting processes for them pays."""
+        return len(self.loops.run) >= WORTH_PROCESSES
 
     @cached_property
     def observations(self) -> WhitenedObservations:
@@ -136,6 +144,38 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
     error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
     lean = replace(result, response=replace(result.response, jacobian=None))
     return Judged(effects, lean, fitted, score, lack, float(np.sqrt(error)), objections(effects, result))
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A law to be judged: what it has beyond the law as it is, its structure, and values to start from."""
+
+    effects: tuple[str, ...]
+    structure: Structure
+    start: Mapping[str, float]
+
+
+def judge_each(
+    contenders: Sequence[Contender], problem: Problem, jobs: int, tell: Callable[[str], None]
+) -> list[Judged]:
+    """Judge laws side by side.
+
+    Args:
+        contenders: the laws.
+        problem: the data.
+        jobs: processes; -1 for as many as there are cores.
+        tell: is told which law is done.
+
+    Returns:
+        what came of each, in the same order.
+    """
+    processes = min(effective_n_jobs(jobs), len(contenders)) if problem.is_large else 1
+    work = (delayed(judge)(each.effects, each.structure, each.start, problem) for each in contenders)
+    judged = []
+    for result in Parallel(n_jobs=max(processes, 1), return_as="generator")(work):
+        tell(f"fitted {' and '.join(result.effects)}")
+        judged.append(result)
+    return judged
 
 
 def _price_of_free_means(result: Fit, problem: Problem) -> Array:
