@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
 from pipeclamp_identification.importer import FmuParticipant, LoadedFmu, opened
-from pipeclamp_identification.system import ClampSource, PipeSource, SystemDescription, read_system
+from pipeclamp_identification.system import ClampSource, LawMode, PipeSource, SystemDescription, read_system
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -37,6 +38,15 @@ CELSIUS = 273.15
 PIPE_ENERGIES = ("energyPipe", "energyDissipated", "workExcitation", "workClamps")
 CLAMP_WATCHED = ("A_used", "f_used", "T_used", "energyDissipated")
 CLAMP_UNITS = ("m", "Hz", "K", "J")
+
+MODE_CODES: dict[LawMode, float] = {"given": 0.0, "solved": 1.0, "tracked": 2.0}
+"""How a result's columns say where a law's A and f came from."""
+
+SOLVED, MOST_RUNS, FULL_STEPS = 2e-3, 20, 3
+"""A and f are solved when they change by no more than this share; runs until it is given up, runs with full steps."""
+
+MEASURED_SHARE = 0.3
+"""Last part of a run, in which the A and f of its motion are measured."""
 
 MISMATCH = 0.2
 """Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
@@ -58,6 +68,9 @@ class CosimResult:
         energy: the balance, each (n,).
         out_of_range: clamps whose law was used beyond its data.
         warnings: what the FMUs warned of.
+        modes: where each clamp's A and f come from.
+        runs: how many it took to solve A and f.
+        unsolved: by which share they still changed in the last run, where they were not solved.
     """
 
     name: str
@@ -71,6 +84,9 @@ class CosimResult:
     energy: EnergyBalance
     out_of_range: tuple[str, ...]
     warnings: tuple[str, ...]
+    modes: tuple[LawMode, ...]
+    runs: int = 1
+    unsolved: float = 0.0
 
     @property
     def time(self) -> Array:
@@ -101,14 +117,24 @@ class CosimResult:
         lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
         lines += [
             f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with {1e3 * found:.4g} "
-            "mm: set amplitude_mm to that, or track = true"
+            "mm: set amplitude_mm to that, or solve = true, or track = true"
             for name in self.clamp_names
             if abs((found := self.amplitude(f"{name}.s")) - (assumed := self.columns[f"{name}.A_used"][-1]))
             > MISMATCH * assumed
         ]
+        lines += [self._about_conditions(name, mode) for name, mode in zip(self.clamp_names, self.modes, strict=True)]
         lines += [f"{name}: its law was used beyond the range of its data" for name in self.out_of_range]
         lines += [f"warning: {warning}" for warning in self.warnings]
         return "\n".join(lines)
+
+    def _about_conditions(self, name: str, mode: LawMode) -> str:
+        """Say where a law's A and f come from."""
+        amplitude, frequency = 1e3 * self.columns[f"{name}.A_used"][-1], self.columns[f"{name}.f_used"][-1]
+        used = f"A = {amplitude:.4g} mm, f = {frequency:.4g} Hz"
+        if mode == "solved" and self.unsolved:
+            return f"{name}: A and f NOT solved in {self.runs} runs, they still change by {self.unsolved:.1%}: {used}"
+        how = {"given": "as given", "solved": f"solved in {self.runs} runs", "tracked": "tracked, at the end"}[mode]
+        return f"{name}: its law is taken for {used} ({how})"
 
 
 @dataclass(frozen=True)
@@ -146,11 +172,66 @@ def run_described(
     Raises:
         UserError: as `run_system`.
     """
-    with (
-        finished(description, folder) as ready,
-        opened([(folder / str(ready.pipe.fmu), "pipe"), *((folder / str(c.fmu), c.at) for c in ready.clamps)]) as fmus,
-    ):
-        pipe, *clamps = fmus
+    with finished(description, folder) as ready:
+        solved = [clamp.mode == "solved" for clamp in ready.clamps]
+        for runs in range(1, (MOST_RUNS if any(solved) else 1) + 1):
+            result = _once(ready, folder, where, progress)
+            found = [motion_conditions(result, clamp.at) for clamp in ready.clamps]
+            changes = [
+                abs(new / old - 1)
+                for is_solved, clamp, pair in zip(solved, ready.clamps, found, strict=True)
+                if is_solved
+                for new, old in zip(pair, _conditions(clamp, ready), strict=True)
+            ]
+            off = max(changes, default=0.0)
+            if off <= SOLVED:
+                break
+            clamps = tuple(
+                _with_conditions(clamp, pair, _conditions(clamp, ready), runs) if is_solved else clamp
+                for is_solved, clamp, pair in zip(solved, ready.clamps, found, strict=True)
+            )
+            ready = ready.model_copy(update={"clamps": clamps})
+    return replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0)
+
+
+def motion_conditions(result: CosimResult, name: str) -> tuple[float, float]:
+    """Give A (mm) and f (Hz) of a clamp's motion over the last part of a run, whole cycles of it.
+
+    A = sqrt(2 var s), f = sqrt(var v/var s)/(2 pi), as the clamp FMU's tracker has them.
+    """
+    s, v = result.columns[f"{name}.s"], result.columns[f"{name}.v"]
+    last = slice(int((1 - MEASURED_SHARE) * s.size), None)
+    s, v = s[last], v[last]
+    rising = np.flatnonzero((s[:-1] < s.mean()) & (s[1:] >= s.mean()))
+    if rising.size > 1:
+        s, v = s[rising[0] : rising[-1]], v[rising[0] : rising[-1]]
+    variance = float(np.var(s))
+    if variance == 0.0:
+        return 0.0, 0.0
+    return 1e3 * math.sqrt(2 * variance), math.sqrt(float(np.mean(v**2)) / variance) / (2 * math.pi)
+
+
+def _conditions(clamp: ClampSource, description: SystemDescription) -> tuple[float, float]:
+    """Give A (mm) and f (Hz) that a clamp's law is taken for, or starts from."""
+    return clamp.amplitude_mm or 0.0, clamp.frequency_Hz or description.excitation.frequency_Hz or 0.0
+
+
+def _with_conditions(
+    clamp: ClampSource, found: tuple[float, float], given: tuple[float, float], runs: int
+) -> ClampSource:
+    """Give the clamp with A and f nearer to those of its motion; a still clamp keeps its own."""
+    # Near resonance the found amplitude can overshoot by as much as the given one was off: then half the way.
+    share = 1.0 if runs <= FULL_STEPS else 0.5
+    amplitude, frequency = (
+        old + share * (new - old) if new > 0 else old for new, old in zip(found, given, strict=True)
+    )
+    return clamp.model_copy(update={"amplitude_mm": amplitude, "frequency_Hz": frequency})
+
+
+def _once(description: SystemDescription, folder: Path, where: str, progress: Progress | None) -> CosimResult:
+    """Run a description whose FMUs are finished."""
+    paths = [(folder / str(description.pipe.fmu), "pipe"), *((folder / str(c.fmu), c.at) for c in description.clamps)]
+    with opened(paths) as (pipe, *clamps):
         variables = _pipe_variables(pipe)
         for index, clamp in enumerate(description.clamps, 1):
             if clamp.at not in variables.clamps:
@@ -323,6 +404,8 @@ def _result(
         own = watched[:, clamps_at + len(CLAMP_WATCHED) * index :]
         for column, (kind, unit) in enumerate(zip(CLAMP_WATCHED, CLAMP_UNITS, strict=True)):
             keep(f"{name}.{kind}", unit, own[:, column])
+    for name, clamp in zip(names, description.clamps, strict=True):
+        keep(f"{name}.law_mode", "0 given, 1 solved, 2 tracked", np.full(len(points), MODE_CODES[clamp.mode]))
     for index, name in enumerate(variables.probes):
         for column, (kind, unit) in enumerate((("s", "m"), ("v", "m/s"), ("a", "m/s2"))):
             keep(f"{name}.{kind}", unit, watched[:, 3 * index + column])
@@ -353,5 +436,6 @@ def _result(
         units=units,
         energy=balance,
         out_of_range=tuple(name for name, inside in zip(names, in_range, strict=True) if not inside),
+        modes=tuple(clamp.mode for clamp in description.clamps),
         warnings=tuple(f"{fmu.instance}: {text}" for fmu in fmus for text in fmu.messages.warnings),
     )

@@ -198,7 +198,7 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
     if source.law is None:
         raise UserError(f"{where}: clamp {source.at!r}: a response needs the law's equations; expected law, not an FMU")
     file = law_in(folder, source.law)
-    given = not source.track
+    given = source.mode == "given"
     return SteadyClamp(
         law_of(file),
         (source.temperature_C if temperature is None else temperature) + CELSIUS,

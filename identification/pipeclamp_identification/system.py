@@ -10,6 +10,8 @@ from pydantic import Field, model_validator
 from pipeclamp.toml_file import Name, Number, Positive, Table, read_table
 from pipeclamp_identification.coupling import Scheme
 
+LawMode = Literal["given", "solved", "tracked"]
+
 MOST_STEPS = 5_000_000
 """More than these don't fit into memory with all that is kept of each."""
 
@@ -30,7 +32,8 @@ class PipeSource(Table):
 class ClampSource(Table):
     """One clamp: where it sits, its law or finished FMU, and the motion that its law's coefficients are taken for.
 
-    With `track` amplitude and frequency are estimated from the motion itself, started from the values given here.
+    Amplitude and frequency are those given here; with `solve` they are only where it starts, and the run is repeated
+    until the clamp's motion shows those that it was given; with `track` the FMU estimates them as it goes.
     """
 
     at: Name
@@ -40,9 +43,17 @@ class ClampSource(Table):
     amplitude_mm: Positive | None = None
     frequency_Hz: Positive | None = None
     track: bool = False
+    solve: bool = False
+
+    @property
+    def mode(self) -> LawMode:
+        """Where the law's A and f come from."""
+        return "tracked" if self.track else "solved" if self.solve else "given"
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
+        if self.track and self.solve:
+            raise ValueError("track and solve exclude each other: A and f are followed as they come, or found by runs")
         if (self.law is None) == (self.fmu is None):
             raise ValueError("expected either law = 'LAW.json' or fmu = 'clamp.fmu'")
         if self.amplitude_mm is None and not self.track:
