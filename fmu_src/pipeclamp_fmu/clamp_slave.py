@@ -37,6 +37,9 @@ SLACK = 1e-9
 FARTHEST = RANGE_A[1] * (1 + SLACK)
 """Farthest displacement that the law's data hold, mm."""
 
+HUGE = 1e30
+"""A value beyond it is a mistake, whatever the unit; below it, powers that laws take of it don't overflow."""
+
 AT_REST = tuple(start for _, start in STATES)
 """The law's memory before anything has moved."""
 
@@ -135,9 +138,8 @@ class ClampSlave(Fmi2Slave):
         reals = self._reals
         y = MM * reals[S]
         v = MM * reals[V]
-        total = y + v + step_size
         settled = self._settled
-        if settled and step_size > 0.0 and total - total == 0.0:
+        if settled and 0.0 < step_size < math.inf and -HUGE < y < HUGE and -HUGE < v < HUGE:
             k, y_before, _, force_before, energy_before, memory = self._motion
         else:
             prepared = self._prepare(step_size, y, v)
@@ -169,8 +171,8 @@ class ClampSlave(Fmi2Slave):
         reals = self._reals
         names = INPUTS + PARAMETERS
         for name, value in zip(names, reals, strict=False):
-            if not math.isfinite(value):
-                return f"{name} is {value}; expected a finite number"
+            if not -HUGE < MM * value < HUGE:
+                return f"{name} is {value:g}; expected a number between -{HUGE / MM:g} and {HUGE / MM:g}"
         temperature = T_IN if self._flags[USE_T_IN] else T
         for index, unit in ((A, "m"), (F, "Hz"), (temperature, "K")):
             if reals[index] <= 0.0:

@@ -14,6 +14,7 @@ enum { KEPT_S = FIRST_LOCAL, KEPT_V, KEPT_Z };
 enum { USE_T_IN, TRACK, IN_RANGE };
 
 static const double MM = 1000.0; /* in a metre: the law is in mm, the FMU's boundary in m */
+static const double HUGE_NUMBER = 1e30; /* beyond it a value is a mistake; below it, powers don't overflow */
 static const double PI = 3.14159265358979323846;
 static const double AVERAGING = 1.5; /* time constant of each of the tracker's averages, in periods */
 static const double SLACK = 1e-9;    /* share by which a value may pass the end of its range: rounding of units */
@@ -87,9 +88,11 @@ static int take_settings(const Model *model, double u[LAW_CONDITIONS], char reas
     const char *const units[3] = {"m", "Hz", "K"};
     int i;
     for (i = 0; i < INPUTS + PARAMETERS; i++) {
-        if (!isfinite(real[i])) {
-            const char *text = isnan(real[i]) ? "nan" : real[i] > 0 ? "inf" : "-inf";
-            snprintf(reason, TEXT, "%s is %s; expected a finite number", REAL_NAMES[i], text);
+        if (!(fabs(MM * real[i]) < HUGE_NUMBER)) {
+            char text[32];
+            snprintf(text, sizeof text, isnan(real[i]) ? "nan" : "%g", real[i]); /* without the sign of a NaN */
+            snprintf(reason, TEXT, "%s is %s; expected a number between -%g and %g", REAL_NAMES[i], text,
+                     HUGE_NUMBER / MM, HUGE_NUMBER / MM);
             return 0;
         }
     }
@@ -230,7 +233,7 @@ static int model_step(Model *model, const Values *values, double h, char reason[
 {
     Memory *memory = &model->memory;
     const double y = MM * model->real[S], v = MM * model->real[V];
-    const int as_before = model->settled && isfinite(y + v);
+    const int as_before = model->settled && fabs(y) < HUGE_NUMBER && fabs(v) < HUGE_NUMBER;
     double result[2], z[ROOM(LAW_STATES)], new_k[ROOM(LAW_COEFFICIENTS)] = {0}, share = 0.0;
     Conditions conditions;
     Place prepared, *to;
