@@ -1,4 +1,4 @@
-"""Pipe and clamp coupled in Ecos and in libcosim give what our own parallel scheme gives."""
+"""Pipe and clamp, Python and native, coupled in Ecos and in libcosim give what our own parallel scheme gives."""
 
 import json
 import subprocess
@@ -18,10 +18,16 @@ MODULES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
 NEEDS = {"ecos": "ecospy from PyPI and Debian's libtbb12", "libcosim": "libcosimpy from PyPI"}
 
 
+@pytest.fixture(scope="module", params=["python", "native"])
+def clamp_fmu(request, fmus):
+    """Give the path of a clamp of each kind."""
+    return fmus["memory"] if request.param == "python" else request.getfixturevalue("native_fmus")[2]
+
+
 @pytest.fixture(scope="module")
-def own(fmus):
+def own(fmus, clamp_fmu):
     """Our parallel scheme's displacement and force, (STEPS, 2)."""
-    with opened([(fmus["pipe"], "pipe"), (fmus["memory"], "clamp")]) as (pipe, clamp):
+    with opened([(fmus["pipe"], "pipe"), (clamp_fmu, "clamp")]) as (pipe, clamp):
         pipe.initialise({})
         clamp.initialise(foreign_masters.START)
         system = System(
@@ -34,11 +40,11 @@ def own(fmus):
 
 
 @pytest.mark.parametrize("master", MODULES)
-def test_it_gives_what_our_parallel_scheme_gives(fmus, own, master):
+def test_it_gives_what_our_parallel_scheme_gives(fmus, clamp_fmu, own, master):
     if find_spec(MODULES[master]) is None:
         pytest.skip(f"{master} isn't installed: it needs {NEEDS[master]}")
     program = Path(foreign_masters.__file__)
-    arguments = [master, str(fmus["pipe"]), str(fmus["memory"]), str(STEP_NS), str(STEPS)]
+    arguments = [master, str(fmus["pipe"]), str(clamp_fmu), str(STEP_NS), str(STEPS)]
     run = subprocess.run(
         [sys.executable, str(program), *arguments], capture_output=True, text=True, timeout=120, check=False
     )
