@@ -10,10 +10,10 @@ from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import Interval, LawFile, law_of
 from pipeclamp.pipe import ReducedPipe
-from pipeclamp.realise.c import c_source, parameters_of
+from pipeclamp.realise.c import CONDITIONS_FIRST, c_source, conditions_of, parameters_of
 from pipeclamp.realise.scalar import clamp_equations, python_source
 from pipeclamp.realise.text import equation_lines
-from pipeclamp_fmu.clamp import ClampModel, clamp_content
+from pipeclamp_fmu.clamp import ClampModel, FurtherCondition, clamp_content
 from pipeclamp_fmu.compile import default_platforms
 from pipeclamp_fmu.native_clamp import Entry, NativeLaw, native_clamp
 from pipeclamp_fmu.native_fmu import Built, NativeContent, write_native_fmu
@@ -21,8 +21,8 @@ from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_fmu.passivity import require_dissipation
 from pipeclamp_fmu.pipe import pipe_content
 
-KNOWN_SIGNALS = {symbols.A, symbols.f, symbols.T}
-"""The slow signals that a clamp FMU has."""
+G_CM3 = 1e-3
+"""1 kg/m3 in g/cm3."""
 
 SMOOTHING = {
     "v_r": ("mm/s", "velocity below which sgn v is smooth"),
@@ -46,11 +46,11 @@ def build_clamp(file: LawFile, output: Path) -> str:
         the FMU's model identifier, unique for its content.
 
     Raises:
-        UserError: the law would create energy over some closed cycle in its range, needs a signal that the FMU doesn't
-            have, or the FMU can't be written.
+        UserError: the law would create energy over some closed cycle in its range, depends on a condition that isn't in
+            that range, or the FMU can't be written.
     """
     model = clamp_model(file)
-    require_dissipation(model.name, model.source, model.range_A, model.range_f, model.range_T)
+    require_dissipation(model.name, model.source, *model.ranges)
     return write_fmu(clamp_content(model, version()), output)
 
 
@@ -77,7 +77,7 @@ def native_clamp_content(file: LawFile) -> NativeContent:
         UserError: as `build_clamp`.
     """
     model = clamp_model(file)
-    require_dissipation(model.name, model.source, model.range_A, model.range_f, model.range_T)
+    require_dissipation(model.name, model.source, *model.ranges)
     law = law_of(file)
     equations = clamp_equations(law)
     values = [*law.vector(equations), law.v_r, law.y_r]
@@ -109,16 +109,10 @@ def clamp_model(file: LawFile) -> ClampModel:
     """Give a law as the clamp FMU needs it.
 
     Raises:
-        UserError: the law depends on a slow signal other than A, f and T.
+        UserError: the law's range lacks a condition that the law depends on.
     """
     law = law_of(file)
     equations = clamp_equations(law)
-    strange = sorted(str(symbol) for symbol in equations.slow_signals - KNOWN_SIGNALS)
-    if strange:
-        raise UserError(
-            f"law {file.name!r} depends on {', '.join(strange)}, which a clamp FMU has no input for; expected a law of "
-            "A, f and T: identify it without the effects that bring these in"
-        )
     entries = [(name, file.coefficients[name]) for name in equations.names]
     return ClampModel(
         name=file.name,
@@ -126,6 +120,7 @@ def clamp_model(file: LawFile) -> ClampModel:
         range_A=_ends(file.range["A"]),
         range_f=_ends(file.range["f"]),
         range_T=_ends(file.range["T"]),
+        further=tuple(_further(name, file) for name in conditions_of(equations)[len(CONDITIONS_FIRST) :]),
         equations=equation_lines(equations),
         parameters=[
             (
@@ -139,6 +134,32 @@ def clamp_model(file: LawFile) -> ClampModel:
         ],
         notes=_notes(file),
     )
+
+
+def _further(name: str, file: LawFile) -> FurtherCondition:
+    """Give a slow signal besides A, f and T as a parameter: load cycles, density, or a column of the test table."""
+    columns = {str(symbols.condition_symbol(column)): column for column in file.range}
+    key = columns.get(name, name)
+    if key not in file.range:
+        raise UserError(
+            f"law {file.name!r} depends on {name.removeprefix(symbols.CONDITION)}, but its range doesn't hold it; "
+            "expected a law identified from tests that state it: identify it anew"
+        )
+    interval = _ends(file.range[key])
+    if name == str(symbols.N):
+        return FurtherCondition(
+            "firstCycle", "load cycles that the clamp has seen before the start", "1", "", "cycles", 1.0,
+            (0.0, interval[1]), False, 0.0, counted=True,
+        )  # fmt: skip
+    if name == str(symbols.rho):
+        start = (interval[0] + interval[1]) / 2 / G_CM3
+        return FurtherCondition(
+            name, "density of the wire mesh", "kg/m3", "g/cm3", "g/cm3", G_CM3, interval, True, start
+        )
+    return FurtherCondition(
+        f"condition.{name.removeprefix(symbols.CONDITION)}", f"test condition {key}, in the unit of its name",
+        "", "", "", 1.0, interval, False, sum(interval) / 2,
+    )  # fmt: skip
 
 
 def _ends(interval: Interval) -> tuple[float, float]:

@@ -25,6 +25,35 @@ STEPS_PER_CYCLE = 200
 
 
 @dataclass(frozen=True)
+class FurtherCondition:
+    """A slow signal of the law besides A, f and T, as a parameter of the FMU.
+
+    Attributes:
+        name: of the parameter.
+        meaning: one phrase.
+        unit: the FMU's, "" where only the column's name tells it.
+        display_unit: the unit for people, "" for the same.
+        law_unit: the law's.
+        scale: a value in the law's unit over the one in the FMU's.
+        interval: what the law's data hold, in the law's unit.
+        positive: whether it must be above 0.
+        start: in the FMU's unit.
+        counted: whether the clamp's own load cycles are added to it.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    display_unit: str
+    law_unit: str
+    scale: float
+    interval: Interval
+    positive: bool
+    start: float
+    counted: bool = False
+
+
+@dataclass(frozen=True)
 class ClampModel:
     """A law as the clamp FMU needs it.
 
@@ -37,6 +66,7 @@ class ClampModel:
         equations: for the documentation, one line each.
         parameters: for the documentation: symbol, value, standard error, unit, meaning.
         notes: for the documentation: what else to say of the law, its data and its quality.
+        further: conditions besides A, f and T, in the order in which the source takes them.
     """
 
     name: str
@@ -47,6 +77,17 @@ class ClampModel:
     equations: Sequence[str] = ()
     parameters: Sequence[Sequence[str]] = ()
     notes: Sequence[str] = ()
+    further: tuple[FurtherCondition, ...] = ()
+
+    @property
+    def ranges(self) -> tuple[Interval, ...]:
+        """The ranges of all conditions, in the law's units."""
+        return (self.range_A, self.range_f, self.range_T, *(entry.interval for entry in self.further))
+
+    @property
+    def counted(self) -> int:
+        """The place of the load cycles among the further conditions, -1 for none."""
+        return next((place for place, entry in enumerate(self.further) if entry.counted), -1)
 
 
 def source_text(module: str) -> str:
@@ -56,12 +97,15 @@ def source_text(module: str) -> str:
 
 def clamp_module(model: ClampModel) -> str:
     """Give the slave's one module: values, law, slave."""
+    further = tuple((entry.name, entry.scale, entry.interval, entry.positive, entry.start) for entry in model.further)
     law = "\n".join(
         [
             f"LAW_NAME = {model.name!r}",
             f"RANGE_A = {model.range_A!r}",
             f"RANGE_f = {model.range_f!r}",
             f"RANGE_T = {model.range_T!r}",
+            f"FURTHER = {further!r}",
+            f"COUNTED = {model.counted}",
             "",
             model.source,
         ]
@@ -82,7 +126,8 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
     law = loaded(model.source)
     A, f, T = (clamp_slave.middle(interval) for interval in (model.range_A, model.range_f, model.range_T))
     start = tuple(value for _, value in law.states)
-    force = usual(law.step(law.coefficients(A, f, T), start, 0.0, A, 0.0, 1 / (4 * f))[0])
+    middles = tuple(entry.scale * entry.start for entry in model.further)
+    force = usual(law.step(law.coefficients(A, f, T, *middles), start, 0.0, A, 0.0, 1 / (4 * f))[0])
     farthest = MARGIN * model.range_A[1] / 1000
     fastest = 2 * math.pi * MARGIN * model.range_f[1] * farthest
     s = usual(A / 1000)
@@ -109,6 +154,7 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
         "A": amplitude(f"amplitude of the motion {range_A}"),
         "f": frequency(f"frequency of the motion {range_f}"),
         "T": temperature(f"temperature of the clamp {range_T}"),
+        **{entry.name: _further(entry) for entry in model.further},
         "flange.f": Quantity("force into the clamp; a spring gives +c s", "N", "", -1e3 * force, 1e3 * force, force),
         "A_used": amplitude("amplitude that the law is evaluated with"),
         "f_used": frequency("frequency that the law is evaluated with"),
@@ -120,6 +166,17 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
         "track": Quantity("estimate amplitude and frequency from the motion, starting from A and f"),
         "inRange": Quantity("A, f, T of the motion and the displacement lie inside the law's range"),
     }
+
+
+def _further(entry: FurtherCondition) -> Quantity:
+    """Give what an importer should know of a further condition."""
+    low, high = (end / entry.scale for end in entry.interval)
+    room = (MARGIN - 1) * max(abs(low), abs(high), high - low)
+    lowest = low / MARGIN if entry.positive else 0.0 if entry.counted else low - room
+    text = f"{entry.meaning} (law's range {entry.interval[0]:g} to {entry.interval[1]:g} {entry.law_unit})"
+    return Quantity(
+        text.replace(" )", ")"), entry.unit, entry.display_unit, lowest, high + room, usual(entry.start or high)
+    )
 
 
 def clamp_text(model: ClampModel, version: str) -> ModelText:
@@ -159,7 +216,12 @@ def clamp_documentation(model: ClampModel, described: Mapping[str, Quantity], us
 
 
 def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[Section]:
-    ranges = (("A", model.range_A, "mm"), ("f", model.range_f, "Hz"), ("T", model.range_T, "K"))
+    ranges = (
+        ("A", model.range_A, "mm"),
+        ("f", model.range_f, "Hz"),
+        ("T", model.range_T, "K"),
+        *((entry.name, entry.interval, entry.law_unit) for entry in model.further),
+    )
     return [
         Section(
             "Equations",
@@ -193,12 +255,18 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
                 "A = sqrt(2 var y), 2 pi f = sqrt(<v^2>/var y), held inside the range.",
                 "energyDissipated is the work done on the clamp less the change of what it stores, at the "
                 "coefficients of the step; what a change of A, f or T does to the stored energy is not in it.",
+                *(COUNTING for entry in model.further if entry.counted),
                 "A step with a value that can't be (NaN or infinite; A, f or T not above 0; a step not above 0) is "
                 "discarded with a logged error, the state untouched.",
             ),
         ),
     ]
 
+
+COUNTING = (
+    "Load cycles: to firstCycle the clamp adds those that it makes itself, a cycle being a way of four amplitudes "
+    "A_used. A step is taken at the cycles that were seen when it began."
+)
 
 PYTHON_USE = (
     "flange.s and flange.v are the values at the end of a step; from the last communication point to them the motion "

@@ -14,15 +14,30 @@ from typing import Any
 from pythonfmu.enums import Fmi2Status
 
 from pipeclamp_fmu.plain_slave import Fmi2Slave
-from pipeclamp_fmu.stand_in_law import LAW_NAME, RANGE_A, RANGE_T, STATES, RANGE_f, coefficients, step
+from pipeclamp_fmu.stand_in_law import (
+    COUNTED,
+    FURTHER,
+    LAW_NAME,
+    RANGE_A,
+    RANGE_T,
+    STATES,
+    RANGE_f,
+    coefficients,
+    step,
+)
 
 MM = 1000.0
 """mm in a metre: the law is in mm, the FMU's boundary in m."""
 
 INPUTS = ("flange.s", "flange.v", "T_in")
-PARAMETERS = ("A", "f", "T")
+PARAMETERS = ("A", "f", "T", *(name for name, *_ in FURTHER))
 OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated")
-S, V, T_IN, A, F, T, FORCE, A_USED, F_USED, T_USED, DISSIPATED = range(11)
+S, V, T_IN, A, F, T = range(6)
+FIRST_FURTHER = T + 1
+FORCE, A_USED, F_USED, T_USED, DISSIPATED = range(FIRST_FURTHER + len(FURTHER), FIRST_FURTHER + len(FURTHER) + 5)
+POSITIVE = tuple(place for place, (_, _, _, positive, _) in enumerate(FURTHER, FIRST_FURTHER) if positive)
+SCALES = tuple(scale for _, scale, _, _, _ in FURTHER)
+RANGES = (RANGE_A, RANGE_f, RANGE_T, *(interval for _, _, interval, _, _ in FURTHER))
 
 BOOLEAN_PARAMETERS = ("useTemperatureInput", "track")
 BOOLEAN_OUTPUTS = ("inRange",)
@@ -49,7 +64,7 @@ NO_VALUE = (ArithmeticError, TypeError, ValueError)
 NO_VALUE_THERE = "the law has no value there"
 
 Motion = tuple[Any, float, float, float, float, tuple[float, ...]]
-Conditions = tuple[float, float, float, tuple[float, ...] | None]
+Conditions = tuple[float, float, float, tuple[float, ...], tuple[float, ...] | None]
 
 
 def middle(interval: tuple[float, float]) -> float:
@@ -59,7 +74,8 @@ def middle(interval: tuple[float, float]) -> float:
 
 def within(value: float, interval: tuple[float, float]) -> bool:
     """Tell whether the value lies in the range, but for rounding."""
-    return interval[0] * (1 - SLACK) <= value <= interval[1] * (1 + SLACK)
+    low, high = interval
+    return low - SLACK * abs(low) <= value <= high + SLACK * abs(high)
 
 
 def held(value: float, interval: tuple[float, float]) -> float:
@@ -103,12 +119,12 @@ def amplitude_and_frequency(averages: tuple[float, ...], frequency: float) -> tu
     return math.sqrt(2 * variance), math.sqrt(speed / variance) / (2 * math.pi)
 
 
-def in_use(conditions: Conditions) -> tuple[float, float, float]:
-    """Give A, f, T for the law: as set, or as tracked but held inside the law's range."""
-    amplitude, frequency, temperature, averages = conditions
+def in_use(conditions: Conditions) -> tuple[float, ...]:
+    """Give A, f, T and further conditions for the law: as set, or as tracked but held inside the law's range."""
+    amplitude, frequency, temperature, further, averages = conditions
     if averages is None:
-        return amplitude, frequency, temperature
-    return held(amplitude, RANGE_A), held(frequency, RANGE_f), temperature
+        return amplitude, frequency, temperature, *further
+    return held(amplitude, RANGE_A), held(frequency, RANGE_f), temperature, *further
 
 
 class ClampSlave(Fmi2Slave):
@@ -117,11 +133,13 @@ class ClampSlave(Fmi2Slave):
     Attributes:
         _motion: coefficients, y, v, force, stored energy and memory at the last communication point, as the law has
             them (mm, N, s).
-        _conditions: A (mm), f (Hz), T (K) of the motion, before they are held inside the range; the tracker's averages.
+        _conditions: A (mm), f (Hz), T (K) of the motion, before they are held inside the range; further conditions; the
+            tracker's averages.
+        _counted: load cycles since the start: a cycle is a way of four amplitudes, there and back.
         _inside: whether the conditions are inside the law's range.
     """
 
-    KEPT = ("_motion", "_conditions", "_inside")
+    KEPT = ("_motion", "_conditions", "_counted", "_inside")
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(INPUTS, PARAMETERS, OUTPUTS, BOOLEAN_PARAMETERS, BOOLEAN_OUTPUTS, kwargs)
@@ -129,7 +147,10 @@ class ClampSlave(Fmi2Slave):
         self._reals[T] = self._reals[T_IN] = middle(RANGE_T)
         self._signals = T_IN  # a new temperature is a new condition, as a new parameter is
         self._motion: Motion = ((), 0.0, 0.0, 0.0, 0.0, AT_REST)
-        self._conditions: Conditions = (middle(RANGE_A), middle(RANGE_f), middle(RANGE_T), None)
+        starts = tuple(start for _, _, _, _, start in FURTHER)
+        self._reals[FIRST_FURTHER:FORCE] = starts
+        self._conditions: Conditions = (middle(RANGE_A), middle(RANGE_f), middle(RANGE_T), starts, None)
+        self._counted = 0.0
         self._inside = True
         self._warned = False  # not part of a saved state: what was said stays said
 
@@ -159,13 +180,15 @@ class ClampSlave(Fmi2Slave):
         # Trapezoid of the force over the straight way, less what is stored; N mm to J.
         reals[DISSIPATED] += 0.001 * (0.5 * (force_before + force) * (y - y_before) - (energy - energy_before))
         self._motion = (k, y, v, force, energy, memory)
+        if COUNTED >= 0:
+            self._counted += abs(y - y_before) / (4.0 * MM * reals[A_USED])
         self._flags[IN_RANGE] = inside = self._inside and -FARTHEST <= y <= FARTHEST
         if not (inside or self._warned):
             self._warn(y)
         return True
 
-    def _settings(self) -> tuple[float, float, float] | str:
-        """Give A (mm), f (Hz), T (K) that are set, or what is wrong with state, inputs or parameters."""
+    def _settings(self) -> tuple[float, float, float, tuple[float, ...]] | str:
+        """Give A (mm), f (Hz), T (K) and further conditions, or what is wrong with state, inputs or parameters."""
         if self._lost:
             return self._lost
         reals = self._reals
@@ -177,7 +200,13 @@ class ClampSlave(Fmi2Slave):
         for index, unit in ((A, "m"), (F, "Hz"), (temperature, "K")):
             if reals[index] <= 0.0:
                 return f"{names[index]} is {reals[index]:g} {unit}; expected a value above 0 {unit}"
-        return MM * reals[A], reals[F], reals[temperature]
+        for index in POSITIVE:
+            if reals[index] <= 0.0:
+                return f"{names[index]} is {reals[index]:g}; expected a value above 0"
+        further = [scale * value for scale, value in zip(SCALES, reals[FIRST_FURTHER:FORCE], strict=True)]
+        if COUNTED >= 0:
+            further[COUNTED] += self._counted
+        return MM * reals[A], reals[F], reals[temperature], tuple(further)
 
     def _prepare(self, step_size: float, y: float, v: float) -> tuple[Conditions, Motion] | str:
         """Give the conditions of the step and what it starts from, or why it can't be; nothing is changed."""
@@ -188,10 +217,10 @@ class ClampSlave(Fmi2Slave):
             return settings
         conditions: Conditions = (*settings, None)
         if self._flags[TRACK]:
-            averages = self._conditions[3] or start_tracking(*settings[:2])
+            averages = self._conditions[4] or start_tracking(*settings[:2])
             periods = step_size * held(self._conditions[1], RANGE_f)
             averages = track_motion(averages, -math.expm1(-periods / AVERAGING), y, v)
-            conditions = (*amplitude_and_frequency(averages, self._conditions[1]), settings[2], averages)
+            conditions = (*amplitude_and_frequency(averages, self._conditions[1]), *settings[2:], averages)
         try:
             return conditions, self._under(conditions)
         except NO_VALUE:
@@ -213,11 +242,11 @@ class ClampSlave(Fmi2Slave):
     def _take(self, conditions: Conditions) -> None:
         """Keep the conditions and show what is used of them."""
         reals = self._reals
-        amplitude, reals[F_USED], reals[T_USED] = in_use(conditions)
+        amplitude, reals[F_USED], reals[T_USED], *_ = in_use(conditions)
         reals[A_USED] = amplitude / MM
         self._conditions = conditions
-        self._inside = all(map(within, conditions[:3], (RANGE_A, RANGE_f, RANGE_T)))
-        self._settled = conditions[3] is None
+        self._inside = all(map(within, (*conditions[:3], *conditions[3]), RANGES))
+        self._settled = conditions[4] is None and COUNTED < 0  # else the next step is under other conditions
 
     def _evaluate_start(self) -> None:
         """Evaluate the law at the present inputs and parameters, with fresh memory."""
@@ -241,15 +270,16 @@ class ClampSlave(Fmi2Slave):
     def _warn(self, y: float) -> None:
         """Say once where the law is used beyond its data."""
         self._warned = True
-        amplitude, frequency, temperature, _ = self._conditions
+        amplitude, frequency, temperature, further, _ = self._conditions
         quantities = (
             ("A", amplitude, RANGE_A, "mm"),
             ("f", frequency, RANGE_f, "Hz"),
             ("T", temperature, RANGE_T, "K"),
+            *((name, value, interval, "") for (name, _, interval, _, _), value in zip(FURTHER, further, strict=True)),
             ("|flange.s|", abs(y), (0.0, RANGE_A[1]), "mm"),
         )
         outside = [
-            f"{name} = {value:.6g} {unit} is outside {interval[0]:g} to {interval[1]:g} {unit}"
+            f"{name} = {value:.6g} {unit} is outside {interval[0]:g} to {interval[1]:g} {unit}".rstrip()
             for name, value, interval, unit in quantities
             if not within(value, interval)
         ]

@@ -33,6 +33,8 @@ UNITS: Mapping[str, Unit] = {
     "J": Unit({"kg": 1, "m": 2, "s": -2}),
     "Hz": Unit({"s": -1}),
     "K": Unit({"K": 1}, {"degC": (1.0, -273.15)}),
+    "kg/m3": Unit({"kg": 1, "m": -3}, {"g/cm3": (1e-3, 0.0)}),
+    "1": Unit({}),
 }
 
 LAW_UNITS: Mapping[str, tuple[Mapping[str, int], float]] = {

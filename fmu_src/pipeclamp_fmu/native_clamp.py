@@ -49,13 +49,15 @@ def native_clamp(model: ClampModel, law: NativeLaw, version: str) -> NativeConte
     indicator = f"{MEMORY}v" if law.states else ""
     ranges = [
         Range(*interval, unit)
-        for interval, unit in ((model.range_A, "mm"), (model.range_f, "Hz"), (model.range_T, "K"))
+        for interval, unit in zip(
+            model.ranges, ("mm", "Hz", "K", *(entry.law_unit for entry in model.further)), strict=True
+        )
     ]
     return NativeContent(
         kind="clamp",
         text=clamp_text(model, version),
         model=NativeModel(
-            model.name, ("clamp.c", "clamp.h"), {"law.h": _header(law.source)}, variables, ranges, indicator
+            model.name, ("clamp.c", "clamp.h"), {"law.h": _header(model, law.source)}, variables, ranges, indicator
         ),
         terminals=(
             Terminal(
@@ -68,8 +70,24 @@ def native_clamp(model: ClampModel, law: NativeLaw, version: str) -> NativeConte
     )
 
 
-def _header(source: str) -> str:
-    return f"/* Generated: the law's equations. */\n#include <math.h>\n\n{source}"
+def _header(model: ClampModel, source: str) -> str:
+    """Give `law.h`: the law's equations, and how its conditions are to be taken."""
+    scales = ", ".join(repr(scale) for scale in (clamp_slave.MM, 1.0, 1.0, *(entry.scale for entry in model.further)))
+    positive = ", ".join(["1", "1", "1", *(str(int(entry.positive)) for entry in model.further)])
+    counted = len(model.ranges) - len(model.further) + model.counted if model.counted >= 0 else -1
+    return "\n".join(
+        [
+            "/* Generated: the law's equations. */",
+            "#include <math.h>",
+            "",
+            source,
+            "/* Conditions: the law's unit in the FMU's, whether they must be above 0, which counts load cycles. */",
+            f"static const double CONDITION_SCALES[] = {{{scales}}};",
+            f"static const int CONDITION_POSITIVE[] = {{{positive}}};",
+            f"enum {{ COUNTED = {counted} }};",
+            "",
+        ]
+    )
 
 
 def _variables(model: ClampModel, law: NativeLaw, described: Mapping[str, Quantity]) -> Variables:
@@ -80,6 +98,7 @@ def _variables(model: ClampModel, law: NativeLaw, described: Mapping[str, Quanti
         "A": clamp_slave.middle(model.range_A) / clamp_slave.MM,
         "f": clamp_slave.middle(model.range_f),
         "T": clamp_slave.middle(model.range_T),
+        **{entry.name: entry.start for entry in model.further},
         **dict.fromkeys(clamp_slave.BOOLEAN_PARAMETERS, False),
     }
 
@@ -103,7 +122,7 @@ def _variables(model: ClampModel, law: NativeLaw, described: Mapping[str, Quanti
     ]
     return Variables(
         inputs=known(clamp_slave.INPUTS),
-        parameters=known(clamp_slave.PARAMETERS),
+        parameters=known((*clamp_slave.PARAMETERS, *(entry.name for entry in model.further))),
         outputs=known(clamp_slave.OUTPUTS),
         locals=tuple(memory),
         fixed=tuple(coefficients),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,7 +30,7 @@ class ScalarLaw:
     """A generated law, ready to be called; see `pipeclamp.realise.scalar.python_source`."""
 
     states: tuple[tuple[str, float], ...]
-    coefficients: Callable[[float, float, float], Any]
+    coefficients: Callable[..., Any]
     step: Callable[..., tuple[float, float, tuple[float, ...]]]
 
 
@@ -78,18 +78,18 @@ class Balance:
         return self.dissipated / self.moved if self.moved else 0.0
 
 
-def balance(law: ScalarLaw, cycle: Cycle, A: float, f: float, T: float, samples: int) -> Balance:
+def balance(law: ScalarLaw, cycle: Cycle, where: Sequence[float], samples: int) -> Balance:
     """Run a cycle twice, so that memory has settled, and account for the second time round.
 
     Args:
         law: the law.
         cycle: the motion.
-        A: amplitude, mm, of the motion's scale and of the law's coefficients.
-        f: frequency, Hz, of both.
-        T: temperature, K.
+        where: amplitude (mm) and frequency (Hz) of the motion and of the law's coefficients, temperature (K), further
+            conditions in the law's units.
         samples: per cycle.
     """
-    k = law.coefficients(A, f, T)
+    A, f, *_ = where
+    k = law.coefficients(*where)
     h = 1 / (f * samples)
     angular = 2 * math.pi * f
     motion = []
@@ -120,14 +120,21 @@ def _points(interval: Interval, count: int) -> list[float]:
     return [low * (1 - share) + high * share for share in shares]
 
 
-def conditions(range_A: Interval, range_f: Interval, range_T: Interval) -> Iterator[tuple[float, float, float]]:
-    """Give the grid of A (mm), f (Hz), T (K) on which cycles are tried."""
+def conditions(
+    range_A: Interval, range_f: Interval, range_T: Interval, *further: Interval
+) -> Iterator[tuple[float, ...]]:
+    """Give the grid of A (mm), f (Hz), T (K) and the ends of further conditions on which cycles are tried."""
     return itertools.product(
-        _points(range_A, POINTS["A"]), _points(range_f, POINTS["f"]), _points(range_T, POINTS["T"])
+        _points(range_A, POINTS["A"]),
+        _points(range_f, POINTS["f"]),
+        _points(range_T, POINTS["T"]),
+        *(_points(interval, 2) for interval in further),
     )
 
 
-def require_dissipation(name: str, source: str, range_A: Interval, range_f: Interval, range_T: Interval) -> None:
+def require_dissipation(
+    name: str, source: str, range_A: Interval, range_f: Interval, range_T: Interval, *further: Interval
+) -> None:
     """Refuse a law that gives energy over some closed cycle in its range.
 
     Args:
@@ -136,18 +143,19 @@ def require_dissipation(name: str, source: str, range_A: Interval, range_f: Inte
         range_A: mm.
         range_f: Hz.
         range_T: K.
+        further: of further conditions, in the law's units.
 
     Raises:
         UserError: a cycle dissipates less than nothing, or the law has no finite value on it.
     """
     law = loaded(source)
-    worst: tuple[float, Cycle, tuple[float, float, float], Balance] | None = None
-    for where in conditions(range_A, range_f, range_T):
+    worst: tuple[float, Cycle, tuple[float, ...], Balance] | None = None
+    for where in conditions(range_A, range_f, range_T, *further):
         for cycle in CYCLES:
             try:
-                result = balance(law, cycle, *where, COARSE)
+                result = balance(law, cycle, where, COARSE)
                 if result.share < CLEAR:
-                    result = balance(law, cycle, *where, FINE)
+                    result = balance(law, cycle, where, FINE)
             except (ArithmeticError, ValueError, TypeError) as error:
                 raise UserError(f"law {name!r} has no value for {_at(cycle, where)} ({error}); {REMEDY}") from error
             if not math.isfinite(result.dissipated):
@@ -166,6 +174,7 @@ def require_dissipation(name: str, source: str, range_A: Interval, range_f: Inte
 REMEDY = "Identify the law again with other effects or bounds, or give it a narrower range"
 
 
-def _at(cycle: Cycle, where: tuple[float, float, float]) -> str:
-    A, f, T = where
-    return f"{cycle.name} within A = {A:g} mm at f = {f:g} Hz, T = {T:g} K"
+def _at(cycle: Cycle, where: tuple[float, ...]) -> str:
+    A, f, T, *further = where
+    more = f", further conditions {', '.join(f'{value:g}' for value in further)}" if further else ""
+    return f"{cycle.name} within A = {A:g} mm at f = {f:g} Hz, T = {T:g} K{more}"

@@ -10,12 +10,16 @@ LAW_NAME = "stand-in"
 RANGE_A = (0.2, 1.0)
 RANGE_f = (1.0, 5.0)
 RANGE_T = (293.15, 573.15)
+FURTHER: tuple[tuple[str, float, tuple[float, float], bool, float], ...] = ()
+"""Further conditions: name, law's unit in the FMU's, range in the law's unit, whether it must be above 0, start."""
+COUNTED = -1
+"""Place among them of the load cycles that the clamp has seen, -1 for none."""
 
 STATES: tuple[tuple[str, float], ...] = (("z", 0.0),)
 
 
-def coefficients(A: float, f: float, T: float) -> tuple[float, ...]:
-    """Give (k1, k3, c, (alpha - 1)/2) for A in mm, f in Hz, T in K."""
+def coefficients(A: float, f: float, T: float, *further: float) -> tuple[float, ...]:
+    """Give (k1, k3, c, (alpha - 1)/2) for A in mm, f in Hz, T in K, and further conditions."""
     return (1200.0 * A**-0.2, 150.0, 180.0 * (T / 293.15) ** -0.3, (0.47 * f**0.012 - 1.0) / 2)
 
 

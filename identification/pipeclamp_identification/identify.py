@@ -10,9 +10,10 @@ from typing import Literal
 
 import numpy as np
 
+from pipeclamp import symbols
 from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
-from pipeclamp.law import Structure, compose
+from pipeclamp.law import Equations, Structure, compose
 from pipeclamp.parameter_file import (
     SCHEMA,
     CoefficientEntry,
@@ -126,7 +127,7 @@ def fit_structure(
         UserError: the data can't serve the structure.
     """
     equations = compose(structure)
-    if "N" in {str(symbol) for symbol in equations.slow_signals}:
+    if ages(equations):
         loops = per_cycle(loops)
         observations = None
     observations = observations or loop_observations(loops)
@@ -185,7 +186,7 @@ def law_file(
         correlations=tuple(
             Correlation(pair=(one, other), value=round(value, 4)) for one, other, value in result.strong_correlations()
         ),
-        range=range_of(loops),
+        range=range_of(loops, aged=ages(result.equations)),
         data=DataSource(
             name=campaign.name,
             fingerprint=campaign.fingerprint,
@@ -230,13 +231,24 @@ def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
     return entries
 
 
-def range_of(loops: Loops) -> dict[str, Interval]:
-    """Give the range of conditions that the loops cover; conditions that aren't known are left out, but for A, f, T."""
+def ages(equations: Equations) -> bool:
+    """Tell whether a law depends on the load cycles that the specimen has seen."""
+    return symbols.N in equations.slow_signals
+
+
+def range_of(loops: Loops, *, aged: bool = False) -> dict[str, Interval]:
+    """Give the range of conditions that the loops cover; conditions that aren't known are left out, but for A, f, T.
+
+    Args:
+        loops: the tests.
+        aged: whether the load cycles belong to it.
+    """
     columns = {
         "A": (loops.amplitude_mm, "mm"),
         "f": (loops.frequency_Hz, "Hz"),
         "T": (np.where(np.isfinite(loops.temperature_K), loops.temperature_K, 293.15), "K"),
         "rho": (loops.density_g_cm3, "g/cm3"),
+        **({"N": (np.concatenate(loops.cycles), "cycles")} if aged else {}),
         **{name: (values, "in its name") for name, values in loops.conditions.items()},
     }
     return {

@@ -15,7 +15,7 @@ from pipeclamp.bundled import open_law
 from pipeclamp.law import Structure, compose
 from pipeclamp.parameter_file import CoefficientEntry, Interval
 from pipeclamp.response import Motion, respond
-from pipeclamp_fmu.build import KNOWN_SIGNALS, clamp_model, native_clamp_content
+from pipeclamp_fmu.build import clamp_model, native_clamp_content
 from pipeclamp_fmu.clamp import clamp_module
 from pipeclamp_fmu.compile import default_platforms
 from pipeclamp_fmu.native_fmu import write_native_fmu
@@ -23,10 +23,7 @@ from pipeclamp_fmu.passivity import loaded
 
 CLAMP = ("base", "clamp")
 IN_AN_FMU = [
-    structure
-    for structure in STRUCTURES
-    if compose(structure, CLAMP).slow_signals <= KNOWN_SIGNALS
-    and not any(effect.part == "rig" for effect in structure.all_effects())
+    structure for structure in STRUCTURES if not any(effect.part == "rig" for effect in structure.all_effects())
 ]
 COMPOSED = [
     Structure("power", ("memory:2", "relaxation", "gap", "directional_damping", "damping_temperature")),
@@ -34,6 +31,12 @@ COMPOSED = [
     Structure("memory", ("end_stop", "asymmetry", "stiffness_frequency", "viscous")),
 ]
 CONDITIONS = {"A": 0.6, "f": 3.0, "T": 400.0}
+FURTHER = {"N": 40.0, "rho": 2.5, "u_current_A": 0.6}
+IN_THE_FMU = {"N": ("firstCycle", 1.0), "rho": ("rho", 1000.0), "u_current_A": ("condition.current_A", 1.0)}
+RANGE = {
+    "A": (0.2, 1.0), "f": (1.0, 5.0), "T": (293.15, 573.15), "N": (0.0, 500.0), "rho": (2.0, 3.0),
+    "current_A": (-1.0, 1.0),
+}  # fmt: skip
 H = 2e-3
 SAME = {"rtol": 1e-10, "atol": 1e-9}
 
@@ -49,10 +52,7 @@ def law_file(structure, values):
             "declared": structure.declared,
             "smoothing": {"v_r": SMOOTHING[0], "y_r": SMOOTHING[1]},
             "coefficients": {name: CoefficientEntry(value=values[name], unit="", state="given") for name in names},
-            "range": {
-                name: Interval(minimum=low, maximum=high, unit="")
-                for name, (low, high) in {"A": (0.2, 1.0), "f": (1.0, 5.0), "T": (293.15, 573.15)}.items()
-            },
+            "range": {name: Interval(minimum=low, maximum=high, unit="") for name, (low, high) in RANGE.items()},
         }
     )
 
@@ -69,7 +69,10 @@ def wandering(seed, count=60):
 def by_arrays(structure, values, y, v):
     """Force from the vectorised realisation."""
     equations = compose(structure, CLAMP)
-    slow = {name: np.array([[value]]) for name, value in CONDITIONS.items()}
+    slow = {name: np.array([[value]]) for name, value in (CONDITIONS | FURTHER).items()}
+    # Load cycles when each step began, four amplitudes of way each.
+    way = np.concatenate([[0.0], np.abs(np.diff(y, prepend=0.0))[:-1]])
+    slow["N"] = FURTHER["N"] + np.cumsum(way)[None] / (4 * CONDITIONS["A"])
     motion = Motion(y[None], v[None], 0 * y[None], slow, np.array([[H]]), periodic=False)
     return respond(equations, [values[name] for name in equations.names], SMOOTHING, motion).force[0]
 
@@ -77,13 +80,17 @@ def by_arrays(structure, values, y, v):
 def by_scalars(model, y, v):
     """Force, dissipated energy (J) and states from the plain source."""
     law = loaded(model.source)
-    k, state, y_before = law.coefficients(*CONDITIONS.values()), tuple(start for _, start in law.states), 0.0
-    force_before, energy_before, _ = law.step(k, state, 0.0, 0.0, 0.0, 0.0)
+    further = [FURTHER[name] for name in further_of(model)]
+    state, y_before, v_before = tuple(start for _, start in law.states), 0.0, 0.0
     rows, lost = [], 0.0
     for place, speed in zip(y.tolist(), v.tolist(), strict=True):
+        k = law.coefficients(*CONDITIONS.values(), *further)
+        force_before, energy_before, _ = law.step(k, state, y_before, y_before, v_before, 0.0)
         force, energy, state = law.step(k, state, y_before, place, speed, H)
         lost += 1e-3 * ((force_before + force) / 2 * (place - y_before) - (energy - energy_before))
-        y_before, force_before, energy_before = place, force, energy
+        if model.counted >= 0:
+            further[model.counted] += abs(place - y_before) / (4 * CONDITIONS["A"])
+        y_before, v_before = place, speed
         rows.append((force, lost, *state))
     return np.array(rows)
 
@@ -93,18 +100,28 @@ def by_slave(model, y, v):
     scope = {"__name__": "clamp_under_test"}
     exec(clamp_module(model), scope)
     slave = scope["ClampSlave"](instance_name="slave")
-    slave.set_real([3, 4, 5], [1e-3 * CONDITIONS["A"], CONDITIONS["f"], CONDITIONS["T"]])
+    start = native_start(model)
+    slave.set_real(list(range(3, 3 + len(start))), list(start.values()))
     slave.exit_initialization_mode()
     rows = []
     for index, (place, speed) in enumerate(zip(y.tolist(), v.tolist(), strict=True)):
         slave.set_real([0, 1], [1e-3 * place, 1e-3 * speed])
         assert slave.do_step(index * H, H)
-        rows.append(slave.get_real([6, 10]))
+        rows.append(slave.get_real([3 + len(start), 7 + len(start)]))
     return np.array(rows)
 
 
-def native_start(**further):
-    return {"A": 1e-3 * CONDITIONS["A"], "f": CONDITIONS["f"], "T": CONDITIONS["T"], **further}
+def further_of(model):
+    """Names of the law's further conditions, in the order in which it takes them."""
+    by_name = {name: condition for condition, (name, _) in IN_THE_FMU.items()}
+    return [by_name[entry.name] for entry in model.further]
+
+
+def native_start(model=None, **coefficients):
+    """Conditions as the FMU has them, in the order of its parameters."""
+    names = further_of(model) if model else ()
+    further = {IN_THE_FMU[name][0]: IN_THE_FMU[name][1] * FURTHER[name] for name in names}
+    return {"A": 1e-3 * CONDITIONS["A"], "f": CONDITIONS["f"], "T": CONDITIONS["T"], **further, **coefficients}
 
 
 def by_native(driver, states, y, v):
@@ -151,7 +168,7 @@ def test_every_realisation_gives_the_same(structure, tmp_path):
     np.testing.assert_allclose(by_slave(model, y, v), expected[:, :2], **SAME)
     with native(file, tmp_path) as make:
         for fmi, kind in INTERFACES:
-            driver = make(fmi, kind, native_start())
+            driver = make(fmi, kind, native_start(model))
             np.testing.assert_allclose(by_native(driver, states, y, v), expected, **SAME, err_msg=f"{fmi} {kind}")
 
 

@@ -171,6 +171,26 @@ def law_with_memory() -> LawFile:
 
 
 @pytest.fixture(scope="session")
+def law_with_further_conditions(law_with_memory: LawFile) -> LawFile:
+    """Give a law that follows density, a further column of the test table, and load cycles."""
+    further = {"k_rho": 4.0, "c_rho": 2.0, "l_N": -0.2, "N_l": 8.0, "z_u_current_A1": 0.4, "z_u_current_A2": 0.0}
+    further |= {"k_u_current_A1": 0.1, "k_u_current_A2": 0.0, "c_u_current_A1": 0.5, "c_u_current_A2": -0.05}
+    given = {name: CoefficientEntry(value=value, unit="", state="given") for name, value in further.items()}
+    ranges = {"rho": (2.0, 2.6, "g/cm3"), "current_A": (-1.0, 2.0, "in its name"), "N": (0.5, 200.0, "cycles")}
+    return law_with_memory.model_copy(
+        update={
+            "name": "further",
+            "effects": (*law_with_memory.effects, "density", "condition:current_A", "loosening"),
+            "coefficients": {**law_with_memory.coefficients, **given},
+            "range": {
+                **law_with_memory.range,
+                **{name: Interval(minimum=low, maximum=high, unit=unit) for name, (low, high, unit) in ranges.items()},
+            },
+        }
+    )
+
+
+@pytest.fixture(scope="session")
 def native_fmus(tmp_path_factory: pytest.TempPathFactory, law_with_memory: LawFile) -> dict[int, Path]:
     """Give native FMUs of the law with memory by version of FMI."""
     if system_compiler() is None:
@@ -183,14 +203,17 @@ def native_fmus(tmp_path_factory: pytest.TempPathFactory, law_with_memory: LawFi
 
 
 @pytest.fixture(scope="session")
-def fmus(tmp_path_factory: pytest.TempPathFactory, stand_in: ClampModel) -> dict[str, Path]:
+def fmus(
+    tmp_path_factory: pytest.TempPathFactory, stand_in: ClampModel, law_with_further_conditions: LawFile
+) -> dict[str, Path]:
     """Give built FMUs by name."""
     folder = tmp_path_factory.mktemp("fmus")
-    paths = {name: folder / f"{name}.fmu" for name in ("memory", "stiffer", "emwm2", *PIPES)}
+    paths = {name: folder / f"{name}.fmu" for name in ("memory", "stiffer", "emwm2", "further", *PIPES)}
     write_fmu(clamp_content(stand_in, "0"), paths["memory"])
     stiffer = replace(stand_in, source=stand_in.source.replace("1200.0", "2400.0"))
     write_fmu(clamp_content(stiffer, "0"), paths["stiffer"])
     build_clamp(open_law("emwm2"), paths["emwm2"])
+    build_clamp(law_with_further_conditions, paths["further"])
     for name, tables in PIPES.items():
         build_pipe(reduce(parse_pipe(PIPE.format(tables=tables))), paths[name])
     return paths

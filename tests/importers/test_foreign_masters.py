@@ -18,10 +18,12 @@ MODULES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
 NEEDS = {"ecos": "ecospy from PyPI and Debian's libtbb12", "libcosim": "libcosimpy from PyPI"}
 
 
-@pytest.fixture(scope="module", params=["python", "native"])
+@pytest.fixture(scope="module", params=["python", "native", "further"])
 def clamp_fmu(request, fmus):
-    """Give the path of a clamp of each kind."""
-    return fmus["memory"] if request.param == "python" else request.getfixturevalue("native_fmus")[2]
+    """Give the path of a clamp of each kind, and of one that follows density, a further condition and load cycles."""
+    if request.param == "native":
+        return request.getfixturevalue("native_fmus")[2]
+    return fmus["memory" if request.param == "python" else "further"]
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,7 @@ static const double *parameters(const Model *model)
 
 static int within(double value, const double range[2])
 {
-    return range[0] * (1 - SLACK) <= value && value <= range[1] * (1 + SLACK);
+    return range[0] - SLACK * fabs(range[0]) <= value && value <= range[1] + SLACK * fabs(range[1]);
 }
 
 static double held(double value, const double range[2])
@@ -84,8 +84,7 @@ static int take_settings(const Model *model, double u[LAW_CONDITIONS], char reas
 {
     const double *real = model->real;
     const int temperature = model->flag[USE_T_IN] ? T_IN : T;
-    const int positive[3] = {A, F, temperature};
-    const char *const units[3] = {"m", "Hz", "K"};
+    const char *const units[3] = {" m", " Hz", " K"};
     int i;
     for (i = 0; i < INPUTS + PARAMETERS; i++) {
         if (!(fabs(MM * real[i]) < HUGE_NUMBER)) {
@@ -96,16 +95,18 @@ static int take_settings(const Model *model, double u[LAW_CONDITIONS], char reas
             return 0;
         }
     }
-    for (i = 0; i < 3; i++) {
-        if (real[positive[i]] <= 0.0) {
-            snprintf(reason, TEXT, "%s is %g %s; expected a value above 0 %s", REAL_NAMES[positive[i]],
-                     real[positive[i]], units[i], units[i]);
+    for (i = 0; i < LAW_CONDITIONS; i++) {
+        const int place = A + i == T ? temperature : A + i;
+        const char *const unit = i < 3 ? units[i] : "";
+        if (CONDITION_POSITIVE[i] && real[place] <= 0.0) {
+            snprintf(reason, TEXT, "%s is %g%s; expected a value above 0%s", REAL_NAMES[place], real[place], unit,
+                     unit);
             return 0;
         }
+        u[i] = CONDITION_SCALES[i] * real[place];
+        if (i == COUNTED)
+            u[i] += model->memory.counted;
     }
-    memcpy(u, real + A, LAW_CONDITIONS * sizeof u[0]);
-    u[0] *= MM;
-    u[2] = real[temperature];
     return 1;
 }
 
@@ -149,7 +150,7 @@ static void take(Model *model, const Conditions *conditions, const Values *value
     model->memory.inside = 1;
     for (i = 0; i < RANGES; i++)
         model->memory.inside = model->memory.inside && within(conditions->u[i], values->range[i]);
-    model->settled = !conditions->tracking;
+    model->settled = !conditions->tracking && COUNTED < 0; /* else the next step is under other conditions */
 }
 
 static const Place *now(const Memory *memory)
@@ -172,12 +173,13 @@ static void show_motion(Model *model, const Values *values)
 static void model_reset(Model *model, const Values *values)
 {
     Memory *memory = &model->memory;
+    int i;
     memset(model, 0, sizeof *model);
     memcpy(model->real, values->start, sizeof values->start);
     memcpy(model->real + FIRST_FIXED, values->fixed, sizeof values->fixed);
     memcpy(memory->places[0].z, law_rest, LAW_STATES * sizeof law_rest[0]);
-    memcpy(memory->conditions.u, values->start + A, sizeof memory->conditions.u);
-    memory->conditions.u[0] *= MM;
+    for (i = 0; i < LAW_CONDITIONS; i++)
+        memory->conditions.u[i] = CONDITION_SCALES[i] * values->start[A + i];
     memory->inside = model->flag[IN_RANGE] = 1;
 }
 
@@ -259,6 +261,8 @@ static int model_step(Model *model, const Values *values, double h, char reason[
     }
     memory->h = h;
     memory->share = share;
+    if (COUNTED >= 0)
+        memory->counted += fabs(y - from->y) / (4 * MM * model->real[A_USED]);
     memory->now = !memory->now;
     to = &memory->places[memory->now != 0];
     to->y = y;
@@ -315,7 +319,7 @@ static void model_jacobian(const Model *model, const Values *values, double jaco
         } else if (column == A || column == F) {
             change[2 + column - A] = memory->conditions.tracking ? 0 : column == A ? MM : 1;
         } else {
-            change[2 + column - A] = 1;
+            change[2 + column - A] = CONDITION_SCALES[column - A];
         }
         for (i = 0; i < BY; i++) {
             force += law[i] * change[i];

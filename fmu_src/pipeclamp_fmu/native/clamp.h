@@ -24,6 +24,7 @@ typedef struct {
     double h;     /* how long the step was, s */
     double share; /* by which the tracker's averages moved in it */
     Conditions conditions;
+    double counted; /* load cycles since the start: a cycle is a way of four amplitudes, there and back */
     int inside; /* whether the conditions are inside the law's range */
 } Memory;
 

@@ -1,0 +1,127 @@
+"""Density, further conditions and load cycles as parameters of the clamp FMU, of Python and native."""
+
+import math
+
+import fmpy
+import pytest
+from fmpy.validation import validate_fmu
+
+from pipeclamp.errors import UserError
+from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model
+from pipeclamp_fmu.compile import system_compiler
+from pipeclamp_fmu.passivity import loaded
+
+H = 1e-3
+SET = {"A": 5e-4, "f": 3.0, "T": 350.0, "rho": 2500.0, "condition.current_A": 1.5, "firstCycle": 20.0}
+
+
+@pytest.fixture(scope="module", params=["python", "native"])
+def further(request, fmus, law_with_further_conditions, tmp_path_factory):
+    """Give the path of a clamp that follows them, of each kind."""
+    if request.param == "python":
+        return fmus["further"]
+    if system_compiler() is None:
+        pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
+    path = tmp_path_factory.mktemp("further") / "further.fmu"
+    build_native_clamp(law_with_further_conditions, path)
+    return path
+
+
+def test_they_are_tunable_parameters_with_unit_start_and_range(further):
+    assert validate_fmu(str(further)) == []
+    variables = {variable.name: variable for variable in fmpy.read_model_description(str(further)).modelVariables}
+    rho, current, cycles = (variables[name] for name in ("rho", "condition.current_A", "firstCycle"))
+    assert {entry.variability for entry in (rho, current, cycles)} == {"tunable"}
+    assert (rho.unit, rho.displayUnit, float(rho.start)) == ("kg/m3", "g/cm3", 2300.0)
+    assert float(rho.min) == 200.0
+    assert "law's range 2 to 2.6 g/cm3" in rho.description
+    assert (float(current.start), float(cycles.start), float(cycles.min)) == (0.5, 0.0, 0.0)
+    assert float(current.min) < -1.0
+
+
+def test_the_force_follows_them_and_the_cycles_are_counted(drive, further, law_with_further_conditions):
+    clamp = drive(further, SET)
+    law = loaded(clamp_model(law_with_further_conditions).source)
+    state, y_before, seen = (0.0,), 0.0, 20.0
+    rho, current = 2.5, 1.5
+    for n in range(3000):
+        if n == 1500:
+            rho, current = 2.2, -0.5
+            clamp.set({"rho": 1000.0 * rho, "condition.current_A": current})
+        theta = 2 * math.pi * 3.0 * H * (n + 1)
+        y, v = 0.5 * math.sin(theta), 0.5 * 6 * math.pi * math.cos(theta)
+        clamp.step(H, flange__s=1e-3 * y, flange__v=1e-3 * v)
+        force, _, state = law.step(law.coefficients(0.5, 3.0, 350.0, seen, rho, current), state, y_before, y, v, H)
+        assert clamp.get("flange.f") == pytest.approx(force, rel=1e-10, abs=1e-9)
+        seen += abs(y - y_before) / (4 * 0.5)
+        y_before = y
+    assert seen - 20.0 == pytest.approx(9.0, abs=0.01), "nine cycles in 3 s"
+    assert clamp.get("inRange")
+
+
+def test_a_clamp_loosens_as_it_runs_and_with_cycles_that_it_has_seen_before(drive, further, shaken):
+    fresh, old = drive(further, {**SET, "firstCycle": 0.0}), drive(further, {**SET, "firstCycle": 190.0})
+    first, later, worn = shaken(fresh, 0, 1000), shaken(fresh, 1000, 2000), shaken(old, 0, 1000)
+    assert max(worn) < 0.97 * max(later) < 0.97 * max(first)
+
+
+@pytest.mark.parametrize("track", [False, True])
+def test_cycles_and_conditions_roll_back_exactly(drive, further, shaken, track):
+    untouched, iterated = drive(further, {**SET, "track": track}), drive(further, {**SET, "track": track})
+    assert shaken(untouched, 0, 300) == shaken(iterated, 0, 300)
+    saved = iterated.save()
+    for wild in (9e-4, -8e-4, 1e-4):
+        iterated.set({"rho": 2100.0, "condition.current_A": 0.1})
+        iterated.step(H, flange__s=wild, flange__v=wild)
+        iterated.restore(saved)
+    iterated.time = untouched.time
+    elsewhere = drive(further)
+    elsewhere.deserialise(iterated.serialised())
+    elsewhere.time = untouched.time
+    expected = shaken(untouched, 300, 600)
+    assert shaken(iterated, 300, 600) == expected
+    assert shaken(elsewhere, 300, 600) == expected
+    assert untouched.all() == iterated.all() == elsewhere.all()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("rho", 3000.0, "rho = 3"),
+        ("condition.current_A", -2.0, "condition.current_A = -2"),
+        ("firstCycle", 300.0, "300"),
+    ],
+)
+def test_beyond_the_laws_range_it_warns_and_inrange_is_false(drive, further, shaken, name, value, words):
+    clamp = drive(further, {**SET, "condition.current_A": -1.0})
+    shaken(clamp, 0, 3)
+    assert clamp.get("inRange"), "the end of the range is in it, below zero too"
+    clamp.set({name: value})
+    shaken(clamp, 3, 6)
+    assert not clamp.get("inRange")
+    (warning,) = clamp.messages.warnings
+    assert words in warning and "is outside" in warning
+
+
+@pytest.mark.parametrize(("name", "value"), [("rho", 0.0), ("rho", math.nan), ("condition.current_A", math.inf)])
+def test_impossible_values_discard_the_step(drive, further, shaken, name, value):
+    clamp = drive(further, SET)
+    before = shaken(clamp, 0, 3)[-1]
+    clamp.set({name: value})
+    assert name in clamp.discarded(H, flange__s=1e-4, flange__v=0.0)
+    assert clamp.get("flange.f") == before
+
+
+def test_a_law_whose_range_lacks_a_condition_is_refused(law_with_further_conditions, tmp_path):
+    file = law_with_further_conditions
+    narrow = file.model_copy(update={"range": {key: value for key, value in file.range.items() if key != "rho"}})
+    with pytest.raises(UserError, match="depends on rho, but its range doesn't hold it"):
+        build_clamp(narrow, tmp_path / "no.fmu")
+
+
+def test_a_law_that_creates_energy_at_an_end_of_a_condition_is_refused(law_with_further_conditions, tmp_path):
+    entries = law_with_further_conditions.coefficients
+    worse = {**entries, "l_N": entries["l_N"].model_copy(update={"value": 0.0})}
+    worse["c0"] = entries["c0"].model_copy(update={"value": -1.0})
+    with pytest.raises(UserError, match=r"create energy.*further conditions"):
+        build_clamp(law_with_further_conditions.model_copy(update={"coefficients": worse}), tmp_path / "no.fmu")
