@@ -235,9 +235,8 @@ def by_harmonic(sums: Sequence[RunSums]) -> Breakdown:
         carried = slice(0, run.harmonics.shape[1])
         error[carried] += run.samples * _mean_squares(run.harmonics)
         if run.scatter_known:
-            count = len(run.harmonics)
-            deviation = run.harmonics - np.mean(run.harmonics, axis=0)
-            scatter[carried] += run.samples * _mean_squares(deviation) * count / (count - 1)
+            # a cycle differs from the next by the scatter of both, and by next to nothing of a drift
+            scatter[carried] += run.samples * _mean_squares(np.diff(run.harmonics, axis=0)) / 2
         else:
             # white noise has the same power in each of the cycle's degrees of freedom
             scatter[carried] += run.squared_scatter / run.samples

@@ -62,12 +62,12 @@ def error_sums(campaign: Campaign, loops: Loops, misfits: tuple[RunMisfit, ...])
         misfits: `misfits(law, campaign, loops)`.
     """
     return tuple(
-        _run_sums(run, misfit, loops.noise_by_phase[row], float(abs(loops.force[row, 1])))
+        _run_sums(run, misfit, loops.scatter_by_phase[row], float(abs(loops.force[row, 1])))
         for row, (run, misfit) in enumerate(zip(campaign.runs, misfits, strict=True))
     )
 
 
-def _run_sums(run: Run, misfit: RunMisfit, noise_by_phase: Array, fundamental: float) -> RunSums:
+def _run_sums(run: Run, misfit: RunMisfit, scatter_shares: Array, fundamental: float) -> RunSums:
     bounds = run.cycles.bounds - run.cycles.bounds[0]
     starts = bounds[:-1]
     error = misfit.measured - misfit.computed
@@ -83,7 +83,7 @@ def _run_sums(run: Run, misfit: RunMisfit, noise_by_phase: Array, fundamental: f
         squared_force=misfit.squared_force,
         squared_scatter=scatter,
         by_phase=np.bincount(part, squared, PHASE_BINS).astype(np.float64),
-        scatter_by_phase=scatter * noise_by_phase,
+        scatter_by_phase=scatter * scatter_shares,
         samples_by_phase=np.bincount(part, minlength=PHASE_BINS).astype(np.float64),
         by_cycle=np.add.reduceat(squared, starts),
         samples_by_cycle=np.diff(bounds).astype(np.float64),

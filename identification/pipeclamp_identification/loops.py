@@ -21,6 +21,7 @@ from pipeclamp_identification.harmonics import (
     carried_harmonics,
     cycle_harmonics,
     evaluate,
+    unit_phasor,
 )
 from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 
@@ -38,6 +39,8 @@ FINEST_SHARE = 1e-5
 JUMP = 6.0
 # parts of the cycle, of equal phase, over which the scatter is told
 PHASE_BINS = 24
+# a harmonic drifts when scatter alone would make so steady a change from cycle to cycle less often than this
+DRIFT_BY_CHANCE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -67,7 +70,9 @@ class Loops:
     """(R, H + 1) N, of the real and of the imaginary part each."""
     noise_rms_N: Array
     """(R,) rms of what is not periodic in the force."""
-    noise_by_phase: Array
+    scatter_rms_N: Array
+    """(R,) rms of what of it doesn't drift from cycle to cycle either: no law can explain it."""
+    scatter_by_phase: Array
     """(R, PHASE_BINS) share of its power that lies in each part of the cycle, from the largest displacement on."""
     force_rms_N: Array
     """(R,) rms of the force over the steady samples."""
@@ -98,7 +103,8 @@ class _RunLoop:
     force_per_cycle: ComplexArray
     force_standard_error: Array
     noise_rms_N: float
-    noise_by_phase: Array
+    scatter_rms_N: float
+    scatter_by_phase: Array
     force_rms_N: float
     samples: int
     phase: Array
@@ -132,7 +138,8 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
         force=np.stack([loop.force for loop in loops]),
         force_standard_error=np.stack([loop.force_standard_error for loop in loops]),
         noise_rms_N=np.array([loop.noise_rms_N for loop in loops]),
-        noise_by_phase=np.array([loop.noise_by_phase for loop in loops]),
+        scatter_rms_N=np.array([loop.scatter_rms_N for loop in loops]),
+        scatter_by_phase=np.array([loop.scatter_by_phase for loop in loops]),
         force_rms_N=np.array([loop.force_rms_N for loop in loops]),
         samples=np.array([float(loop.samples) for loop in loops]),
         cycles=tuple(loop.cycles for loop in loops),
@@ -168,7 +175,8 @@ def per_cycle(loops: Loops) -> Loops:
         force=np.concatenate(loops.force_per_cycle),
         force_standard_error=loops.force_standard_error[row] * np.sqrt(counts)[row, None],
         noise_rms_N=loops.noise_rms_N[row],
-        noise_by_phase=loops.noise_by_phase[row],
+        scatter_rms_N=loops.scatter_rms_N[row],
+        scatter_by_phase=loops.scatter_by_phase[row],
         force_rms_N=loops.force_rms_N[row],
         samples=(loops.samples / counts)[row],
         cycles=tuple(np.concatenate(loops.cycles)[:, None]),
@@ -232,7 +240,10 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
     mean_displacement, mean_force = np.mean(fitted, axis=1)
     own_phase = phase + np.repeat(lag - 2 * np.pi * np.arange(cycles.count), np.diff(bounds))
     order = np.argsort(own_phase, kind="stable")
-    noise, noise_by_phase = _noise(own_phase[order], (force - evaluate(mean_force, own_phase))[order])
+    residual = force - evaluate(mean_force, own_phase)
+    noise, spread = _noise(own_phase[order], residual[order])
+    drift = _drift(fitted[1], phase / (2 * np.pi), own_phase)
+    scatter, spread = (noise, spread) if drift is None else _noise(own_phase[order], (residual - drift)[order])
     per_sample = len(y) / cycles.count
     force_variance = _variance(fitted[1], 2 * noise**2 / per_sample)
     displacement_error = np.sqrt(_variance(fitted[0], _displacement_noise(fitted[0])) / cycles.count)
@@ -249,7 +260,8 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
         force_per_cycle=_padded(fitted[1], harmonics),
         force_standard_error=np.append(force_error, np.full(harmonics - count, math.inf)),
         noise_rms_N=noise,
-        noise_by_phase=noise_by_phase,
+        scatter_rms_N=scatter,
+        scatter_by_phase=spread,
         force_rms_N=force_rms,
         samples=len(y),
         phase=own_phase,
@@ -261,6 +273,39 @@ def _padded(values: ComplexArray, harmonics: int) -> ComplexArray:
     full = np.zeros((*values.shape[:-1], harmonics + 1), dtype=np.complex128)
     full[..., : values.shape[-1]] = values
     return full
+
+
+def _drift(per_cycle: ComplexArray, elapsed: Array, phase: Array) -> Array | None:
+    """Return the force that steadily changes from cycle to cycle, less its mean loop; None where none does.
+
+    A harmonic drifts when a line through its cycles leaves so little over that scatter would hardly do so: with two
+    freedoms for the line's slope and 2 (cycles - 2) for the rest, the F distribution's tail is a power.
+
+    Args:
+        per_cycle: harmonics of the force, (cycles, H + 1).
+        elapsed: cycles since the first sample, (N,).
+        phase: (N,) rad.
+    """
+    cycles = len(per_cycle)
+    if cycles < 3:
+        return None
+    along = np.arange(cycles) - (cycles - 1) / 2
+    deviation = per_cycle - np.mean(per_cycle, axis=0)
+    slope = along @ deviation / (along @ along)
+    explained = np.abs(slope) ** 2 * (along @ along)
+    rest = np.sum(np.abs(deviation - along[:, None] * slope) ** 2, axis=0)
+    drifting = np.flatnonzero(explained > (DRIFT_BY_CHANCE ** (-1 / (cycles - 2)) - 1) * rest)
+    if len(drifting) == 0:
+        return None
+    # a cycle's harmonics are those at its middle; before the first middle and after the last the line goes on
+    place = elapsed - 0.5
+    left = np.clip(np.floor(place).astype(np.intp), 0, cycles - 2)
+    share = place - left
+    force = np.zeros(len(phase))
+    for order in drifting:
+        between = (1 - share) * deviation[left, order] + share * deviation[left + 1, order]
+        force += (between * unit_phasor(order * phase)).real
+    return force
 
 
 def phase_bin(phase: Array) -> IntArray:

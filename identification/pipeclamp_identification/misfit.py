@@ -83,7 +83,7 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
     _refuse_unknown(law, loops, force)
     edges = np.concatenate([[0], np.cumsum([len(cycles) if changing else 1 for cycles in loops.cycles])])
     return tuple(
-        _run_misfit(run, force[edges[index] : edges[index + 1]], float(loops.noise_rms_N[index]))
+        _run_misfit(run, force[edges[index] : edges[index + 1]], float(loops.scatter_rms_N[index]))
         for index, run in enumerate(campaign.runs)
     )
 

@@ -179,3 +179,28 @@ def test_a_drift_is_no_vibration():
     time = np.arange(500) / 100.0
     with pytest.raises(UnusableRecord):
         find_cycles(Record(time, 0.1 * time, time))
+
+
+@pytest.mark.parametrize("decay", [0.05, 0.3])
+def test_what_drifts_from_cycle_to_cycle_is_no_scatter(harmonic_record, loops_from, decay):
+    """A clamp that loosens by a fifth, or quickly at first: a law of the cycle number can explain that."""
+    rng = np.random.default_rng(5)
+    record = harmonic_record(cycles=12)
+    loosened = 1 - 0.2 * (1 - np.exp(-decay * 3.0 * record.time_s)) / (1 - np.exp(-decay * 12))
+    record.force_N[:] = loosened * record.force_N + 3.0 * rng.standard_normal(len(record.force_N))
+    loops = loops_from(record)
+    assert loops.noise_rms_N[0] > 50
+    assert 2.5 < loops.scatter_rms_N[0] < 8
+
+
+def test_without_a_drift_all_noise_is_scatter(harmonic_record, run_of, campaign_of):
+    rng = np.random.default_rng(6)
+    runs = []
+    for number in range(30):
+        record = harmonic_record(cycles=6)
+        # the amplitude of the force scatters from cycle to cycle too, which is no drift
+        size = 1 + 0.005 * rng.standard_normal(6)[np.minimum((3.0 * record.time_s).astype(int), 5)]
+        record.force_N[:] = size * record.force_N + 3.0 * rng.standard_normal(len(record.force_N))
+        runs.append(run_of(record, f"run{number}"))
+    loops = loops_of(campaign_of(*runs))
+    assert np.count_nonzero(loops.scatter_rms_N != loops.noise_rms_N) <= 1
