@@ -15,6 +15,7 @@ from pipeclamp.realise.scalar import clamp_equations, python_source
 from pipeclamp.realise.text import equation_lines
 from pipeclamp_fmu.clamp import ClampModel, FurtherCondition, clamp_content
 from pipeclamp_fmu.compile import default_platforms
+from pipeclamp_fmu.excitation import Samples, excitation_content
 from pipeclamp_fmu.native_clamp import Entry, NativeLaw, native_clamp
 from pipeclamp_fmu.native_fmu import Built, NativeContent, write_native_fmu
 from pipeclamp_fmu.packing import write_fmu
@@ -103,6 +104,18 @@ def build_pipe(pipe: ReducedPipe, output: Path) -> str:
         UserError: the description can't serve, or the FMU can't be written.
     """
     return write_fmu(pipe_content(pipe, version()), output)
+
+
+def build_excitation(samples: Samples, output: Path) -> str:
+    """Build an FMU (FMI 2.0 co-simulation, Python) that gives an excitation.
+
+    Returns:
+        the FMU's model identifier, unique for its content.
+
+    Raises:
+        UserError: the FMU can't be written.
+    """
+    return write_fmu(excitation_content(samples, version()), output)
 
 
 def clamp_model(file: LawFile) -> ClampModel:

@@ -483,6 +483,21 @@ def response(
     console.print(str(output))
 
 
+@app.command("system", epilog="Example: pipeclamp system system.toml -o system.ssp --kind native")
+def system_structure(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="SYSTEM.ssp", help="The SSP to write.")],
+    kind: Annotated[FmuKind, typer.Option(help="Of the clamps that are given by their laws.")] = FmuKind.python,
+) -> None:
+    """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
+    from pipeclamp_fmu.build import build_clamp, build_native_clamp
+    from pipeclamp_identification.system_ssp import write_system
+
+    with told("system"):
+        write_system(system, output, build_clamp if kind is FmuKind.python else build_native_clamp)
+    console.print(f"{output}: SSP 1.0, clamps {kind.value}")
+
+
 @app.command(epilog="Example: pipeclamp demo my_demo")
 def demo(
     folder: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="Where the results go.")] = Path("pipeclamp_demo"),

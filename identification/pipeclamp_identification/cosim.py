@@ -32,6 +32,7 @@ from pipeclamp_identification.system import ClampSource, LawMode, PipeSource, Sy
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
+Builder = Callable[[LawFile, Path], object]
 
 CELSIUS = 273.15
 
@@ -232,7 +233,7 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
     """Run a description whose FMUs are finished."""
     paths = [(folder / str(description.pipe.fmu), "pipe"), *((folder / str(c.fmu), c.at) for c in description.clamps)]
     with opened(paths) as (pipe, *clamps):
-        variables = _pipe_variables(pipe)
+        variables = pipe_variables(pipe)
         for index, clamp in enumerate(description.clamps, 1):
             if clamp.at not in variables.clamps:
                 raise UserError(f"{where}: clamps[{index}].at: {unknown(clamp.at, list(variables.clamps), 'clamp')}")
@@ -247,7 +248,7 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
         start = {variables.excitation: signal(0.0), "inputsAtStepEnd": run.scheme == "iterated"}
         pipe.initialise(start)
         for fmu, source in zip(clamps, description.clamps, strict=True):
-            fmu.initialise(_clamp_parameters(source, description))
+            fmu.initialise(clamp_parameters(source, description))
         return _run(description, variables, signal, pipe, clamps, progress)
 
 
@@ -262,8 +263,13 @@ def write_result(result: CosimResult, path: Path) -> None:
 
 
 @contextmanager
-def finished(description: SystemDescription, folder: Path) -> Iterator[SystemDescription]:
+def finished(description: SystemDescription, folder: Path, build: Builder = build_clamp) -> Iterator[SystemDescription]:
     """Give the description with all its FMUs built; those that were built are gone at the end.
+
+    Args:
+        description: the system.
+        folder: what its paths are relative to.
+        build: what makes the FMU of a clamp that is given by its law.
 
     Raises:
         UserError: a pipe or a law can't be read or built.
@@ -278,7 +284,7 @@ def finished(description: SystemDescription, folder: Path) -> Iterator[SystemDes
         for index, clamp in enumerate(description.clamps):
             if clamp.fmu is None:
                 output = built / f"clamp_{index}.fmu"
-                build_clamp(law_in(folder, str(clamp.law)), output)
+                build(law_in(folder, str(clamp.law)), output)
                 clamp = clamp.model_copy(update={"law": None, "fmu": str(output)})
             clamps.append(clamp)
         yield description.model_copy(update={"pipe": pipe, "clamps": tuple(clamps)})
@@ -292,7 +298,7 @@ def law_in(folder: Path, name: str) -> LawFile:
     return read_law(path) if path.suffix or path.exists() else open_law(name)
 
 
-def _pipe_variables(pipe: LoadedFmu) -> PipeVariables:
+def pipe_variables(pipe: LoadedFmu) -> PipeVariables:
     """Read off a pipe FMU what it couples.
 
     Raises:
@@ -314,7 +320,8 @@ def _pipe_variables(pipe: LoadedFmu) -> PipeVariables:
     )
 
 
-def _clamp_parameters(source: ClampSource, description: SystemDescription) -> dict[str, float | bool]:
+def clamp_parameters(source: ClampSource, description: SystemDescription) -> dict[str, float | bool]:
+    """Give the parameters that a clamp's FMU starts with."""
     frequency = source.frequency_Hz or description.excitation.frequency_Hz
     parameters: dict[str, float | bool] = {"T": source.temperature_C + CELSIUS, "track": source.track}
     if source.amplitude_mm is not None:

@@ -1,0 +1,47 @@
+"""What an excitation's FMU is made of, from samples at equal steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipeclamp_fmu import excitation_slave
+from pipeclamp_fmu.clamp import source_text, usual
+from pipeclamp_fmu.documentation import page
+from pipeclamp_fmu.model_description import ModelText, Quantity
+from pipeclamp_fmu.one_module import with_inlined
+from pipeclamp_fmu.packing import Content
+
+
+@dataclass(frozen=True)
+class Samples:
+    """An excitation: values at equal steps (s) from time 0, in `unit`."""
+
+    step: float
+    values: Sequence[float]
+    unit: str
+
+
+def excitation_content(samples: Samples, version: str) -> Content:
+    """Give all that goes into the excitation's FMU."""
+    text = ModelText("Excitation", "Signal over time, linear between its samples", version, samples.step)
+    highest = max(map(abs, samples.values)) or 1.0
+    generated = f"STEP = {float(samples.step)!r}\nVALUES = {tuple(map(float, samples.values))!r}\n"
+    return Content(
+        kind="excitation",
+        source=with_inlined(
+            source_text("excitation_slave"),
+            {"pipeclamp_fmu.plain_slave": source_text("plain_slave"), "pipeclamp_fmu.stand_in_samples": generated},
+        ),
+        class_name=excitation_slave.ExcitationSlave.__name__,
+        text=text,
+        quantities={
+            "signal": Quantity("excitation", samples.unit, "", -10 * highest, 10 * highest, usual(highest)),
+        },
+        initial_inputs=(),
+        documentation=page(
+            text.name,
+            (f"{len(samples.values)} samples, {samples.step:g} s apart, linear between, zero after the last.",),
+            (),
+        ),
+    )

@@ -1,0 +1,136 @@
+"""System structures (SSP 1.0): FMUs, their connections and their parameters in one file."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from pipeclamp.files import write_whole
+from pipeclamp_fmu.model_description import xml_bytes
+from pipeclamp_fmu.packing import zipped
+
+NAMESPACES = {
+    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
+    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
+    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+}
+
+PARAMETER_SET = "parameters"
+"""Name of every component's parameter set: masters that choose sets by name take one name for all components."""
+
+Port = tuple[str, str]
+"""An element's name and one of its variables."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU in a system.
+
+    Attributes:
+        name: of the element.
+        fmu: the file.
+        parameters: values that it starts with, by variable.
+    """
+
+    name: str
+    fmu: Path
+    parameters: Mapping[str, float | bool]
+
+
+@dataclass(frozen=True)
+class SystemStructure:
+    """A system of FMUs.
+
+    Attributes:
+        name: of the system.
+        components: its elements.
+        connections: from an output to an input; inputs without one are left out.
+        stop_time: proposed end, s.
+    """
+
+    name: str
+    components: Sequence[Component]
+    connections: Sequence[tuple[Port, Port]]
+    stop_time: float
+
+
+def write_ssp(structure: SystemStructure, output: Path) -> None:
+    """Write an SSP, whole or not at all.
+
+    Raises:
+        UserError: the file can't be written.
+    """
+    files = {"SystemStructure.ssd": _description(structure)}
+    for component in structure.components:
+        files[f"resources/{component.name}.fmu"] = component.fmu.read_bytes()
+        if component.parameters:
+            files[f"resources/{component.name}.ssv"] = parameter_set(component)
+    write_whole(output, zipped(files))
+
+
+def _element(parent: Element | None, kind: str, attributes: Mapping[str, str]) -> Element:
+    prefix, name = kind.split(":")
+    tag = f"{{{NAMESPACES[prefix]}}}{name}"
+    return Element(tag, dict(attributes)) if parent is None else SubElement(parent, tag, dict(attributes))
+
+
+def _written(root: Element) -> bytes:
+    for prefix, address in NAMESPACES.items():
+        ElementTree.register_namespace(prefix, address)
+    return xml_bytes(root)
+
+
+def parameter_set(component: Component) -> bytes:
+    """Give a component's parameters as SSV."""
+    root = _element(None, "ssv:ParameterSet", {"version": "1.0", "name": PARAMETER_SET})
+    parameters = _element(root, "ssv:Parameters", {})
+    for name, value in component.parameters.items():
+        parameter = _element(parameters, "ssv:Parameter", {"name": name})
+        if isinstance(value, bool):
+            _element(parameter, "ssv:Boolean", {"value": str(value).lower()})
+        else:
+            _element(parameter, "ssv:Real", {"value": repr(float(value))})
+    return _written(root)
+
+
+def _ports(fmu: Path) -> Iterable[tuple[str, str, str]]:
+    """Give the FMU's inputs and outputs: name, causality and type."""
+    with zipfile.ZipFile(fmu) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    for variable in root.iter("ScalarVariable"):
+        if variable.get("causality") in ("input", "output"):
+            yield variable.get("name", ""), variable.get("causality", ""), variable[0].tag
+
+
+def _description(structure: SystemStructure) -> bytes:
+    root = _element(None, "ssd:SystemStructureDescription", {"version": "1.0", "name": structure.name})
+    system = _element(root, "ssd:System", {"name": "system"})
+    connected = {end for _, end in structure.connections}
+    elements = _element(system, "ssd:Elements", {})
+    for component in structure.components:
+        listed = _element(elements, "ssd:Component", {
+            "name": component.name,
+            "type": "application/x-fmu-sharedlibrary",
+            "source": f"resources/{component.name}.fmu",
+            "implementation": "CoSimulation",
+        })  # fmt: skip
+        connectors = _element(listed, "ssd:Connectors", {})
+        for name, causality, kind in _ports(component.fmu):
+            if causality == "input" and (component.name, name) not in connected:
+                continue  # a master would set an unconnected one to zero
+            connector = _element(connectors, "ssd:Connector", {"name": name, "kind": causality})
+            _element(connector, f"ssc:{kind}", {})
+        if component.parameters:
+            bindings = _element(listed, "ssd:ParameterBindings", {})
+            _element(bindings, "ssd:ParameterBinding", {"source": f"resources/{component.name}.ssv"})
+    connections = _element(system, "ssd:Connections", {})
+    for (start, output), (end, into) in structure.connections:
+        _element(connections, "ssd:Connection", {
+            "startElement": start, "startConnector": output, "endElement": end, "endConnector": into,
+        })  # fmt: skip
+    _element(root, "ssd:DefaultExperiment", {"startTime": "0.0", "stopTime": repr(float(structure.stop_time))})
+    return _written(root)

@@ -1,0 +1,98 @@
+"""A system as an SSP gives in fmpy, Ecos and libcosim what our own parallel scheme gives."""
+
+import json
+import subprocess
+import sys
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import foreign_ssp
+import numpy as np
+import pytest
+
+from pipeclamp.errors import UserError
+from pipeclamp_fmu.build import build_clamp, build_native_clamp
+from pipeclamp_fmu.compile import system_compiler
+from pipeclamp_identification.cosim import run_system
+from pipeclamp_identification.system_ssp import write_system
+
+STEP_NS, STEPS = 20_000, 1500
+NEEDS = {"fmpy": "fmpy", "ecos": "ecospy", "libcosim": "libcosimpy"}
+SYSTEM = """
+name = "one clamp"
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "clamp1"
+law = "emwm2"
+temperature_C = 50.0
+amplitude_mm = 0.5
+[excitation]
+kind = "sine"
+acceleration_m_s2 = 2.0
+frequency_Hz = 10.0
+[run]
+stop_s = {stop}
+step_s = {step}
+scheme = "parallel"
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, pipe_text):
+    """Give a folder with a described pipe and system."""
+    made = tmp_path_factory.mktemp("system")
+    (made / "pipe.toml").write_text(pipe_text("pipe"), encoding="utf-8")
+    text = SYSTEM.format(stop=1e-9 * STEP_NS * STEPS, step=1e-9 * STEP_NS)
+    (made / "system.toml").write_text(text, encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="module", params=["python", "native"])
+def ssp(request, folder):
+    """Give the system as an SSP, with clamps of each kind."""
+    if request.param == "native" and system_compiler() is None:
+        pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
+    build = {"python": build_clamp, "native": build_native_clamp}[request.param]
+    write_system(folder / "system.toml", folder / f"{request.param}.ssp", build)
+    return folder / f"{request.param}.ssp"
+
+
+@pytest.fixture(scope="module")
+def own(folder):
+    """Our parallel scheme's displacement and force, (STEPS, 2)."""
+    columns = run_system(folder / "system.toml").columns
+    return np.array([columns["clamp1.s"], columns["clamp1.f"]]).T[1:]
+
+
+@pytest.mark.parametrize("master", NEEDS)
+def test_it_gives_what_our_parallel_scheme_gives(ssp, own, master, tmp_path):
+    if find_spec(NEEDS[master]) is None:
+        pytest.skip(f"{master} isn't installed: pip install {NEEDS[master]}")
+    arguments = [master, str(ssp), str(tmp_path), str(STEP_NS), str(STEPS)]
+    program = [sys.executable, str(Path(foreign_ssp.__file__)), *arguments]
+    run = subprocess.run(program, capture_output=True, text=True, timeout=120, check=False)
+    if "libtbb" in run.stderr and "cannot open shared object" in run.stderr:
+        pytest.skip(f"{master} can't be loaded: it needs Debian's libtbb12")
+    assert run.stdout, run.stderr
+    theirs = np.array(json.loads(run.stdout.splitlines()[-1]))
+    assert theirs.shape == own.shape
+    size = np.abs(own).max(axis=0)
+    assert size[0] > 1e-6, "the pipe must move"
+    assert (np.abs(theirs - own).max(axis=0) < 1e-9 * size).all()
+
+
+def test_it_holds_every_part(ssp):
+    with zipfile.ZipFile(ssp) as archive:
+        names = set(archive.namelist())
+    parts = {f"resources/{name}.fmu" for name in ("excitation", "pipe", "clamp1")}
+    assert names == {"SystemStructure.ssd", "resources/clamp1.ssv", *parts}
+
+
+def test_too_long_a_run_is_refused(folder, tmp_path):
+    text = SYSTEM.format(stop=100.0, step=1e-4).replace("pipe.toml", str(folder / "pipe.toml"))
+    (tmp_path / "system.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(UserError, match="1000000 steps; expected at most 200000"):
+        write_system(tmp_path / "system.toml", tmp_path / "system.ssp", build_clamp)
+    assert not (tmp_path / "system.ssp").exists()
