@@ -146,6 +146,8 @@ def clamp_model(file: LawFile) -> ClampModel:
             for name, entry in entries
         ],
         notes=_notes(file),
+        history=file.history,
+        fit=file.fit,
     )
 
 
@@ -185,6 +187,4 @@ def _notes(file: LawFile) -> list[str]:
     notes.append(f"Base law {file.base}{effects}; data: {file.data.name} ({file.data.fingerprint}).")
     smoothing = f"sgn v is smooth below v_r = {file.smoothing['v_r']:.3g} mm/s"
     notes.append(f"{smoothing}, sgn y below y_r = {file.smoothing['y_r']:.3g} mm.")
-    if file.fit is not None:
-        notes.append(f"Error of the force against its data: nrmse {file.fit.nrmse:.4f}.")
     return notes

@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 
+from pipeclamp.parameter_file import FitQuality, HistoryStep
 from pipeclamp_fmu import clamp_slave
 from pipeclamp_fmu.documentation import Section, page
+from pipeclamp_fmu.history import history_section
 from pipeclamp_fmu.model_description import ModelText, Quantity
 from pipeclamp_fmu.one_module import with_inlined
 from pipeclamp_fmu.packing import Content
@@ -67,6 +69,7 @@ class ClampModel:
         parameters: for the documentation: symbol, value, standard error, unit, meaning.
         notes: for the documentation: what else to say of the law, its data and its quality.
         further: conditions besides A, f and T, in the order in which the source takes them.
+        history, fit: for the documentation: the error step by step, and how well the law fits.
     """
 
     name: str
@@ -78,6 +81,8 @@ class ClampModel:
     parameters: Sequence[Sequence[str]] = ()
     notes: Sequence[str] = ()
     further: tuple[FurtherCondition, ...] = ()
+    history: Sequence[HistoryStep] = ()
+    fit: FitQuality | None = None
 
     @property
     def ranges(self) -> tuple[Interval, ...]:
@@ -228,6 +233,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
             ("y in mm, v in mm/s, force F in N; A, f, T are amplitude (mm), frequency (Hz), temperature (K).",),
             model.equations,
         ),
+        *([history_section(model.history, model.fit)] if model.history or model.fit else ()),
         Section("Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters),
         Section(
             "Range",
