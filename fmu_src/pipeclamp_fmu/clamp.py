@@ -11,10 +11,13 @@ from pipeclamp.parameter_file import FitQuality, HistoryStep
 from pipeclamp_fmu import clamp_slave
 from pipeclamp_fmu.documentation import Section, page
 from pipeclamp_fmu.history import history_section
+from pipeclamp_fmu.icon import loop_icon
 from pipeclamp_fmu.model_description import ModelText, Quantity
 from pipeclamp_fmu.one_module import with_inlined
 from pipeclamp_fmu.packing import Content
 from pipeclamp_fmu.passivity import Interval, loaded
+from pipeclamp_fmu.reference import reference_files
+from pipeclamp_fmu.steady_loop import SAMPLES, steady_loop
 
 MARGIN = 10.0
 """min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
@@ -194,9 +197,16 @@ def clamp_text(model: ClampModel, version: str) -> ModelText:
     )
 
 
+def clamp_extras(model: ClampModel) -> tuple[bytes, dict[str, bytes]]:
+    """Give the clamp's icon and the reference results that travel inside its FMU."""
+    loop = steady_loop(clamp_module(model))
+    return loop_icon(loop.s[SAMPLES:], loop.force[SAMPLES:]), reference_files(loop)
+
+
 def clamp_content(model: ClampModel, version: str) -> Content:
     """Give all that goes into the clamp's Python FMU."""
     described = quantities(model)
+    icon, references = clamp_extras(model)
     return Content(
         kind="clamp",
         source=clamp_module(model),
@@ -205,6 +215,7 @@ def clamp_content(model: ClampModel, version: str) -> Content:
         quantities=described,
         initial_inputs=(*clamp_slave.INPUTS, *clamp_slave.PARAMETERS, *clamp_slave.BOOLEAN_PARAMETERS),
         documentation=clamp_documentation(model, described, PYTHON_USE),
+        further={"model.png": icon, **references},
     )
 
 

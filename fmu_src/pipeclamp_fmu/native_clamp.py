@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from pipeclamp_fmu import clamp_slave
-from pipeclamp_fmu.clamp import ClampModel, clamp_documentation, clamp_text, quantities
+from pipeclamp_fmu.clamp import ClampModel, clamp_documentation, clamp_extras, clamp_text, quantities
 from pipeclamp_fmu.model_description import Quantity
 from pipeclamp_fmu.native_description import FLANGE, Terminal
 from pipeclamp_fmu.native_fmu import NativeContent
@@ -45,6 +45,7 @@ class NativeLaw:
 def native_clamp(model: ClampModel, law: NativeLaw, version: str) -> NativeContent:
     """Give all that goes into the clamp's native FMU."""
     described = quantities(model)
+    icon, references = clamp_extras(model)
     variables = _variables(model, law, described)
     indicator = f"{MEMORY}v" if law.states else ""
     ranges = [
@@ -67,6 +68,8 @@ def native_clamp(model: ClampModel, law: NativeLaw, version: str) -> NativeConte
             ),
         ),
         documentation=clamp_documentation(model, described, NATIVE_USE),
+        icon=icon,
+        further=references,
     )
 
 

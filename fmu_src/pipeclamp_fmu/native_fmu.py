@@ -31,6 +31,7 @@ class NativeContent:
         model: the model in C.
         terminals: its connectors.
         documentation: `documentation/index.html`.
+        icon: a PNG.
         further: further files by name.
     """
 
@@ -39,6 +40,7 @@ class NativeContent:
     model: NativeModel
     terminals: Sequence[Terminal]
     documentation: str
+    icon: bytes
     further: Mapping[str, bytes] = field(default_factory=dict)
 
 
@@ -103,4 +105,7 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
     }
     if fmi == 3:
         files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(description)
+        files["terminalsAndIcons/icon.png"] = content.icon
+    else:
+        files["model.png"] = content.icon
     return files

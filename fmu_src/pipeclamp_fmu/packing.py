@@ -8,7 +8,7 @@ import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pythonfmu
@@ -42,6 +42,7 @@ class Content:
         quantities: what it says of each variable.
         initial_inputs: the variables that outputs depend on at initialisation.
         documentation: `documentation/index.html`.
+        further: further files by name.
     """
 
     kind: str
@@ -51,6 +52,7 @@ class Content:
     quantities: Mapping[str, Quantity]
     initial_inputs: tuple[str, ...]
     documentation: str
+    further: Mapping[str, bytes] = field(default_factory=dict)
 
 
 def write_fmu(content: Content, output: Path) -> str:
@@ -75,6 +77,7 @@ def write_fmu(content: Content, output: Path) -> str:
         files["modelDescription.xml"], digest, content.text, content.quantities, content.initial_inputs
     )
     files["documentation/index.html"] = content.documentation.encode("utf-8")
+    files |= content.further
     write_whole(output, zipped(files))
     return identifier
 
