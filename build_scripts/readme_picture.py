@@ -14,10 +14,11 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from pipeclamp_identification.add import add_effect
+from pipeclamp_identification.bundled_campaigns import bundled_campaign
 from pipeclamp_identification.campaign import read_campaign
 from pipeclamp_identification.compare import Comparison, compare
 from pipeclamp_identification.comparison_report import loop_panels
-from pipeclamp_identification.demo import EFFECTS, bundled_campaign
+from pipeclamp_identification.demo import EFFECTS
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.report import MEASURED, MODEL, styled
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 from pipeclamp.declaration import Declaration
 from pipeclamp.effect import Effect
@@ -11,10 +12,14 @@ from pipeclamp.errors import UserError
 from pipeclamp.law import Structure, compose
 from pipeclamp.parameter_file import HistoryStep, LawFile, law_of, structure_of
 from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.fit import Progress
+from pipeclamp_identification.fit import Progress, fit
 from pipeclamp_identification.heldout import heldout_nrmse
-from pipeclamp_identification.identify import Identification, fit_structure, law_file, rounded
+from pipeclamp_identification.identify import Identification, fit_structure, law_file
+from pipeclamp_identification.law_range import rounded
 from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.metric_campaign import SCATTER, MetricCampaign, metric_observations
+from pipeclamp_identification.metric_evidence import heldout_error
+from pipeclamp_identification.metric_law import compare_metrics, metric_law_file, rms
 from pipeclamp_identification.misfit import misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.observations import loop_observations
 from pipeclamp_identification.report import Table
@@ -43,7 +48,7 @@ class Addition:
 def add_effect(
     file: LawFile,
     effect: str,
-    campaign: Campaign,
+    campaign: Campaign | MetricCampaign,
     *,
     command: str,
     date: str | None,
@@ -71,7 +76,7 @@ def add_effect(
 def remove_effect(
     file: LawFile,
     effect: str,
-    campaign: Campaign,
+    campaign: Campaign | MetricCampaign,
     *,
     command: str,
     date: str | None,
@@ -93,7 +98,7 @@ def _changed(
     file: LawFile,
     new: Structure,
     step: str,
-    campaign: Campaign,
+    campaign: Campaign | MetricCampaign,
     *,
     command: str,
     date: str | None,
@@ -101,26 +106,63 @@ def _changed(
 ) -> Addition:
     """Refit a law with another structure and state the error before and after."""
     tell = progress or (lambda _: None)
+    refit = partial(_refit_metrics, campaign) if isinstance(campaign, MetricCampaign) else partial(_refit, campaign)
+    done = refit(file, new, _shared_values(law_of(file).values, new), tell)
+    after = done.file(name=file.name, command=command, date=date)
+    history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
+    history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(done.heldout[0])}))
+    last = HistoryStep(step=step, nrmse=rounded(done.nrmse[1]), heldout_nrmse=rounded(done.heldout[1]))
+    after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
+    return Addition(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)
+
+
+@dataclass(frozen=True)
+class _Refitted:
+    """A law refitted with another structure: what makes its file, and errors before and after, as in `Addition`."""
+
+    file: Callable[..., LawFile]
+    nrmse: tuple[float, float]
+    heldout: tuple[float, float]
+    noise_nrmse: float
+
+
+def _refit(campaign: Campaign, file: LawFile, new: Structure, start: Mapping[str, float], tell: Progress) -> _Refitted:
+    """Refit to records."""
     law = law_of(file)
     loops = loops_of(campaign)
     observations = loop_observations(loops)
     tell("error of the law as it is")
-    error_before = overall_nrmse(misfits(law, campaign, loops))
-    tell(f"refit {step}")
-    result = fit_structure(new, loops, observations, start=_shared_values(law.values, new), progress=tell)
+    before = overall_nrmse(misfits(law, campaign, loops))
+    tell("refit")
+    result = fit_structure(new, loops, observations, start=start, progress=tell)
     runs = misfits(result.law, campaign, loops)
     tell("error on left-out conditions")
     heldout = (
         heldout_nrmse(law, loops, observations),
         heldout_nrmse(result.law, loops, observations),
     )
-    history = file.history or (HistoryStep(step=file.name, nrmse=rounded(error_before)),)
-    history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(heldout[0])}))
     identification = Identification(result, loops, runs, "joint")
-    after = law_file(identification, campaign, name=file.name, command=command, date=date)
-    last = HistoryStep(step=step, nrmse=rounded(overall_nrmse(runs)), heldout_nrmse=rounded(heldout[1]))
-    after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
-    return Addition(step, file, after, (error_before, overall_nrmse(runs)), heldout, overall_noise(runs))
+    return _Refitted(
+        partial(law_file, identification, campaign), (before, overall_nrmse(runs)), heldout, overall_noise(runs)
+    )
+
+
+def _refit_metrics(
+    campaign: MetricCampaign, file: LawFile, new: Structure, start: Mapping[str, float], tell: Progress
+) -> _Refitted:
+    """Refit to metrics; errors are rms log ratios, and the scatter is the one that was expected."""
+    law = law_of(file)
+    observations = metric_observations(campaign)
+    before = compare_metrics(file, campaign).nrmse
+    tell("refit")
+    result = fit(new, observations, start=start, progress=tell)
+    tell("error on left-out conditions")
+    heldout = (
+        heldout_error(law.structure, observations, law.values),
+        heldout_error(new, observations, result.law.values),
+    )
+    after = rms(observations.logs(result.response.force))
+    return _Refitted(partial(metric_law_file, result, campaign), (before, after), heldout, SCATTER)
 
 
 def with_effect(structure: Structure, effect: str) -> Structure:

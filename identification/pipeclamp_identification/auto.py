@@ -11,6 +11,8 @@ from pipeclamp_identification.add import Addition, add_effect
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.diagnosis_report import Answer, answer_for
 from pipeclamp_identification.fit import Progress
+from pipeclamp_identification.metric_campaign import MetricCampaign
+from pipeclamp_identification.metric_diagnosis_report import MetricAnswer, metric_answer_for
 from pipeclamp_identification.next_test import Limits
 
 MOST_EFFECTS = 8
@@ -21,13 +23,20 @@ class Settled:
     """Where the repetition ended: the law, the last answer, and what was added on the way."""
 
     file: LawFile
-    answer: Answer
+    answer: Answer | MetricAnswer
     additions: tuple[Addition, ...]
+
+    def words(self) -> list[str]:
+        """Say what each addition did to the error on left-out conditions."""
+        return [
+            f"{one.effect}: error on left-out conditions {one.heldout[0]:.2%} -> {one.heldout[1]:.2%}"
+            for one in self.additions
+        ]
 
 
 def add_until_settled(
     file: LawFile,
-    campaign: Campaign,
+    campaign: Campaign | MetricCampaign,
     *,
     command: str,
     declared: Sequence[Declaration] = (),
@@ -42,7 +51,7 @@ def add_until_settled(
     """
     additions: list[Addition] = []
     while True:
-        answer = answer_for(file, campaign, declared=declared, limits=limits, jobs=jobs, progress=progress)
+        answer = answer_to(file, campaign, declared=declared, limits=limits, jobs=jobs, progress=progress)
         if answer.verdict != "missing" or len(additions) == MOST_EFFECTS:
             return Settled(file, answer, tuple(additions))
         addition = add_effect(
@@ -54,8 +63,29 @@ def add_until_settled(
         file = addition.after
 
 
-def named(answer: Answer) -> str:
+def answer_to(
+    file: LawFile,
+    campaign: Campaign | MetricCampaign,
+    *,
+    declared: Sequence[Declaration] = (),
+    limits: Limits | None = None,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Answer | MetricAnswer:
+    """Diagnose the law of a parameter file on records or on metrics.
+
+    Raises:
+        UserError: the data can't serve the law.
+    """
+    if isinstance(campaign, MetricCampaign):
+        return metric_answer_for(file, campaign, declared=declared, limits=limits, progress=progress)
+    return answer_for(file, campaign, declared=declared, limits=limits, jobs=jobs, progress=progress)
+
+
+def named(answer: Answer | MetricAnswer) -> str:
     """Give the effect to add, with the number of memory elements that did best."""
+    if isinstance(answer, MetricAnswer):
+        return answer.to_add
     diagnosis = answer.diagnosis
     wanted = diagnosis.effects[0]
     found = [*([diagnosis.pair] if diagnosis.pair else []), *diagnosis.candidates]

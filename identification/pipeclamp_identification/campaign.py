@@ -78,6 +78,11 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
     folder = Path(folder)
     description = read_description(folder)
     table = read_runs_table(folder, description)
+    if table.without_records:
+        raise UserError(
+            f"{folder}: holds metrics without records; expected records of the loops (metrics, identify, compare, "
+            "diagnose, add and remove can do with metrics)"
+        )
     with ThreadPoolExecutor(max_workers=READERS) as readers:
         # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
         records = list(readers.map(partial(_read_run, folder, description), table.rows))
@@ -92,7 +97,7 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
     return Campaign(
         name=description.name,
         notes=description.notes,
-        fingerprint=_fingerprint(folder, digests),
+        fingerprint=fingerprint(folder, digests),
         runs=runs,
         left_out=left_out,
         condition_columns=table.condition_columns,
@@ -132,7 +137,13 @@ def _checked_run(row: RunRow, record: Record) -> Run | LeftOut:
     )
 
 
-def _fingerprint(folder: Path, digests: Mapping[str, str]) -> str:
+def fingerprint(folder: Path, digests: Mapping[str, str]) -> str:
+    """Give the SHA-256 over the bytes of campaign.toml, runs.csv and the records.
+
+    Args:
+        folder: the campaign's folder.
+        digests: SHA-256 of each record by its name.
+    """
     tables = {
         name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
         for name in (campaign_file.FILE_NAME, runs_table.FILE_NAME)

@@ -9,7 +9,7 @@ import datetime
 import json
 import math
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
 from functools import partial
@@ -27,7 +27,9 @@ from pipeclamp.files import write_whole
 if TYPE_CHECKING:
     from pipeclamp_identification.add import Addition
     from pipeclamp_identification.campaign import Campaign
+    from pipeclamp_identification.findings import Findings
     from pipeclamp_identification.fit import Progress as Tell
+    from pipeclamp_identification.metric_campaign import MetricCampaign
     from pipeclamp_identification.report import Section, Table
 
 app = typer.Typer(
@@ -87,7 +89,9 @@ class RecordFormat(StrEnum):
     parquet = "parquet"
 
 
-CampaignFolder = Annotated[Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv.")]
+CampaignFolder = Annotated[
+    Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
+]
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
 ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
@@ -116,22 +120,26 @@ def main() -> None:
 
 @app.command(epilog="Example: pipeclamp metrics my_campaign --report metrics.html")
 def metrics(
-    campaign: CampaignFolder, json: JsonOption = None, report: ReportOption = None, strict: StrictOption = False
+    campaign: CampaignFolder,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="METRICS", help="Write the metrics as a campaign without records."),
+    ] = None,
+    json: JsonOption = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
 ) -> None:
     """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
-    from pipeclamp_identification.loops import loops_of
-    from pipeclamp_identification.metrics_report import metrics_sections
-    from pipeclamp_identification.metrics_summary import metrics_json
+    from pipeclamp.files import write_folder
+    from pipeclamp_identification.findings import metrics_found
+    from pipeclamp_identification.metric_writing import metric_files
 
     with told("metrics") as tell:
         tests = _read(campaign, strict, tell)
-        loops = loops_of(tests)
-        answer, sections = metrics_json(tests, loops), metrics_sections(tests, loops)
-    _write(json, report, answer, f"Loop metrics of {tests.name}", tests.notes, sections)
-    for section in sections[:-1]:
-        for table in section.tables:
-            _print_table(table)
-    console.print(f"{len(tests.runs)} runs; every run is in --json and --report", highlight=False)
+        found, bare = metrics_found(tests)
+    if output:
+        write_folder(output, metric_files(bare))
+    _show(found, json, report, f"Loop metrics of {tests.name}", tests.notes)
 
 
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
@@ -153,25 +161,17 @@ def identify(
     """Fit a law to all runs of a campaign and write its parameter file."""
     from pipeclamp.declaration import read_effects
     from pipeclamp.parameter_file import law_text
-    from pipeclamp_identification import identify as identification
+    from pipeclamp_identification.findings import identified
 
     with told("identify") as tell:
         ids, declarations = read_effects(_names(effects), declared or ())
         tests = _read(campaign, strict, tell)
-        found = identification.identify(
+        file, sections = identified(
             tests, base=base.value, effects=ids, frozen=_values(freeze), method=method.value, declared=declarations,
-            progress=tell,
+            name=name or tests.name, command=_command(), date=None if reproducible else _now(),
+            with_report=report is not None, progress=tell,
         )  # fmt: skip
-        file = identification.law_file(
-            found, tests, name=name or tests.name, command=_command(), date=None if reproducible else _now()
-        )
-    if report:
-        from pipeclamp_identification.compare import Comparison
-        from pipeclamp_identification.identify_report import identification_sections
-
-        comparison = Comparison(found.fit.law, tests, found.loops, found.misfits, {})
-        sections = identification_sections(file, comparison)
-        _write(None, report, None, f"Law {file.name}", f"identified from {tests.name}", sections)
+    _write(None, report, None, f"Law {file.name}", f"identified from {tests.name}", sections)
     write_whole(output, law_text(file))
     _print_law(file, output)
 
@@ -186,26 +186,14 @@ def compare(
 ) -> None:
     """Hold a law against measurements: how much it errs, and where."""
     from pipeclamp.bundled import open_law
-    from pipeclamp_identification import compare as comparing
-    from pipeclamp_identification.comparison_report import comparison_sections, how_much, worst_table
+    from pipeclamp_identification.findings import compared
 
     with told("compare") as tell:
         file = open_law(law)
         tests = _read(campaign, strict, tell)
-        comparison = comparing.compare(file, tests)
-        answer = comparing.comparison_json(comparison)
-        sections = comparison_sections(comparison) if report else []
-    _write(
-        json,
-        report,
-        answer,
-        f"Law {file.name} against {tests.name}",
-        f"base {file.base}, effects: {', '.join(file.effects) or 'none'}",
-        sections,
-    )
-    for sentence in (*how_much(comparison), *comparing.where_words(comparison)):
-        console.print(sentence, highlight=False)
-    _print_table(worst_table(comparison, most=8))
+        found = compared(file, tests, with_report=report is not None)
+    effects = ", ".join(file.effects) or "none"
+    _show(found, json, report, f"Law {file.name} against {tests.name}", f"base {file.base}, effects: {effects}")
 
 
 @app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
@@ -228,8 +216,8 @@ def diagnose(
     from pipeclamp.bundled import open_law
     from pipeclamp.declaration import read_effects
     from pipeclamp.parameter_file import law_text
-    from pipeclamp_identification import diagnosis_report
-    from pipeclamp_identification.auto import add_until_settled
+    from pipeclamp_identification.auto import add_until_settled, answer_to
+    from pipeclamp_identification.findings import diagnosed
     from pipeclamp_identification.next_test import parse_limits
 
     with told("diagnose") as tell:
@@ -242,26 +230,15 @@ def diagnose(
                 file, tests, command=_command(), declared=declarations, limits=reach, jobs=jobs, progress=tell
             )
             file, answer = settled.file, settled.answer
-            for addition in settled.additions:
-                console.print(
-                    f"{addition.effect}: error on left-out conditions {addition.heldout[0]:.2%} -> "
-                    f"{addition.heldout[1]:.2%}",
-                    highlight=False,
-                )
         else:
-            answer = diagnosis_report.answer_for(
-                file, tests, declared=declarations, limits=reach, jobs=jobs, progress=tell
-            )
-        sections = diagnosis_report.answer_sections(answer) if report else []
-    if auto:
+            settled = None
+            answer = answer_to(file, tests, declared=declarations, limits=reach, jobs=jobs, progress=tell)
+        found = diagnosed(answer, with_report=report is not None)
+    if auto and settled:
         write_whole(auto, law_text(file))
-    _write(json, report, diagnosis_report.answer_json(answer), f"Diagnosis of {file.name}", tests.name, sections)
-    _print_table(diagnosis_report.candidate_table(answer.diagnosis))
-    console.print(answer.headline(), style="bold", highlight=False)
-    for reason in (*answer.diagnosis.reasons, *answer.leftover.words):
-        console.print(f"  {reason}", highlight=False)
-    if answer.proposal:
-        console.print(f"Next: {answer.proposal.words()}", highlight=False)
+        for line in settled.words():
+            console.print(line, highlight=False)
+    _show(found, json, report, f"Diagnosis of {file.name}", tests.name)
 
 
 @app.command(epilog="Example: pipeclamp remove law2.json memory my_campaign -o law.json")
@@ -529,11 +506,12 @@ def told(title: str) -> Iterator[Tell]:
         yield lambda what: progress.update(task, description=f"{title}: {what}")
 
 
-def _read(folder: Path, strict: bool, tell: Tell) -> Campaign:
-    from pipeclamp_identification.campaign import read_campaign
+def _read(folder: Path, strict: bool, tell: Tell) -> Campaign | MetricCampaign:
+    from pipeclamp_identification.bundled_campaigns import campaign_folder
+    from pipeclamp_identification.metric_campaign import read_tests
 
     tell(f"read {folder}")
-    tests = read_campaign(folder, strict=strict)
+    tests = read_tests(campaign_folder(folder), strict=strict)
     for entry in tests.left_out:
         errors.print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
     return tests
@@ -563,13 +541,22 @@ def _change(
     _print_law(changed.after, output)
 
 
+def _show(found: Findings, json_path: Path | None, report: Path | None, title: str, subtitle: str) -> None:
+    """Write a command's findings where wanted, and print them."""
+    _write(json_path, report, found.answer, title, subtitle, found.sections)
+    for table in found.tables:
+        _print_table(table)
+    for line in found.lines:
+        console.print(line, highlight=False, markup=False)
+
+
 def _write(
     json_path: Path | None,
     report: Path | None,
     answer: dict[str, Any] | None,
     title: str,
     subtitle: str,
-    sections: list[Section],
+    sections: Sequence[Section],
 ) -> None:
     if json_path:
         write_whole(json_path, json.dumps(answer, indent=1, allow_nan=False) + "\n")
@@ -600,7 +587,8 @@ def _print_law(file: Any, output: Path) -> None:
         console.print(f"{pair} can hardly be told apart (correlation {entry.value:.3f})", highlight=False)
     if file.fit:
         noise = f" (scatter {file.fit.noise_nrmse:.2%})" if file.fit.noise_nrmse is not None else ""
-        console.print(f"error {file.fit.nrmse:.2%} of the rms force{noise}", highlight=False)
+        of = "in dW and W (rms of log ratios)" if file.fit.method == "metrics" else "of the rms force"
+        console.print(f"error {file.fit.nrmse:.2%} {of}{noise}", highlight=False)
     console.print(str(output), highlight=False)
 
 

@@ -20,6 +20,7 @@ from pipeclamp_identification.concentration import (
     region_sentence,
 )
 from pipeclamp_identification.error_sums import RunSums, error_sums
+from pipeclamp_identification.law_range import outside_range
 from pipeclamp_identification.loops import Loops, loops_of
 from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
@@ -88,17 +89,8 @@ def compare(file: LawFile, campaign: Campaign) -> Comparison:
 
 
 def _outside(file: LawFile, loops: Loops) -> dict[str, str]:
-    """Find the runs outside the law's range, by more than 2 % of it."""
     columns = {"A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": loops.temperature_K, **loops.conditions}
-    found: dict[str, str] = {}
-    for name, interval in file.range.items():
-        margin = 0.02 * max(interval.maximum - interval.minimum, 0.02 * abs(interval.maximum))
-        for run, value in zip(loops.run, columns.get(name, ()), strict=False):
-            if not interval.minimum - margin <= value <= interval.maximum + margin and math.isfinite(value):
-                found[run] = (
-                    f"{name} = {value:.4g} {interval.unit}, law: {interval.minimum:.4g} to {interval.maximum:.4g}"
-                )
-    return found
+    return outside_range(file, loops.run, columns)
 
 
 def where_words(comparison: Comparison) -> list[str]:

@@ -19,6 +19,7 @@ from pipeclamp.pipe_description import read_pipe
 from pipeclamp.response import law_response, sinusoids
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_identification.add import Addition, add_effect, addition_table
+from pipeclamp_identification.bundled_campaigns import bundled_campaign
 from pipeclamp_identification.campaign import Campaign, read_campaign
 from pipeclamp_identification.compare import Comparison, compare
 from pipeclamp_identification.comparison_report import how_much, loops_section, map_section
@@ -119,11 +120,6 @@ def _figure_14(A: float, f: float, T: float) -> go.Figure:
     motion = sinusoids([A], [f], [T + CELSIUS])
     loops = [(reading.name, motion.y[0], law_response(reading_law(reading), motion).force[0]) for reading in READINGS]
     return overlay_picture(loops, f"{A:g} mm, {f:g} Hz, {T:g} °C (conditions of Fig. 14)")
-
-
-def bundled_campaign(name: str) -> Path:
-    """Give the folder of a campaign that comes with the program."""
-    return Path(str(resources.files("pipeclamp_identification").joinpath("data", "campaigns", name)))
 
 
 def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:

@@ -92,3 +92,14 @@ def read_description(folder: Path) -> CampaignDescription:
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; expected a campaign's folder with {FILE_NAME} and runs.csv")
     return read_table(folder / FILE_NAME, CampaignDescription)
+
+
+def description_text(name: str, notes: str) -> str:
+    """Give the text of a campaign.toml with a name and notes."""
+    return "".join(f"{key} = {_toml_text(text)}\n" for key, text in (("name", name), ("notes", notes)))
+
+
+def _toml_text(text: str) -> str:
+    """Give a TOML basic string."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -29,8 +28,9 @@ from pipeclamp.parameter_file import (
     RunQuality,
 )
 from pipeclamp.toml_file import unknown
-from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.campaign import Campaign, LeftOut
 from pipeclamp_identification.fit import HELD, Fit, Progress, fit, unfitted
+from pipeclamp_identification.law_range import intervals_of, rounded
 from pipeclamp_identification.loops import Loops, loops_of, per_cycle
 from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.observations import LoopObservations, loop_observations
@@ -41,8 +41,6 @@ Method = Literal["joint", "surfaces"]
 
 ROUGHLY = 1e-5
 """Tolerance of the fit that only serves to see what the law leaves over."""
-DIGITS = 10
-"""Significant digits of the file's numbers: more than any test supports, fewer than the last bits of a solver."""
 
 
 @dataclass(frozen=True)
@@ -96,13 +94,13 @@ def identify(
         tell("orders of the series")
         structure = choose_series(loops, observations, structure)
     structure = replace(structure, frozen=tuple(sorted((frozen or {}).items())))
-    _refuse_unknown(structure)
+    refuse_unknown(structure)
     result = fit_structure(structure, loops, observations, method=method, progress=tell)
     tell("error on every sample")
     return Identification(result, loops, misfits(result.law, campaign, loops), method)
 
 
-def _refuse_unknown(structure: Structure) -> None:
+def refuse_unknown(structure: Structure) -> None:
     """Refuse to hold parameters that the law doesn't have."""
     names = compose(structure).names
     for name, _ in structure.frozen:
@@ -168,39 +166,72 @@ def law_file(
         date: when it was made; None leaves the line out.
         history: what was added before, and what the error did.
     """
-    result, loops, runs = identification.fit, identification.loops, identification.misfits
+    runs = identification.misfits
+    quality = FitQuality(
+        method=identification.method,
+        nrmse=rounded(overall_nrmse(runs)),
+        noise_nrmse=rounded(overall_noise(runs)),
+        runs=tuple(
+            RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse)) for run in runs
+        ),
+    )
+    data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
+    covered = range_of(identification.loops, aged=ages(identification.fit.equations))
+    return file_of_fit(
+        identification.fit, covered, data, quality,
+        name=name, command=command, date=date, history=history,
+    )  # fmt: skip
+
+
+def data_source(name: str, fingerprint: str, runs_used: int, left_out: Iterable[LeftOut]) -> DataSource:
+    """Give what a parameter file says of the data that its law was identified from."""
+    entries = tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in left_out)
+    return DataSource(name=name, fingerprint=fingerprint, runs_used=runs_used, left_out=entries)
+
+
+def file_of_fit(
+    result: Fit,
+    range: Mapping[str, Interval],
+    data: DataSource,
+    quality: FitQuality,
+    *,
+    name: str,
+    command: str,
+    date: str | None,
+    history: Iterable[HistoryStep] = (),
+) -> LawFile:
+    """Give the parameter file of a fit, whatever it was fitted to.
+
+    Args:
+        result: the fit.
+        range: of the conditions that the data cover.
+        data: where it comes from.
+        quality: how well the law fits it.
+        name: name of the law.
+        command: the command that makes this file again.
+        date: when it was made; None leaves the line out.
+        history: what was added before, and what the error did.
+    """
     order = np.argsort(np.array(result.fitted))
     names = tuple(result.fitted[index] for index in order)
     matrix = result.covariance[np.ix_(order, order)]
-    nrmse = rounded(overall_nrmse(runs))
-    step = HistoryStep(step=" + ".join((result.law.structure.base, *result.law.structure.effects)), nrmse=nrmse)
+    structure = result.law.structure
+    step = HistoryStep(step=" + ".join((structure.base, *structure.effects)), nrmse=quality.nrmse)
     return LawFile(
         schema=SCHEMA,
         name=name,
-        base=result.law.structure.base,
-        effects=result.law.structure.effects,
-        declared=tuple(entry for entry in result.law.structure.declared if entry.id in result.law.structure.effects),
+        base=structure.base,
+        effects=structure.effects,
+        declared=tuple(entry for entry in structure.declared if entry.id in structure.effects),
         smoothing={"v_r": rounded(result.law.v_r), "y_r": rounded(result.law.y_r)},
         coefficients=coefficient_entries(result),
         covariance=Covariance(names=names, matrix=tuple(tuple(rounded(entry) for entry in row) for row in matrix)),
         correlations=tuple(
             Correlation(pair=(one, other), value=round(value, 4)) for one, other, value in result.strong_correlations()
         ),
-        range=range_of(loops, aged=ages(result.equations)),
-        data=DataSource(
-            name=campaign.name,
-            fingerprint=campaign.fingerprint,
-            runs_used=len(campaign.runs),
-            left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in campaign.left_out),
-        ),
-        fit=FitQuality(
-            method=identification.method,
-            nrmse=nrmse,
-            noise_nrmse=rounded(overall_noise(runs)),
-            runs=tuple(
-                RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse)) for run in runs
-            ),
-        ),
+        range=dict(range),
+        data=data,
+        fit=quality,
         history=(*history, step),
         software=software(),
         command=command,
@@ -243,32 +274,10 @@ def range_of(loops: Loops, *, aged: bool = False) -> dict[str, Interval]:
         loops: the tests.
         aged: whether the load cycles belong to it.
     """
-    columns = {
-        "A": (loops.amplitude_mm, "mm"),
-        "f": (loops.frequency_Hz, "Hz"),
-        "T": (np.where(np.isfinite(loops.temperature_K), loops.temperature_K, 293.15), "K"),
-        "rho": (loops.density_g_cm3, "g/cm3"),
-        **({"N": (np.concatenate(loops.cycles), "cycles")} if aged else {}),
-        **{name: (values, "in its name") for name, values in loops.conditions.items()},
-    }
-    return {
-        name: Interval(minimum=_outward(values.min(), math.floor), maximum=_outward(values.max(), math.ceil), unit=unit)
-        for name, (values, unit) in columns.items()
-        if np.all(np.isfinite(values))
-    }
-
-
-def _outward(value: float, towards: Callable[[float], int]) -> float:
-    """Round an end of a range outward to three significant digits: drives miss their set points by that much."""
-    if value == 0.0:
-        return 0.0
-    step = 10.0 ** (math.floor(math.log10(abs(value))) - 2)
-    return rounded(towards(round(value / step, 6)) * step)
-
-
-def rounded(value: float) -> float:
-    """Give the number with ten significant digits, so that the same data give the same file."""
-    return float(f"{value:.{DIGITS}g}")
+    T = np.where(np.isfinite(loops.temperature_K), loops.temperature_K, 293.15)
+    slow = {"A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": T, "rho": loops.density_g_cm3}
+    cycles = {"N": np.concatenate(loops.cycles)} if aged else {}
+    return intervals_of({**slow, **cycles, **loops.conditions})
 
 
 def software() -> str:

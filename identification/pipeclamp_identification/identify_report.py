@@ -30,7 +30,11 @@ def coefficient_table(file: LawFile) -> Table:
 
 def identification_sections(file: LawFile, comparison: Comparison) -> list[Section]:
     """Give the report of an identification from its file and its comparison with the campaign."""
-    law = comparison.law
+    return [*law_sections(comparison.law, file), *comparison_sections(comparison)]
+
+
+def law_sections(law: Law, file: LawFile) -> list[Section]:
+    """Give the part of a report that shows a law: its equations, parameters and surfaces."""
     correlations = [
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations
@@ -39,7 +43,6 @@ def identification_sections(file: LawFile, comparison: Comparison) -> list[Secti
         Section("Law", equation_lines(compose(law.structure))),
         Section("Parameters", correlations, [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
-        *comparison_sections(comparison),
     ]
 
 

@@ -94,13 +94,16 @@ class Proposal:
 def tested_limits(diagnosis: Diagnosis) -> Limits:
     """Give limits that the tests so far suggest, where the rig's own aren't stated."""
     loops = diagnosis.problem.loops
-    A, f = loops.amplitude_mm, loops.frequency_Hz
-    T = loops.temperature_K[np.isfinite(loops.temperature_K)] - CELSIUS
-    temperature = (float(T.min()), float(T.max())) if len(T) else (20.0, 20.0)
+    return limits_around(loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K - CELSIUS)
+
+
+def limits_around(amplitude: Array, frequency: Array, temperature: Array) -> Limits:
+    """Give limits around what was tested: mm, Hz and degC, nan where a temperature isn't known."""
+    T = temperature[np.isfinite(temperature)]
     return Limits(
-        (REACH_A[0] * float(A.min()), REACH_A[1] * float(A.max())),
-        (REACH_F[0] * float(f.min()), REACH_F[1] * float(f.max())),
-        temperature,
+        (REACH_A[0] * float(amplitude.min()), REACH_A[1] * float(amplitude.max())),
+        (REACH_F[0] * float(frequency.min()), REACH_F[1] * float(frequency.max())),
+        (float(T.min()), float(T.max())) if len(T) else (20.0, 20.0),
     )
 
 

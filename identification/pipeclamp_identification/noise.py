@@ -156,22 +156,34 @@ def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array) 
 
 
 def smooth_basis(loops: Loops) -> Array:
-    """Give the functions of the conditions that count as smooth, one a column, shape (R, q).
+    """Give the functions of the loops' conditions that count as smooth, one a column, shape (R, q)."""
+    main = (loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K)
+    return smooth_functions(*main, (loops.density_g_cm3, loops.cycle, *loops.conditions.values()), loops.specimen)
+
+
+def smooth_functions(
+    amplitude: Array, frequency: Array, temperature: Array, further: Sequence[Array], specimen: Sequence[str | None]
+) -> Array:
+    """Give the functions of conditions that count as smooth, one a column, shape (R, q).
 
     Polynomials in log A, log f and T, lines and parabolas in further conditions, one constant a specimen; of as high a
     degree as leaves enough runs free.
+
+    Args:
+        amplitude: mm, frequency: Hz, temperature: K; shape (R,) each.
+        further: further conditions, shape (R,) each.
+        specimen: label of each run's specimen.
     """
-    main = [np.log(loops.amplitude_mm), np.log(loops.frequency_Hz), loops.temperature_K]
-    further = [loops.density_g_cm3, loops.cycle, *loops.conditions.values()]
-    names = sorted({name or "" for name in loops.specimen})[1:]
-    specimens = [np.array([float((name or "") == label) for name in loops.specimen]) for label in names]
-    runs = len(loops.run)
+    main = [np.log(amplitude), np.log(frequency), temperature]
+    names = sorted({name or "" for name in specimen})[1:]
+    specimens = [np.array([float((name or "") == label) for name in specimen]) for label in names]
+    runs = len(amplitude)
     for degree in range(DEGREE, 0, -1):
         functions = [*_monomials(_varied(main), degree, runs), *_powers(_varied(further), min(degree, 2)), *specimens]
         columns = _independent(functions)
         if columns.shape[1] <= (1 - FREE_RUNS) * runs:
             return columns
-    return np.ones((runs, 1))
+    return np.full((runs, 1), 1 / np.sqrt(runs))
 
 
 def _varied(values: Sequence[Array]) -> list[Array]:

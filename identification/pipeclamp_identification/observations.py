@@ -1,8 +1,8 @@
-"""What a fit compares: the harmonics of measured loops, or metrics of loops that were published without them."""
+"""What a fit compares: the harmonics of measured loops."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -197,77 +197,18 @@ class LoopObservations:
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
 
 
-@dataclass(frozen=True)
-class MetricObservations:
-    """Dissipated and elastic energy of loops whose records aren't there, compared by the logs of their ratios.
-
-    Attributes:
-        motion: sinusoids of the conditions, R rows.
-        dissipated_energy, elastic_energy: dW and W in J, shape (R,).
-        relative_error: standard error of both, as a share.
-    """
-
-    motion: Motion
-    dissipated_energy: Array
-    elastic_energy: Array
-    relative_error: float = 0.01
-
-    def rows(self, chosen: Rows) -> MetricObservations:
-        """Give the observations of some of the loops."""
-        return replace(
-            self,
-            motion=self.motion.rows(chosen),
-            dissipated_energy=self.dissipated_energy[chosen],
-            elastic_energy=self.elastic_energy[chosen],
-        )
-
-    @property
-    def force_amplitude(self) -> Array:
-        """Half the force's range, from W = F X0/2."""
-        return 2e3 * self.elastic_energy / self.motion.slow["A"][:, 0]
-
-    def residual(self, response: Response) -> Array:
-        """Give the logs of measured over computed dW and W, over the relative error; shape (R, 2)."""
-        dissipated, elastic = loop_energies(self.motion, response.force)
-        logs = np.stack([np.log(self.dissipated_energy / dissipated), np.log(self.elastic_energy / elastic)], axis=1)
-        return np.asarray(logs / self.relative_error)
-
-    def residual_slopes(self, response: Response, parameters: Rows) -> Array:
-        """Give the derivatives of the residuals; a maximum's derivative is that at its place."""
-        force, jacobian = response.force, _chosen(response, parameters)
-        dissipated, elastic = loop_energies(self.motion, force)
-        v, rows = self.motion.v, np.arange(len(force))
-        d_dissipated = np.sum(jacobian * v * self.motion.h, axis=2) / 1e3
-        top = jacobian[:, rows, np.argmax(force, axis=1)]
-        bottom = jacobian[:, rows, np.argmin(force, axis=1)]
-        d_elastic = (top - bottom) / 2 * self.motion.slow["A"][:, 0] / 2e3
-        slopes = np.stack([-d_dissipated / dissipated, -d_elastic / elastic], axis=2)
-        return np.asarray(slopes / self.relative_error)
-
-
 def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
     """Give the measured motions of loops over one cycle, for laws to be evaluated on.
 
-    Where no temperature is known at all, T is the reference temperature, so that a law without temperature can be
-    identified; further conditions are named as in the campaign.
+    Further conditions are named as in the campaign.
 
     Raises:
         UserError: the temperature is known for some runs only.
     """
-    T = loops.temperature_K
-    known = np.isfinite(T)
-    if not known.any():
-        T = np.full(len(T), float(symbols.REFERENCES[symbols.T_0]))
-    elif not known.all():
-        blank = [run for run, there in zip(loops.run, known, strict=True) if not there]
-        raise UserError(
-            f"the temperature is known for {known.sum()} of {len(T)} runs only, not for {', '.join(blank[:5])}"
-            f"{' ...' if len(blank) > 5 else ''}; fill in temperature_C in runs.csv, or blank it everywhere"
-        )
     slow = {
         "A": loops.amplitude_mm,
         "f": loops.frequency_Hz,
-        "T": T,
+        "T": known_temperature(loops.temperature_K, loops.run),
         "N": loops.cycle,
         "rho": loops.density_g_cm3,
         **{str(symbols.condition_symbol(name)): values for name, values in loops.conditions.items()},
@@ -275,6 +216,29 @@ def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
     y, v, a = displacement_on_grid(loops, samples)
     columns = {name: values[:, None] for name, values in slow.items()}
     return Motion(y, v, a, columns, 1.0 / (loops.frequency_Hz[:, None] * samples))
+
+
+def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
+    """Give the temperatures in K; where none is known at all the reference, so that a law without T can be identified.
+
+    Args:
+        temperature: K, nan where it isn't known, shape (R,).
+        runs: names of the runs.
+
+    Raises:
+        UserError: it is known for some runs only.
+    """
+    known = np.isfinite(temperature)
+    if not known.any():
+        return np.full(len(temperature), float(symbols.REFERENCES[symbols.T_0]))
+    if not known.all():
+        blank = [run for run, there in zip(runs, known, strict=True) if not there]
+        raise UserError(
+            f"the temperature is known for {known.sum()} of {len(temperature)} runs only, not for "
+            f"{', '.join(blank[:5])}{' ...' if len(blank) > 5 else ''}; fill in temperature_C in runs.csv, or blank it "
+            "everywhere"
+        )
+    return temperature
 
 
 def loop_observations(loops: Loops) -> LoopObservations:
@@ -287,13 +251,6 @@ def loop_observations(loops: Loops) -> LoopObservations:
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES), axis=1) / 2
     return LoopObservations(loop_motion(loops), harmonics, both, amplitude, _transforms(loops))
-
-
-def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
-    """Give dW and W in J of periodic loops, Eq. 2 and 4: dW = sum F v h, W = (Fmax - Fmin)/2 X0/2; shape (R,) each."""
-    dissipated = np.sum(force * motion.v * motion.h, axis=1) / 1e3
-    elastic = (force.max(axis=1) - force.min(axis=1)) / 2 * motion.slow["A"][:, 0] / 2e3
-    return dissipated, elastic
 
 
 def data_scales(observations: Observations) -> Mapping[sp.Symbol, float]:

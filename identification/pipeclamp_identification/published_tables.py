@@ -5,14 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from pipeclamp.law import Law, Structure, compose, smoothing
 from pipeclamp.parameter_file import SCHEMA, CoefficientEntry, DataSource, Interval, LawFile
 from pipeclamp.response import law_response, sinusoids
 from pipeclamp_identification.fit import Fit, fit
-from pipeclamp_identification.identify import coefficient_entries, rounded
-from pipeclamp_identification.observations import MetricObservations
+from pipeclamp_identification.identify import coefficient_entries
+from pipeclamp_identification.law_range import rounded
+from pipeclamp_identification.metric_evidence import single_rows
+from pipeclamp_identification.metric_observations import METRICS, MetricObservations
 from pipeclamp_identification.published_rows import published_rows
 
 CELSIUS = 273.15
@@ -29,8 +30,7 @@ RANGE = {
     "f": Interval(minimum=1.0, maximum=5.0, unit="Hz"),
     "T": Interval(minimum=293.15, maximum=573.15, unit="K"),
 }
-ROWS_ALIKE = 0.5
-"""An effect rests on one row when leaving that row out takes away more than this share of what it gains."""
+RELATIVE_ERROR = 0.01
 
 
 @dataclass(frozen=True)
@@ -65,12 +65,14 @@ def emwm2_observations() -> MetricObservations:
         sinusoids(A, f, T + CELSIUS),
         np.array([row.dissipated_energy_J for row in rows]),
         np.array([row.max_elastic_energy_J for row in rows]),
+        np.full((len(rows), len(METRICS)), RELATIVE_ERROR),
+        np.zeros((len(rows), len(METRICS))),
     )
 
 
 def metric_errors(observations: MetricObservations, law: Law) -> tuple[float, float, float]:
     """Give the rms of the log ratios measured/computed: of dW and W together, of dW, of W."""
-    logs = observations.residual(law_response(law, observations.motion)) * observations.relative_error
+    logs = observations.logs(law_response(law, observations.motion).force)
     dissipated, elastic = np.sqrt(np.mean(logs**2, axis=0))
     return float(np.sqrt(np.mean(logs**2))), float(dissipated), float(elastic)
 
@@ -160,28 +162,18 @@ def way() -> tuple[Step, ...]:
     ]
     for title, structure in WAY:
         result = fit(structure, observations)
-        rests_on = _single_rows(result, observations) if structure.effects else ()
+        rests_on = _single_conditions(result, observations) if structure.effects else ()
         steps.append(Step(title, result.law, metric_errors(observations, result.law), rests_on, result))
     return tuple(steps)
 
 
-def _single_rows(result: Fit, observations: MetricObservations) -> tuple[tuple[float, float, float], ...]:
+def _single_conditions(result: Fit, observations: MetricObservations) -> tuple[tuple[float, float, float], ...]:
     """Give the conditions without any one of which the last effect of a law gains little."""
     structure = result.law.structure
-    without = replace(structure, effects=structure.effects[:-1])
-
-    def gain(rows: npt.NDArray[np.intp]) -> float:
-        part = observations.rows(rows)
-        plain = fit(without, part, start=result.law.values)
-        return plain.cost - fit(structure, part, start=result.law.values).cost
-
-    everything = np.arange(len(observations.dissipated_energy))
-    whole = gain(everything)
     slow = observations.motion.slow
     return tuple(
         (float(slow["A"][row, 0]), float(slow["f"][row, 0]), float(slow["T"][row, 0] - CELSIUS))
-        for row in everything
-        if gain(np.delete(everything, row)) < ROWS_ALIKE * whole
+        for row in single_rows(result, replace(structure, effects=structure.effects[:-1]), observations)
     )
 
 

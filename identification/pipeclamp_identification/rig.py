@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import gzip
 import itertools
-import shutil
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
@@ -17,10 +15,12 @@ import polars as pl
 
 from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
+from pipeclamp.files import write_folder
 from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, respond
+from pipeclamp_identification.description import description_text
 
 CELSIUS = 273.15
 SUBSTEPS = 4
@@ -230,14 +230,7 @@ def campaign_files(
         if progress:
             progress(str(run.row["run"]))
     yield "runs.csv", _encoded(pl.DataFrame(rows), "csv")
-    quoted = {"name": name, "notes": notes}
-    yield "campaign.toml", "".join(f"{key} = {_toml_text(text)}\n" for key, text in quoted.items()).encode()
-
-
-def _toml_text(text: str) -> str:
-    """Give a TOML basic string."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'
+    yield "campaign.toml", description_text(name, notes).encode()
 
 
 def _encoded(table: pl.DataFrame, format: Format) -> bytes:
@@ -299,23 +292,5 @@ def write_campaign(
     Raises:
         UserError: the folder exists, or its parent can't be written.
     """
-    if folder.exists():
-        raise UserError(f"{folder}: exists already; expected a folder that is not there yet")
-    try:
-        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
-    except OSError as error:
-        raise UserError(
-            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
-        ) from error
-    try:
-        (work / "runs").mkdir()
-        count = 0
-        for file, content in campaign_files(name, notes, runs, format, progress):
-            (work / file).write_bytes(content)
-            count += file.startswith("runs/")
-        work.chmod(0o755)
-        work.rename(folder)
-    except BaseException:
-        shutil.rmtree(work, ignore_errors=True)
-        raise
-    return count
+    files = campaign_files(name, notes, runs, format, progress)
+    return sum(file.startswith("runs/") for file in write_folder(folder, files))

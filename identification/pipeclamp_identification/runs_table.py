@@ -1,4 +1,4 @@
-"""runs.csv: one row per run, what was set and where its record is."""
+"""runs.csv: one row per run, what was set, and where its record is or what its loop's metrics are."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import MappingProxyType
 
@@ -29,11 +30,31 @@ NUMBER_COLUMNS = MappingProxyType(
         "first_cycle": "0 or more cycles",
     }
 )
+# the metrics of a loop that stand for its record where there is none, with the bound that each must exceed
+METRIC_COLUMNS = MappingProxyType(
+    {
+        "dissipated_energy_J": "above 0 J",
+        "max_elastic_energy_J": "above 0 J",
+        "loss_factor": "above 0",
+        "stiffness_N_mm": "above 0 N/mm",
+    }
+)
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A number as it was printed, with the standard deviation that rounding to its digits makes."""
+
+    value: float
+    rounding: float
 
 
 @dataclass(frozen=True)
 class RunRow:
-    """One row of runs.csv, [defaults] filled in; None where a value isn't known."""
+    """One row of runs.csv, [defaults] filled in; None where a value isn't known.
+
+    A row has a record in `file` or, where that is blank, the metrics of its loop.
+    """
 
     row: int
     run: str
@@ -45,6 +66,7 @@ class RunRow:
     density_g_cm3: float | None
     first_cycle: float
     conditions: Mapping[str, float]
+    metrics: Mapping[str, Printed]
 
 
 @dataclass(frozen=True)
@@ -53,6 +75,11 @@ class RunsTable:
 
     rows: tuple[RunRow, ...]
     condition_columns: tuple[str, ...]
+
+    @property
+    def without_records(self) -> bool:
+        """Whether it tells of loops by their metrics alone."""
+        return not self.rows[0].file
 
 
 def read_runs_table(folder: Path, description: CampaignDescription) -> RunsTable:
@@ -78,8 +105,11 @@ def read_runs_table(folder: Path, description: CampaignDescription) -> RunsTable
     cells = [(row, _with_defaults(header, values, description)) for row, values in lines[1:]]
     if not cells:
         raise UserError(f"{path}: has no row under its header; expected one row per run")
+    without_records = _without_records(path, cells)
+    if without_records:
+        _refuse_near_misses_of_metrics(path, header)
     condition_columns = _condition_columns(path, cells)
-    rows = tuple(_run_row(path, row, named, condition_columns) for row, named in cells)
+    rows = tuple(_run_row(path, row, named, condition_columns, without_records) for row, named in cells)
     _refuse_repeats(path, rows)
     return RunsTable(rows, condition_columns)
 
@@ -131,6 +161,30 @@ def _refuse_near_misses(path: Path, header: list[str], description: CampaignDesc
             raise UserError(f"{path}: column {column!r} is not known; expected {meant!r}; convert and rename it")
 
 
+def _without_records(path: Path, cells: list[tuple[int, dict[str, str]]]) -> bool:
+    """Tell whether no row has a record and metrics stand in their place; a mix of both is refused."""
+    with_record = [row for row, named in cells if named.get("file")]
+    if len(with_record) == len(cells) or not any(column in cells[0][1] for column in METRIC_COLUMNS):
+        return False
+    if with_record:
+        blank = next(row for row, named in cells if not named["file"])
+        raise UserError(
+            f"{path}, row {blank}, column 'file': is blank, but row {with_record[0]} has a record; expected records "
+            "for all runs, or metrics for all and no record: split the campaign, or turn its records into metrics with "
+            "pipeclamp metrics -o"
+        )
+    return True
+
+
+def _refuse_near_misses_of_metrics(path: Path, header: list[str]) -> None:
+    """Refuse a metric in another unit, which would go for a further condition."""
+    for metric in METRIC_COLUMNS:
+        quantity = re.sub(r"_(J|N_mm)$", "", metric)
+        for column in header:
+            if column.lower().startswith(quantity) and column not in METRIC_COLUMNS:
+                raise UserError(f"{path}: column {column!r} is not known; expected {metric!r}; convert and rename it")
+
+
 def _with_defaults(header: list[str], values: list[str], description: CampaignDescription) -> dict[str, str]:
     named = dict.fromkeys(description.defaults, "") | dict(zip(header, values, strict=True))
     return {column: cell or str(description.defaults.get(column, "")) for column, cell in named.items()}
@@ -145,7 +199,8 @@ def _number(cell: str) -> float | None:
 
 
 def _condition_columns(path: Path, cells: list[tuple[int, dict[str, str]]]) -> tuple[str, ...]:
-    further = [column for column in cells[0][1] if column not in TEXT_COLUMNS and column not in NUMBER_COLUMNS]
+    known = (*TEXT_COLUMNS, *NUMBER_COLUMNS, *METRIC_COLUMNS)
+    further = [column for column in cells[0][1] if column not in known]
     conditions = []
     for column in further:
         filled = [(row, named[column]) for row, named in cells if named[column]]
@@ -161,17 +216,22 @@ def _condition_columns(path: Path, cells: list[tuple[int, dict[str, str]]]) -> t
     return tuple(conditions)
 
 
-def _run_row(path: Path, row: int, named: dict[str, str], condition_columns: tuple[str, ...]) -> RunRow:
-    for column in ("run", "file"):
+def _run_row(
+    path: Path, row: int, named: dict[str, str], condition_columns: tuple[str, ...], without_record: bool
+) -> RunRow:
+    for column in ("run",) if without_record else ("run", "file"):
         if column not in named:
-            raise UserError(f"{path}, row 1: has no column {column!r}; expected at least the columns run,file")
+            raise UserError(
+                f"{path}, row 1: has no column {column!r}; expected at least the columns run,file, or, for loops "
+                "without records, run,dissipated_energy_J,max_elastic_energy_J"
+            )
         if not named[column]:
             raise UserError(f"{path}, row {row}, column {column!r}: is blank; expected a text")
     numbers = {column: _checked_number(path, row, column, named.get(column, "")) for column in NUMBER_COLUMNS}
     return RunRow(
         row=row,
         run=named["run"],
-        file=_checked_file(path, row, named["file"]),
+        file="" if without_record else _checked_file(path, row, named["file"]),
         specimen=named.get("specimen") or None,
         amplitude_mm=numbers["amplitude_mm"],
         frequency_Hz=numbers["frequency_Hz"],
@@ -179,7 +239,24 @@ def _run_row(path: Path, row: int, named: dict[str, str], condition_columns: tup
         density_g_cm3=numbers["density_g_cm3"],
         first_cycle=numbers["first_cycle"] or 0.0,
         conditions=MappingProxyType({c: float(named[c]) if named[c] else math.nan for c in condition_columns}),
+        metrics=MappingProxyType(_metrics(path, row, named) if without_record else {}),
     )
+
+
+def _metrics(path: Path, row: int, named: Mapping[str, str]) -> dict[str, Printed]:
+    """Give the metrics that a row states; blank cells are left out."""
+    metrics = {}
+    for column, bound in METRIC_COLUMNS.items():
+        if cell := named.get(column, ""):
+            value = _number(cell)
+            if value is None or value <= 0:
+                raise UserError(
+                    f"{path}, row {row}, column {column!r}: got {cell!r}; expected a finite number {bound}; "
+                    "leave the cell blank where it isn't known"
+                )
+            exponent = Decimal(cell).as_tuple().exponent
+            metrics[column] = Printed(value, 10.0 ** int(exponent) / math.sqrt(12))
+    return metrics
 
 
 def _checked_number(path: Path, row: int, column: str, cell: str) -> float | None:
@@ -211,6 +288,8 @@ def _refuse_repeats(path: Path, rows: tuple[RunRow, ...]) -> None:
     for column in ("run", "file"):
         seen: dict[str, int] = {}
         for row in rows:
+            if column == "file" and not row.file:
+                continue
             cell = str(getattr(row, column))
             if cell in seen:
                 raise UserError(

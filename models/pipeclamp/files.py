@@ -1,9 +1,11 @@
-"""Writing files whole or not at all."""
+"""Writing files and folders whole or not at all."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
 from pipeclamp.errors import UserError
@@ -34,3 +36,38 @@ def write_whole(path: Path, content: bytes | str) -> None:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def write_folder(folder: Path, files: Iterable[tuple[str, bytes]]) -> tuple[str, ...]:
+    """Write files into a new folder, which appears whole or not at all.
+
+    Args:
+        folder: the folder to make.
+        files: path inside the folder, with forward slashes, and content of each.
+
+    Returns:
+        the paths that were written.
+
+    Raises:
+        UserError: the folder exists, or its parent can't be written.
+    """
+    if folder.exists():
+        raise UserError(f"{folder}: exists already; expected a folder that is not there yet")
+    try:
+        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
+    except OSError as error:
+        raise UserError(
+            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
+        ) from error
+    written = []
+    try:
+        for file, content in files:
+            (work / file).parent.mkdir(parents=True, exist_ok=True)
+            (work / file).write_bytes(content)
+            written.append(file)
+        work.chmod(0o755)
+        work.rename(folder)
+    except BaseException:
+        shutil.rmtree(work, ignore_errors=True)
+        raise
+    return tuple(written)

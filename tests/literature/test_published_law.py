@@ -10,7 +10,7 @@ from pipeclamp.bundled import open_law
 from pipeclamp.law import Law, Structure, smoothing
 from pipeclamp.parameter_file import law_of
 from pipeclamp.response import law_response, sinusoids
-from pipeclamp_identification.observations import loop_energies
+from pipeclamp_identification.metric_observations import loop_energies
 from pipeclamp_identification.published_rows import published_rows
 from pipeclamp_identification.published_tables import (
     READINGS,
