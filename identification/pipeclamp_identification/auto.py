@@ -20,18 +20,21 @@ MOST_EFFECTS = 8
 
 @dataclass(frozen=True)
 class Settled:
-    """Where the repetition ended: the law, the last answer, and what was added on the way."""
+    """Where the repetition ended: the law, the last answer, what was added on the way, and what to mind of each."""
 
     file: LawFile
     answer: Answer | MetricAnswer
     additions: tuple[Addition, ...]
+    cautions: tuple[tuple[str, ...], ...]
 
     def words(self) -> list[str]:
-        """Say what each addition did to the error on left-out conditions."""
-        return [
-            f"{one.effect}: error on left-out conditions {one.heldout[0]:.2%} -> {one.heldout[1]:.2%}"
-            for one in self.additions
-        ]
+        """Say what each addition did to the error on left-out conditions, and what to mind of it."""
+        words = []
+        for one, cautions in zip(self.additions, self.cautions, strict=True):
+            before, after = one.heldout
+            words += [f"{one.effect}: error on left-out conditions {before:.2%} -> {after:.2%}"]
+            words += [f"  {caution}" for caution in cautions]
+        return words
 
 
 def add_until_settled(
@@ -50,16 +53,18 @@ def add_until_settled(
         UserError: the data can't serve the law.
     """
     additions: list[Addition] = []
+    cautions: list[tuple[str, ...]] = []
     while True:
         answer = answer_to(file, campaign, declared=declared, limits=limits, jobs=jobs, progress=progress)
         if answer.verdict != "missing" or len(additions) == MOST_EFFECTS:
-            return Settled(file, answer, tuple(additions))
+            return Settled(file, answer, tuple(additions), tuple(cautions))
         addition = add_effect(
             file, named(answer), campaign, command=command, date=file.date, declared=declared, progress=progress
         )
         if addition.heldout[1] >= addition.heldout[0]:
-            return Settled(file, answer, tuple(additions))
+            return Settled(file, answer, tuple(additions), tuple(cautions))
         additions.append(addition)
+        cautions.append(tuple(answer.cautions()) if isinstance(answer, MetricAnswer) else ())
         file = addition.after
 
 

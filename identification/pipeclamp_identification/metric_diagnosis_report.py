@@ -27,6 +27,7 @@ HEADLINES = {
     "ambiguous": "One of these is missing, and these metrics can't tell which: {}.",
     "unknown": "These metrics can't say what is missing.",
 }
+CONDITIONS = {"A": "amplitude", "f": "frequency", "T": "temperature", "N": "cycle number", "rho": "density"}
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,25 @@ class MetricAnswer:
 
     def words(self) -> list[str]:
         """Say why, what it rests on, and what metrics can't show."""
-        return [*self.diagnosis.reasons, *_caution(self.diagnosis, self.campaign), *_hidden_words(self.diagnosis)]
+        return [*self.diagnosis.reasons, *self.cautions(), *_hidden_words(self.diagnosis)]
+
+    def cautions(self) -> list[str]:
+        """Warn where what was named rests on single measurements."""
+        diagnosis, words = self.diagnosis, []
+        name = "".join(diagnosis.effects[:1])
+        if diagnosis.rests_on:
+            rows = "; ".join(_place(self.campaign, row) for row in diagnosis.rests_on)
+            one = len(diagnosis.rests_on) == 1
+            words.append(
+                f"warning: {name} rests on one row: without {'' if one else 'any one of '}{rows}, less than half of "
+                f"its gain is left; repeat {'that test' if one else 'these tests'} before you trust it"
+            )
+        words += [
+            f"warning: every {CONDITIONS.get(signal, signal)} but one was tested once: each rests on one row, and "
+            f"nothing shows how far {name} scatters there"
+            for signal in diagnosis.tested_once
+        ]
+        return words
 
 
 def metric_answer_for(
@@ -84,24 +103,6 @@ def metric_answer_for(
     comparison = compare_metrics(file, campaign)
     diagnosis = diagnose_metrics(structure_of(file).with_declared(declared), campaign, progress=progress)
     return MetricAnswer(diagnosis, campaign, comparison, next_metric_test(diagnosis, limits))
-
-
-def _caution(diagnosis: MetricDiagnosis, campaign: MetricCampaign) -> list[str]:
-    """Warn where what was named rests on single measurements."""
-    words = []
-    name = "".join(diagnosis.effects[:1])
-    if diagnosis.rests_on:
-        rows = "; ".join(_place(campaign, row) for row in diagnosis.rests_on)
-        one = len(diagnosis.rests_on) == 1
-        words.append(
-            f"warning: {name} rests on one row: without {'' if one else 'any one of '}{rows}, less than half of its "
-            f"gain is left; repeat {'that test' if one else 'these tests'} before you trust it"
-        )
-    words += [
-        f"warning: every {signal} but one was tested once, so nothing shows how far {name}'s values there scatter"
-        for signal in diagnosis.tested_once
-    ]
-    return words
 
 
 def _place(campaign: MetricCampaign, row: int) -> str:

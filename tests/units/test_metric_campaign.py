@@ -1,0 +1,124 @@
+"""Campaigns of metrics without records: what is read, what is refused, and what writing and reading keeps."""
+
+import math
+
+import pytest
+
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_folder
+from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.metric_campaign import MetricCampaign, metric_observations, read_tests
+from pipeclamp_identification.metric_writing import as_metrics, metric_files
+
+HEADER = "run,amplitude_mm,frequency_Hz,temperature_C,dissipated_energy_J,max_elastic_energy_J\n"
+ROW = "A,0.8,3,20,0.9696,0.6318\n"
+
+
+@pytest.fixture
+def tests_of(campaign_folder):
+    def read(table, strict=False):
+        return read_tests(campaign_folder(table=table, records={}), strict)
+
+    return read
+
+
+def test_a_row_without_a_record_is_known_by_its_metrics(tests_of):
+    tests = tests_of(HEADER + ROW)
+    assert isinstance(tests, MetricCampaign)
+    run = tests.runs[0]
+    assert (run.dissipated_energy_J, run.max_elastic_energy_J) == (0.9696, 0.6318)
+    assert run.loss_factor == pytest.approx(0.2442, abs=1e-4)
+    assert run.stiffness == pytest.approx(2e3 * 0.6318 / 0.64)
+    assert run.rounding == pytest.approx((1e-4 / math.sqrt(12) / 0.9696, 1e-4 / math.sqrt(12) / 0.6318))
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "run,file,amplitude_mm,frequency_Hz,loss_factor,stiffness_N_mm\nA,,0.8,3,0.24425,1974.375\n",
+        "run,amplitude_mm,frequency_Hz,dissipated_energy_J,loss_factor\nA,0.8,3,0.9696,0.24425\n",
+        "run,amplitude_mm,frequency_Hz,dissipated_energy_J,stiffness_N_mm\nA,0.8,3,0.9696,1974.375\n",
+    ],
+    ids=["eta-and-k", "dW-and-eta", "dW-and-k"],
+)
+def test_any_two_metrics_give_both_energies(tests_of, table):
+    run = tests_of(table).runs[0]
+    assert run.dissipated_energy_J == pytest.approx(0.9696, rel=1e-4)
+    assert run.max_elastic_energy_J == pytest.approx(0.6318, rel=1e-4)
+
+
+def test_the_same_measurement_is_counted_once(tests_of):
+    tests = tests_of(HEADER + ROW + ROW.replace("A", "B") + "C,0.8,3,20,0.9690,0.6320\n")
+    assert [run.name for run in tests.runs] == ["A", "C"]
+    assert "run 'B' is left out" in str(tests.left_out[0])
+
+
+@pytest.mark.parametrize(
+    ("row", "reason"),
+    [("B,,3,20,0.9,0.6\n", "amplitude_mm"), ("B,0.5,3,20,,0.6\n", "dissipated"), ("B,0.5,3,20,0.9,\n", "elastic")],
+)
+def test_a_row_that_lacks_something_is_left_out(tests_of, row, reason):
+    tests = tests_of(HEADER + ROW + row)
+    assert len(tests.runs) == 1
+    assert reason in tests.left_out[0].reason
+
+
+def test_strict_refuses_it(tests_of):
+    with pytest.raises(UserError, match="run 'B'"):
+        tests_of(HEADER + ROW + "B,0.5,3,20,0.9,\n", strict=True)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("run,amplitude_mm,frequency_Hz,dissipated_energy_J\nA,0.8,3,0.9\n", ["_energy_J only", "expected two"]),
+        ("run,amplitude_mm,frequency_Hz,max_elastic_energy_J,stiffness_N_mm\nA,0.8,3,0.6318,1974\n", ["expected two"]),
+        (HEADER + "A,0.8,3,20,-0.9,0.6\n", ["row 2", "'dissipated_energy_J'", "'-0.9'", "above 0 J"]),
+        (HEADER + "A,0.8,3,20,nan,0.6\n", ["row 2", "'nan'"]),
+        (HEADER + "A,0.8,3,20,0.9,inf\n", ["row 2", "'max_elastic_energy_J'", "'inf'"]),
+        (HEADER.replace("_J\n", "_mJ\n") + ROW, ["'max_elastic_energy_mJ'", "'max_elastic_energy_J'"]),
+        (
+            "run,file,amplitude_mm,frequency_Hz,dissipated_energy_J,max_elastic_energy_J\n"
+            "A,runs/A.csv,0.8,3,0.9,0.6\nB,,0.5,3,0.5,0.2\n",
+            ["row 3", "'file'", "row 2 has a record", "pipeclamp metrics -o"],
+        ),
+        (
+            HEADER.replace("\n", ",loss_factor\n") + ROW.replace("\n", ",24.42\n"),
+            ["row 2", "'loss_factor'", "24.42", "0.2442"],
+        ),
+    ],
+    ids=["dW-only", "W-twice", "negative", "nan", "infinite", "other-unit", "mixed", "disagree"],
+)  # fmt: skip
+def test_what_is_refused(tests_of, table, words):
+    with pytest.raises(UserError) as refused:
+        tests_of(table)
+    for word in words:
+        assert word in str(refused.value)
+
+
+def test_temperature_for_some_runs_only_is_refused(tests_of):
+    with pytest.raises(UserError, match="1 of 2 runs only"):
+        metric_observations(tests_of(HEADER + ROW + "B,0.5,3,,0.5,0.25\n"))
+
+
+def test_metric_columns_beside_records_are_no_conditions(campaign_folder):
+    folder = campaign_folder(table="run,file,dissipated_energy_J,current_A\nA,runs/A.csv,x,1\n")
+    assert read_campaign(folder).condition_columns == ("current_A",)
+
+
+def test_records_are_needed_where_loops_are(campaign_folder):
+    with pytest.raises(UserError, match="without records"):
+        read_campaign(campaign_folder(table=HEADER + ROW, records={}))
+
+
+def test_written_metrics_are_read_back(run_of, campaign_of, harmonic_record, tmp_path):
+    tests = campaign_of(run_of(harmonic_record(), "A", temperature_C=20.0, conditions={"current_A": 1.5}))
+    bare = as_metrics(tests, loops_of(tests))
+    write_folder(tmp_path / "bare", metric_files(bare))
+    again = read_tests(tmp_path / "bare")
+    assert again.condition_columns == ("current_A",)
+    one, other = bare.runs[0], again.runs[0]
+    for name in ("amplitude_mm", "frequency_Hz", "temperature_C", "dissipated_energy_J", "max_elastic_energy_J"):
+        assert getattr(other, name) == getattr(one, name)
+    assert one.dissipated_energy_J == pytest.approx(math.pi * 0.8 * 400.0 / 1e3, rel=1e-5)

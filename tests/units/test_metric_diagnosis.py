@@ -1,0 +1,100 @@
+"""Diagnosis on metrics alone: virtual campaigns whose truth is known, and the parts it is made of."""
+
+import numpy as np
+import pytest
+
+from pipeclamp.law import Law, Structure
+from pipeclamp.response import law_response, sinusoids
+from pipeclamp_identification.metric_campaign import MetricCampaign, MetricRun, metric_observations
+from pipeclamp_identification.metric_diagnosis import diagnose_metrics
+from pipeclamp_identification.metric_diagnosis_report import MetricAnswer
+from pipeclamp_identification.metric_evidence import judge_metrics, scatter_of
+from pipeclamp_identification.metric_law import MetricComparison
+from pipeclamp_identification.metric_observations import loop_energies
+from pipeclamp_identification.metric_screen import look
+
+BASE = {
+    "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
+    "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
+}  # fmt: skip
+CROSS = [(0.8, f, 20.0) for f in (1.0, 2.0, 3.0, 4.0, 5.0)]
+CROSS += [(A, 3.0, 20.0) for A in (0.2, 0.5, 1.0)] + [(0.8, 3.0, T) for T in (100.0, 200.0, 300.0)]
+
+
+def metrics(effects=(), scatter=0.003, seed=0, **values):
+    """Metrics of a law at a cross of conditions, as a paper prints them."""
+    A, f, T = np.array(CROSS).T
+    motion = sinusoids(A, f, T + 273.15)
+    law = Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002)
+    random = np.random.default_rng(seed)
+    energies = np.stack(loop_energies(motion, law_response(law, motion).force), axis=1)
+    energies *= np.exp(scatter * random.standard_normal(energies.shape))
+    runs = tuple(
+        MetricRun(f"r{row}", None, *condition, None, 0.0, {}, *(float(f"{one:.4f}") for one in pair), (1e-4, 1e-4))
+        for row, (condition, pair) in enumerate(zip(CROSS, energies, strict=True))
+    )
+    return MetricCampaign("virtual", "", "none", runs, (), ())
+
+
+@pytest.fixture(scope="module")
+def quiet():
+    """The base law, nothing hidden: law and observations."""
+    observations = metric_observations(metrics())
+    return judge_metrics((), Structure("power"), {}, observations), observations
+
+
+def test_scatter_alone_is_complete():
+    diagnosis = diagnose_metrics(Structure("power"), metrics())
+    assert (diagnosis.verdict, diagnosis.effects) == ("complete", ())
+
+
+def test_a_missing_effect_is_named_with_its_caution():
+    tests = metrics(("damping_temperature",), c_T1=-0.15, c_T2=0.05, c_T3=0.0)
+    diagnosis = diagnose_metrics(Structure("power"), tests)
+    assert (diagnosis.verdict, diagnosis.effects) == ("missing", ("damping_temperature",))
+    assert diagnosis.tested_once == ("T",)
+    answer = MetricAnswer(diagnosis, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None)
+    assert any("rests on one row" in caution for caution in answer.cautions())
+
+
+@pytest.mark.parametrize("name", ["asymmetry", "offset", "directional_damping"])
+def test_what_metrics_dont_show_is_hidden(quiet, name):
+    assert "only a recorded loop" in look(quiet[0], name, quiet[1]).hidden
+
+
+@pytest.mark.parametrize(("name", "reason"), [("density", "isn't known"), ("loosening", "doesn't vary")])
+def test_what_no_condition_shows_is_hidden(quiet, name, reason):
+    assert reason in look(quiet[0], name, quiet[1]).hidden
+
+
+@pytest.mark.parametrize("name", ["damping_temperature", "stiffness_frequency", "quadratic_damping"])
+def test_what_metrics_show_is_not_hidden(quiet, name):
+    seen = look(quiet[0], name, quiet[1])
+    assert seen.hidden == ""
+    assert not seen.imitated
+
+
+def test_the_scatter_lies_between_what_was_expected_and_what_is_left(quiet):
+    scatter = scatter_of(*quiet, 0.01)
+    assert np.all(scatter.share > 0.002)
+    assert np.all(scatter.share < 0.01)
+    assert scatter.freedoms.sum() == pytest.approx(8 + quiet[0].freedoms, abs=1.5)
+
+
+def test_slopes_of_the_metrics_match_differences(quiet):
+    law, observations = quiet
+    result = law.result
+    slopes = observations.residual_slopes(result.response, result.places)
+    for place, name in enumerate(result.fitted):
+        step = 1e-5 * max(abs(result.law.values[name]), 0.1)
+        moved = [
+            observations.residual(
+                law_response(
+                    Law(result.law.structure, {**result.law.values, name: result.law.values[name] + way * step},
+                        result.law.v_r, result.law.y_r), observations.motion,
+                )
+            )
+            for way in (1, -1)
+        ]  # fmt: skip
+        difference = (moved[0] - moved[1]) / (2 * step)
+        assert np.allclose(slopes[place], difference, atol=2e-2 * np.abs(difference).max())
