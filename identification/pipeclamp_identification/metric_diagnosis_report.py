@@ -75,10 +75,12 @@ class MetricAnswer:
         if diagnosis.rests_on:
             rows = "; ".join(_place(self.campaign, row) for row in diagnosis.rests_on)
             one = len(diagnosis.rests_on) == 1
+            few, without, tests = (
+                ("one row", "without", "that test") if one else ("single rows", "without any one of", "these tests")
+            )
             words.append(
-                f"warning: {name} rests on {'one row' if one else 'single rows'}: without {'' if one else 'any one of '}"
-                f"{rows}, less than half of its gain is left; repeat {'that test' if one else 'these tests'} before "
-                "you trust it"
+                f"warning: {name} rests on {few}: {without} {rows}, less than half of its gain is left; repeat {tests} "
+                "before you trust it"
             )
         words += [
             f"warning: every {CONDITIONS.get(signal, signal)} but one was tested once: each rests on one row, and "
