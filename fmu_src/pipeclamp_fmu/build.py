@@ -22,6 +22,9 @@ from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_fmu.passivity import require_dissipation
 from pipeclamp_fmu.pipe import pipe_content
 
+CYCLES = "firstCycle"
+"""The clamp FMU's parameter for load cycles that it has seen."""
+
 G_CM3 = 1e-3
 """1 kg/m3 in g/cm3."""
 
@@ -118,6 +121,15 @@ def build_excitation(samples: Samples, output: Path) -> str:
     return write_fmu(excitation_content(samples, version()), output)
 
 
+def condition_parameter(column: str, value: float) -> tuple[str, float]:
+    """Give the clamp FMU's parameter for a column of runs.csv, and its value there."""
+    if column == "density_g_cm3":
+        return str(symbols.rho), value / G_CM3
+    if column == "first_cycle":
+        return CYCLES, value
+    return f"condition.{str(symbols.condition_symbol(column)).removeprefix(symbols.CONDITION)}", value
+
+
 def clamp_model(file: LawFile) -> ClampModel:
     """Give a law as the clamp FMU needs it.
 
@@ -163,7 +175,7 @@ def _further(name: str, file: LawFile) -> FurtherCondition:
     interval = _ends(file.range[key])
     if name == str(symbols.N):
         return FurtherCondition(
-            "firstCycle", "load cycles that the clamp has seen before the start", "1", "", "cycles", 1.0,
+            CYCLES, "load cycles that the clamp has seen before the start", "1", "", "cycles", 1.0,
             (0.0, interval[1]), False, 0.0, counted=True,
         )  # fmt: skip
     if name == str(symbols.rho):
@@ -172,7 +184,7 @@ def _further(name: str, file: LawFile) -> FurtherCondition:
             name, "density of the wire mesh", "kg/m3", "g/cm3", "g/cm3", G_CM3, interval, True, start
         )
     return FurtherCondition(
-        f"condition.{name.removeprefix(symbols.CONDITION)}", f"test condition {key}, in the unit of its name",
+        condition_parameter(key, 0.0)[0], f"test condition {key}, in the unit of its name",
         "", "", "", 1.0, interval, False, sum(interval) / 2,
     )  # fmt: skip
 

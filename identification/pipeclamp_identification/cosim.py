@@ -21,7 +21,7 @@ from pipeclamp.parameter_file import LawFile, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.toml_file import unknown
-from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_fmu.build import build_clamp, build_pipe, condition_parameter
 from pipeclamp_identification.broyden import Tolerance
 from pipeclamp_identification.coupling import Point, Scheme, System, march
 from pipeclamp_identification.divergence import EnergyGuard
@@ -328,7 +328,7 @@ def clamp_parameters(source: ClampSource, description: SystemDescription) -> dic
         parameters["A"] = 1e-3 * source.amplitude_mm
     if frequency is not None:
         parameters["f"] = frequency
-    return parameters
+    return parameters | dict(condition_parameter(column, value) for column, value in source.conditions.items())
 
 
 def _run(

@@ -15,7 +15,10 @@ from pipeclamp.files import write_whole
 from pipeclamp.parameter_file import law_of
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
+from pipeclamp.realise.c import CONDITIONS_FIRST, conditions_of
+from pipeclamp.realise.scalar import clamp_equations
 from pipeclamp.toml_file import unknown
+from pipeclamp_fmu.build import clamp_model, condition_parameter
 from pipeclamp_identification.cosim import CELSIUS, finished, law_in, run_described
 from pipeclamp_identification.excitation import require_kind, sine_amplitude
 from pipeclamp_identification.harmonic_balance import SteadyState, SteadySystem, half_range
@@ -193,19 +196,29 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
     """Give a clamp of a system as harmonic balance needs it; a temperature in degC stands in for its own.
 
     Raises:
-        UserError: it is an FMU, whose equations can't be read.
+        UserError: it is an FMU, whose equations can't be read, or is given a condition that its law doesn't follow.
     """
     if source.law is None:
         raise UserError(f"{where}: clamp {source.at!r}: a response needs the law's equations; expected law, not an FMU")
     file = law_in(folder, source.law)
     given = source.mode == "given"
+    law = law_of(file)
+    model = clamp_model(file)
+    further = {entry.name: entry.scale * entry.start for entry in model.further}
+    scales = {entry.name: entry.scale for entry in model.further}
+    for column, value in source.conditions.items():
+        name, setting = condition_parameter(column, value)
+        if name not in further:
+            raise UserError(f"{where}: clamp {source.at!r}: {unknown(name, list(further), 'condition')}")
+        further[name] = scales[name] * setting
     return SteadyClamp(
-        law_of(file),
+        law,
         (source.temperature_C if temperature is None else temperature) + CELSIUS,
         source.amplitude_mm if given else None,
         source.frequency_Hz if given else None,
         (file.range["A"].minimum, file.range["A"].maximum),
         (file.range["f"].minimum, file.range["f"].maximum),
+        dict(zip(conditions_of(clamp_equations(law))[len(CONDITIONS_FIRST) :], further.values(), strict=True)),
     )
 
 

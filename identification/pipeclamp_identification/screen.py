@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeclamp.catalogue import entries, find_effect
 from pipeclamp.errors import UserError
-from pipeclamp.law import Structure
+from pipeclamp.law import Structure, compose
 from pipeclamp_identification.add import with_effect
 from pipeclamp_identification.fit import Linearised, linearised, starting_points
 from pipeclamp_identification.problem import Judged, Problem
@@ -125,7 +125,7 @@ def screened(structure: Structure, problem: Problem, law: Judged, tell: Callable
 def fits_beside(structure: Structure, name: str) -> bool:
     """Tell whether an effect can be added to a law that another effect has joined."""
     try:
-        with_effect(structure, name)
+        compose(with_effect(structure, name))
     except UserError:
         return False
     return True

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import pi
 
 import numpy as np
@@ -30,6 +31,7 @@ class SteadyClamp:
         amplitude: mm, that the law is taken for; None for the motion's own.
         frequency: Hz, that the law is taken for where the amplitude is given; None for that of the excitation.
         range_A: mm, and range_f: Hz, inside which the motion's own A and f are held, as the clamp FMU holds them.
+        further: other conditions that the law follows, by name, in its units; load cycles stand still.
     """
 
     law: Law
@@ -38,6 +40,7 @@ class SteadyClamp:
     frequency: float | None
     range_A: Interval
     range_f: Interval
+    further: Mapping[str, float] = field(default_factory=dict)
 
     def conditions(self, motion: Complex, frequency: Array) -> tuple[Array, Array]:
         """Give A (mm) and f (Hz) that the law is taken for, each (rows,).
@@ -75,6 +78,7 @@ class SteadyClamp:
             "A": amplitude[:, None],
             "f": law_frequency[:, None],
             "T": np.full((len(motion), 1), self.temperature),
+            **{name: np.full((len(motion), 1), value) for name, value in self.further.items()},
         }
         cycle = Motion(
             (motion @ waves).real,

@@ -33,7 +33,8 @@ class ClampSource(Table):
     """One clamp: where it sits, its law or finished FMU, and the motion that its law's coefficients are taken for.
 
     Amplitude and frequency are those given here; with `solve` they are only where it starts, and the run is repeated
-    until the clamp's motion shows those that it was given; with `track` the FMU estimates them as it goes.
+    until the clamp's motion shows those that it was given; with `track` the FMU estimates them as it goes. `conditions`
+    are further ones that the law follows, by column of runs.csv; the middle of the law's range where they are left out.
     """
 
     at: Name
@@ -44,6 +45,7 @@ class ClampSource(Table):
     frequency_Hz: Positive | None = None
     track: bool = False
     solve: bool = False
+    conditions: Annotated[dict[str, Number], Field(default_factory=dict)]
 
     @property
     def mode(self) -> LawMode:

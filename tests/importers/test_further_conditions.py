@@ -3,15 +3,21 @@
 import math
 
 import fmpy
+import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
 from pipeclamp.errors import UserError
+from pipeclamp.parameter_file import write_law
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model
 from pipeclamp_fmu.compile import system_compiler
 from pipeclamp_fmu.passivity import loaded
+from pipeclamp_identification.cosim import clamp_parameters, run_system
+from pipeclamp_identification.frequency_response import steady_clamp
+from pipeclamp_identification.system import read_system
 
 H = 1e-3
+SECOND_CLAMP = '[[clamps]]\nname = "clamp2"\nposition_m = 5.0\n'
 SET = {"A": 5e-4, "f": 3.0, "T": 350.0, "rho": 2500.0, "condition.current_A": 1.5, "firstCycle": 20.0}
 
 
@@ -125,3 +131,64 @@ def test_a_law_that_creates_energy_at_an_end_of_a_condition_is_refused(law_with_
     worse["c0"] = entries["c0"].model_copy(update={"value": -1.0})
     with pytest.raises(UserError, match=r"create energy.*further conditions"):
         build_clamp(law_with_further_conditions.model_copy(update={"coefficients": worse}), tmp_path / "no.fmu")
+
+
+SYSTEM = """
+name = "further"
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "clamp1"
+law = "further.json"
+temperature_C = 77.0
+amplitude_mm = 0.5
+frequency_Hz = 3.0
+conditions = { %s }
+[excitation]
+kind = "sine"
+acceleration_m_s2 = 5.0
+frequency_Hz = 3.0
+[run]
+stop_s = 2.0
+step_s = 0.002
+"""
+CONDITIONS = "density_g_cm3 = 2.5, current_A = 1.5, first_cycle = 190"
+
+
+@pytest.fixture
+def system(tmp_path, pipe_text, law_with_further_conditions):
+    """Give a function that writes a system with conditions of its clamp."""
+    (tmp_path / "pipe.toml").write_text(pipe_text().replace(SECOND_CLAMP, ""), encoding="utf-8")
+    write_law(law_with_further_conditions, tmp_path / "further.json")
+
+    def write(conditions):
+        (tmp_path / "SYSTEM.toml").write_text(SYSTEM % conditions, encoding="utf-8")
+        return tmp_path / "SYSTEM.toml"
+
+    return write
+
+
+def test_a_system_gives_its_clamps_conditions_by_column(system, tmp_path, law_with_further_conditions):
+    file = law_with_further_conditions
+    path = system(CONDITIONS)
+    (source,) = read_system(path).clamps
+    given = clamp_parameters(source, read_system(path))
+    assert (given["rho"], given["condition.current_A"], given["firstCycle"]) == (2500.0, 1.5, 190.0)
+    steady = steady_clamp(source, tmp_path, None, "here")
+    assert steady.further == {"N": 190.0, "rho": 2.5, "u_current_A": 1.5}
+    law = loaded(clamp_model(file).source)
+    k = law.coefficients(0.5, 3.0, 350.15, 190.0, 2.5, 1.5)
+    spring = law.step(k, (0.0,), 0.0, 1e-3, 0.0, 1.0)[0] / 1e-3
+    moved = steady.forces(np.array([[0.0, 1e-3 + 0j]]), np.array([1e-4]))[0, 1].real / 1e-3
+    assert moved == pytest.approx(spring, rel=1e-3)
+    result = run_system(path)
+    other = run_system(system("density_g_cm3 = 2.0"))
+    assert np.ptp(result.columns["clamp1.s"][-300:]) < 0.9 * np.ptp(other.columns["clamp1.s"][-300:])
+
+
+def test_a_condition_that_the_law_does_not_follow_is_refused(system, tmp_path):
+    path = system("bolt_torque_Nm = 3.0")
+    with pytest.raises(UserError, match=r"condition\.bolt_torque_Nm"):
+        run_system(path)
+    with pytest.raises(UserError, match=r"condition\.bolt_torque_Nm"):
+        steady_clamp(read_system(path).clamps[0], tmp_path, None, "here")

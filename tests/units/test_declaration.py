@@ -14,6 +14,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.law import Structure, compose
 from pipeclamp.parameter_file import law_of, law_text, parse_law
 from pipeclamp.toml_file import parse_table
+from pipeclamp_identification.screen import fits_beside
 
 EXAMPLES = Path(__file__).parents[1] / "effects" / "declared"
 GOOD = """
@@ -143,3 +144,11 @@ def test_reading_a_law_executes_nothing(tmp_path, monkeypatch):
         with pytest.raises(UserError, match="effect 'stop', force, character"):
             parse_law(json.dumps(content), "hostile")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_second_effect_of_the_same_symbols_is_no_partner():
+    """A pair of candidates is fitted only where the two can stand in one law."""
+    copy = read_declaration(EXAMPLES / "contact_growth_copy.toml")
+    with_copy = Structure(effects=(copy.id,), declared=(copy,))
+    assert not fits_beside(with_copy, "contact_growth")
+    assert fits_beside(with_copy, "viscous")
