@@ -300,7 +300,9 @@ def rig(
     ],
     effects: EffectsOption = "",
     declared: DeclaredOption = None,
-    set_values: Annotated[str, typer.Option("--set", metavar="name=value,...", help="Values of parameters.")] = "",
+    set_values: Annotated[
+        str, typer.Option("--set", metavar="name=value,...", help="Of parameters and further columns.")
+    ] = "",
     amplitudes: Annotated[str, typer.Option(metavar="mm,...")] = "0.2,0.5,0.8,1",
     frequencies: Annotated[str, typer.Option(metavar="Hz,...")] = "1,3,5",
     temperatures: Annotated[str, typer.Option(metavar="degC,...")] = "20,100,200,300",

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 import polars as pl
 
+from pipeclamp import symbols
 from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_folder
@@ -117,16 +118,18 @@ def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | Non
     Args:
         law: the truth.
         plan: what is run, and how well it is measured.
-        conditions: further slow signals that the law depends on, the same in every run.
+        conditions: further columns of runs.csv that the law depends on, the same in every run.
 
     Raises:
         UserError: the plan can't be run, or the law needs a condition that isn't given.
     """
     plan.check()
     equations = compose(law.structure)
-    needed = {str(symbol) for symbol in equations.slow_signals} - {"A", "f", "T", "N"} - set(conditions or {})
+    stated = {condition_signal(column) for column in conditions or {}}
+    needed = {str(symbol) for symbol in equations.slow_signals} - {"A", "f", "T", "N"} - stated
     if needed:
-        raise UserError(f"the law depends on {', '.join(sorted(needed))}; state a value for each")
+        columns = sorted(_column(name) for name in needed)
+        raise UserError(f"the law depends on {', '.join(columns)}; state a value for each: --set {columns[0]}=...")
     for frequency in plan.frequencies:
         yield from _runs_at(law, plan, frequency, conditions or {})
 
@@ -157,7 +160,7 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
         "f": np.full((len(A), 1), frequency),
         "T": T[:, None] + CELSIUS,
         "N": np.broadcast_to(np.maximum(time, 0.0) * frequency, motion[0].shape),
-        **{name: np.full((len(A), 1), value) for name, value in conditions.items()},
+        **{condition_signal(column): np.full((len(A), 1), value) for column, value in conditions.items()},
     }
     truth = respond(
         equations,
@@ -243,6 +246,19 @@ def _encoded(table: pl.DataFrame, format: Format) -> bytes:
     return gzip.compress(content, mtime=0) if format == "csv.gz" else content
 
 
+DENSITY = "density_g_cm3"
+
+
+def condition_signal(column: str) -> str:
+    """Give the name of the slow signal that a further column of runs.csv is in a law."""
+    return str(symbols.rho if column == DENSITY else symbols.condition_symbol(column))
+
+
+def _column(signal: str) -> str:
+    """Give a column of runs.csv that is this slow signal."""
+    return DENSITY if signal == str(symbols.rho) else signal.removeprefix(symbols.CONDITION)
+
+
 def truth_law(
     file: LawFile, effects: Sequence[str], values: Mapping[str, float], declared: Iterable[Declaration] = ()
 ) -> tuple[Law, dict[str, float]]:
@@ -251,7 +267,7 @@ def truth_law(
     Args:
         file: the law to begin with.
         effects: names of effects to add; their parameters must be given.
-        values: parameters by name; what is no parameter is a further condition, the same in every run.
+        values: parameters by name; what is no parameter is a further column of runs.csv, the same in every run.
         declared: a user's own effects.
 
     Returns:
@@ -269,9 +285,13 @@ def truth_law(
         raise UserError(f"--effects {','.join(effects)}: give {', '.join(missing)} with --set name=value,...")
     conditions = {name: value for name, value in values.items() if name not in names}
     needed = {str(symbol) for symbol in compose(structure).slow_signals}
-    unknown = set(conditions) - needed
+    unknown = sorted(column for column in conditions if condition_signal(column) not in needed)
     if unknown:
-        raise UserError(f"--set: {', '.join(sorted(unknown))} is no parameter of the law; it has {', '.join(names)}")
+        further = sorted(_column(name) for name in needed - {"A", "f", "T", "N"})
+        raise UserError(
+            f"--set: {', '.join(unknown)} is no parameter of the law and no condition that it follows; it has "
+            f"{', '.join((*names, *further))}"
+        )
     return Law(structure, {name: known[name] for name in names}, law.v_r, law.y_r), conditions
 
 

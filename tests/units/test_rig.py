@@ -12,6 +12,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import law_of
 from pipeclamp_identification.campaign import read_campaign
 from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.misfit import misfits, overall_nrmse
 from pipeclamp_identification.rig import TestPlan, truth_law, virtual_runs, write_campaign
 
 TestPlan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
@@ -81,18 +82,36 @@ def test_a_campaign_that_breaks_off_leaves_nothing(truth, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+FOLLOWED = tuple(f"{letter}_u_current_A{order}" for letter in "kcz" for order in (1, 2))
+NEW = {"c1": 1.0, "k_rho": 2.0, "c_rho": 1.0}
+
+
 def test_further_effects_need_their_values():
     file = open_law("emwm2")
     with pytest.raises(UserError, match="give c1 with --set"):
         truth_law(file, ["viscous"], {})
     with pytest.raises(UserError, match="k99 is no parameter"):
         truth_law(file, [], {"k99": 1.0})
-    law, conditions = truth_law(file, ["viscous", "density"], {"c1": 1.0, "k_rho": 2.0, "c_rho": 1.0, "rho": 2.0})
+    with pytest.raises(UserError, match=r"it has .*density_g_cm3"):
+        truth_law(file, ["viscous", "density"], {**NEW, "current_A": 1.0})
+    law, conditions = truth_law(file, ["viscous", "density"], {**NEW, "density_g_cm3": 2.0})
     assert law.values["c1"] == 1.0
-    assert conditions == {"rho": 2.0}
+    assert conditions == {"density_g_cm3": 2.0}
 
 
 def test_a_law_that_needs_a_condition_is_told_so():
     law, _ = truth_law(open_law("emwm2"), ["density"], {"k_rho": 2.0, "c_rho": 1.0})
-    with pytest.raises(UserError, match="rho"):
+    with pytest.raises(UserError, match="density_g_cm3"):
         next(virtual_runs(law, QUIET))
+
+
+def test_conditions_stand_in_their_columns(tmp_path):
+    """A virtual campaign is read back with the conditions that it was run under, under which its law holds."""
+    file = open_law("emwm2")
+    values = {"k_rho": 3.0, "c_rho": 1.0, "density_g_cm3": 2.5, **dict.fromkeys(FOLLOWED, 0.1), "current_A": 1.5}
+    law, conditions = truth_law(file, ["density", "condition:current_A"], values)
+    write_campaign(tmp_path / "v", virtual_runs(law, QUIET, conditions), name="v", notes="")
+    campaign = read_campaign(tmp_path / "v")
+    assert {run.density_g_cm3 for run in campaign.runs} == {2.5}
+    assert {run.conditions["current_A"] for run in campaign.runs} == {1.5}
+    assert overall_nrmse(misfits(law, campaign, loops_of(campaign))) < 2e-3
