@@ -427,17 +427,19 @@ def cosim(
     report: ReportOption = None,
 ) -> None:
     """Couple a pipe FMU with clamp FMUs and run them."""
-    from pipeclamp_identification import cosim as coupled
+    from pipeclamp_identification.cosim import run_system
     from pipeclamp_identification.cosim_report import cosim_sections
+    from pipeclamp_identification.cosim_result import write_result
 
     with told("cosim") as tell:
-        result = coupled.run_system(system, lambda share: tell(f"{share:.0%}"))
+        result = run_system(system, lambda share: tell(f"{share:.0%}"))
         sections = cosim_sections(result)
     if report:
         _write(None, report, None, f"Co-simulation {system.stem}", "pipe and clamps", sections)
-    coupled.write_result(result, output)
+    write_result(result, output)
     for line in sections[0].paragraphs:
-        console.print(line, highlight=False)
+        shown, style = (errors, "bold red") if line.startswith("NOT TO BE TRUSTED") else (console, None)
+        shown.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
     console.print(str(output))
 
 

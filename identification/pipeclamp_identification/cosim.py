@@ -5,29 +5,30 @@ from __future__ import annotations
 import math
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 
 from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
-from pipeclamp.files import write_whole
 from pipeclamp.parameter_file import LawFile, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import build_clamp, build_pipe, condition_parameter
 from pipeclamp_identification.broyden import Tolerance
-from pipeclamp_identification.coupling import Point, Scheme, System, march
+from pipeclamp_identification.cosim_result import CosimResult
+from pipeclamp_identification.coupling import ROLLS_BACK, Point, System, march
 from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
 from pipeclamp_identification.importer import FmuParticipant, LoadedFmu, opened
+from pipeclamp_identification.schemes import advance_of, best_allowed
+from pipeclamp_identification.step_control import march_controlled
 from pipeclamp_identification.system import ClampSource, LawMode, PipeSource, SystemDescription, read_system
 
 Array = NDArray[np.float64]
@@ -48,94 +49,8 @@ SOLVED, MOST_RUNS, FULL_STEPS = 2e-3, 20, 3
 
 MEASURED_SHARE = 0.3
 """Last part of a run, in which the A and f of its motion are measured."""
-
-MISMATCH = 0.2
-"""Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
-
-
-@dataclass(frozen=True, eq=False)
-class CosimResult:
-    """What a co-simulation gave.
-
-    Attributes:
-        name: of the system.
-        scheme: how it was coupled.
-        step: macro step, s.
-        excitation_kind: "base" or "force".
-        clamp_names: the clamps that have a law, in the system's order.
-        probe_names: the pipe's probes.
-        columns: values by variable name, each (n,); SI units.
-        units: unit of each column.
-        energy: the balance, each (n,).
-        out_of_range: clamps whose law was used beyond its data.
-        warnings: what the FMUs warned of.
-        modes: where each clamp's A and f come from.
-        runs: how many it took to solve A and f.
-        unsolved: by which share they still changed in the last run, where they were not solved.
-    """
-
-    name: str
-    scheme: Scheme
-    step: float
-    excitation_kind: str
-    clamp_names: tuple[str, ...]
-    probe_names: tuple[str, ...]
-    columns: Mapping[str, Array]
-    units: Mapping[str, str]
-    energy: EnergyBalance
-    out_of_range: tuple[str, ...]
-    warnings: tuple[str, ...]
-    modes: tuple[LawMode, ...]
-    runs: int = 1
-    unsolved: float = 0.0
-
-    @property
-    def time(self) -> Array:
-        """Communication points, s, (n,)."""
-        return self.columns["time"]
-
-    def amplitude(self, column: str, share: float = 0.2) -> float:
-        """Give half the peak-to-peak value of a column over the last share of the run."""
-        values = self.columns[column][-max(2, int(share * self.time.size)) :]
-        return float(values.max() - values.min()) / 2
-
-    def summary(self) -> str:
-        """Give amplitudes and the energy balance, for a person to read."""
-        trials = self.columns["trials"][1:]
-        lines = [
-            f"system {self.name!r}: {self.time.size - 1} {self.scheme} steps of {self.step:g} s, "
-            f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})"
-        ]
-        lines += [
-            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm, "
-            f"force {self.amplitude(f'{name}.f'):.4g} N over the last fifth"
-            for name in self.clamp_names
-        ]
-        lines += [
-            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm over the last fifth"
-            for name in self.probe_names
-        ]
-        lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
-        lines += [
-            f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with {1e3 * found:.4g} "
-            "mm: set amplitude_mm to that, or solve = true, or track = true"
-            for name in self.clamp_names
-            if abs((found := self.amplitude(f"{name}.s")) - (assumed := self.columns[f"{name}.A_used"][-1]))
-            > MISMATCH * assumed
-        ]
-        lines += [self._about_conditions(name, mode) for name, mode in zip(self.clamp_names, self.modes, strict=True)]
-        lines += [f"{name}: its law was used beyond the range of its data" for name in self.out_of_range]
-        lines += [f"warning: {warning}" for warning in self.warnings]
-        return "\n".join(lines)
-
-    def _about_conditions(self, name: str, mode: LawMode) -> str:
-        """Say where a law's A and f come from."""
-        amplitude, frequency = 1e3 * self.columns[f"{name}.A_used"][-1], self.columns[f"{name}.f_used"][-1]
-        used = f"A = {amplitude:.4g} mm, f = {frequency:.4g} Hz"
-        if mode == "solved" and self.unsolved:
-            return f"{name}: A and f NOT solved in {self.runs} runs, they still change by {self.unsolved:.1%}: {used}"
-        how = {"given": "as given", "solved": f"solved in {self.runs} runs", "tracked": "tracked, at the end"}[mode]
-        return f"{name}: its law is taken for {used} ({how})"
+MEASURED_POINTS = 20_000
+"""Points of it."""
 
 
 @dataclass(frozen=True)
@@ -201,8 +116,9 @@ def motion_conditions(result: CosimResult, name: str) -> tuple[float, float]:
     A = sqrt(2 var s), f = sqrt(var v/var s)/(2 pi), as the clamp FMU's tracker has them.
     """
     s, v = result.columns[f"{name}.s"], result.columns[f"{name}.v"]
-    last = slice(int((1 - MEASURED_SHARE) * s.size), None)
-    s, v = s[last], v[last]
+    # Steps may differ in length; the averages want even ones.
+    even = np.linspace((1 - MEASURED_SHARE) * result.time[-1], result.time[-1], MEASURED_POINTS)
+    s, v = np.interp(even, result.time, s), np.interp(even, result.time, v)
     rising = np.flatnonzero((s[:-1] < s.mean()) & (s[1:] >= s.mean()))
     if rising.size > 1:
         s, v = s[rising[0] : rising[-1]], v[rising[0] : rising[-1]]
@@ -239,27 +155,18 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
                 raise UserError(f"{where}: clamps[{index}].at: {unknown(clamp.at, list(variables.clamps), 'clamp')}")
         run = description.run
         signal = excitation_signal(description.excitation, variables.kind, run.stop_s, folder, where)
-        for fmu in (pipe, *clamps):
-            if run.scheme == "iterated" and not fmu.can_roll_back:
-                raise UserError(
-                    f"{fmu.path}: this FMU can't save and restore its state, which scheme = 'iterated' needs; "
-                    "use 'sequential' or 'parallel'"
-                )
-        start = {variables.excitation: signal(0.0), "inputsAtStepEnd": run.scheme == "iterated"}
+        stuck = [fmu.instance for fmu in (pipe, *clamps) if not fmu.can_roll_back]
+        scheme = best_allowed(run.scheme, not stuck)
+        description = description.model_copy(update={"run": run.model_copy(update={"scheme": scheme})})
+        start = {variables.excitation: signal(0.0), "inputsAtStepEnd": scheme in ROLLS_BACK}
         pipe.initialise(start)
         for fmu, source in zip(clamps, description.clamps, strict=True):
             fmu.initialise(clamp_parameters(source, description))
-        return _run(description, variables, signal, pipe, clamps, progress)
-
-
-def write_result(result: CosimResult, path: Path) -> None:
-    """Write a result as CSV, whole or not at all: one row per communication point, "name [unit]" as header.
-
-    Raises:
-        UserError: the folder can't be written.
-    """
-    frame = pl.DataFrame({f"{name} [{result.units[name]}]": values for name, values in result.columns.items()})
-    write_whole(path, frame.write_csv())
+        result = _run(description, variables, signal, pipe, clamps, progress)
+        if scheme == run.scheme:
+            return result
+        word = f"{', '.join(stuck)} can't save and restore a state: coupled by {scheme!r} instead of {run.scheme!r}"
+        return replace(result, warnings=(word, *result.warnings))
 
 
 @contextmanager
@@ -359,23 +266,30 @@ def _run(
     in_range = [True] * len(clamps)
     guard = EnergyGuard()
     energy, work = (3 * len(variables.probes) + PIPE_ENERGIES.index(name) for name in ("energyPipe", "workExcitation"))
-    every = max(1, run.steps // 100)
+    h = run.stop_s / run.steps
+    advance = advance_of(run.scheme, system, tolerance)
+    if run.energy_tolerance is None or run.scheme not in ROLLS_BACK:
+        marched = march(system, advance, h, run.steps)
+    else:
+        marched = march_controlled(system, advance, run.step_s, run.stop_s, run.energy_tolerance)
+    told = -1
     try:
-        for point in march(system, run.scheme, run.stop_s / run.steps, run.steps, tolerance):
+        for point in marched:
             row = [value for participant in participants for value in participant.watched()]
             guard.check(point, row[energy], row[work])
             points.append(point)
             watched.append(row)
             for index, participant in enumerate(clamp_participants):
                 in_range[index] = in_range[index] and all(participant.flags())
-            if progress is not None and point.index % every == 0:
-                progress(point.index / run.steps)
+            percent = int(100 * point.time / run.stop_s + 1e-6)
+            if progress is not None and percent > told:
+                progress(percent / 100)
+                told = percent
     except UserError as error:
+        of_steps = "" if run.energy_tolerance else f" of {run.steps}"
         diverging = f"the coupling diverges from step {guard.since} on: " if guard.since else ""
         remedy = "; use scheme = 'iterated' or a smaller step_s" if guard.since else ""
-        raise UserError(
-            f"{diverging}{error}; the run was stopped in step {len(points)} of {run.steps}{remedy}"
-        ) from error
+        raise UserError(f"{diverging}{error}; the run was stopped in step {len(points)}{of_steps}{remedy}") from error
     finally:
         for participant in participants:
             participant.release()
@@ -432,6 +346,8 @@ def _result(
     for name in balance.final():
         keep(f"energy.{name}", "J", getattr(balance, name))
     keep("trials", "1", [point.trials for point in points])
+    trusted_share = description.run.trusted_share
+    keep("trusted", "1 yes, 0 no", np.full(len(points), float(balance.coupling_share <= trusted_share)))
     return CosimResult(
         name=description.name,
         scheme=description.run.scheme,
@@ -444,5 +360,6 @@ def _result(
         energy=balance,
         out_of_range=tuple(name for name, inside in zip(names, in_range, strict=True) if not inside),
         modes=tuple(clamp.mode for clamp in description.clamps),
+        trusted_share=trusted_share,
         warnings=tuple(f"{fmu.instance}: {text}" for fmu in fmus for text in fmu.messages.warnings),
     )

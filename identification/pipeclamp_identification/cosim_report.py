@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.realise.arrays import Array
-from pipeclamp_identification.cosim import CosimResult
+from pipeclamp_identification.cosim_result import CosimResult
 from pipeclamp_identification.pictures import curves_picture
 from pipeclamp_identification.report import Section, Table, styled
 
@@ -41,15 +41,23 @@ def history_picture(result: CosimResult, column: str, factor: float, unit: str, 
     """Draw one column over time."""
     time, values = _thinned(result.time, factor * result.columns[column])
     name = column.rpartition(".")[2]
-    return curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], title)
+    marked = f"{title}{_mark(result)}"
+    return curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], marked)
+
+
+def _mark(result: CosimResult) -> str:
+    """Give the word that a picture of a result that isn't to be trusted carries."""
+    return (
+        "" if result.trusted else f" (NOT TO BE TRUSTED: the coupling made {result.coupling_share:.0%} of the energy)"
+    )
 
 
 def _loop_picture(result: CosimResult, name: str) -> go.Figure:
-    last = slice(int((1 - LAST_SHARE) * result.time.size), None)
+    last = slice(int(np.searchsorted(result.time, (1 - LAST_SHARE) * result.time[-1])), None)
     y, force = 1e3 * result.columns[f"{name}.s"][last], result.columns[f"{name}.f"][last]
     figure = go.Figure(go.Scatter(x=y, y=force, mode="lines", name=name, line={"width": 1.2}))
     figure.update_xaxes(title_text="s / mm").update_yaxes(title_text="f / N")
-    return styled(figure, f"Loop of {name}, last fifth of the run")
+    return styled(figure, f"Loop of {name}, last fifth of the run{_mark(result)}")
 
 
 def _energy_picture(result: CosimResult) -> go.Figure:
@@ -64,7 +72,7 @@ def _energy_picture(result: CosimResult) -> go.Figure:
     for name, values in parts.items():
         time, thin = _thinned(result.time, values)
         curves.append((name, time.tolist(), thin.tolist(), "lines"))
-    return curves_picture("t / s", "energy / J", curves, "Where the energy went")
+    return curves_picture("t / s", "energy / J", curves, f"Where the energy went{_mark(result)}")
 
 
 def _thinned(time: Array, values: Array) -> tuple[Array, Array]:

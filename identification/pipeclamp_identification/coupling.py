@@ -1,10 +1,11 @@
-"""Coupling of a pipe with clamps, macro step by macro step: parallel, sequential, iterated.
+"""Coupling of a pipe with clamps, macro step by macro step: parallel, sequential, linearly implicit, iterated.
 
 The pipe takes the excitation and the force into each clamp and gives each clamp's displacement and velocity; a clamp
 takes these and gives its force. Over a step from t to t + h:
 
 parallel (Jacobi, order 1): all step at once with what the others gave at t.
 sequential (Gauss-Seidel, order 1): the pipe steps with the forces given at t, then the clamps with the motion at t + h.
+implicit (order 2): forces linear over the step; its end is linearised once, see `implicit_coupling`.
 iterated (order 2): forces linear over the step, and at its end those that the clamps give for the motion that results:
     clamps(pipe(f)) = f, every trial a roll-back and a new step, solved by Broyden's method with a Jacobian that is
     carried from step to step; plain repetition f := clamps(pipe(f)) would diverge as soon as a clamp is stiffer than
@@ -15,15 +16,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from math import prod
 from typing import Literal, Protocol
 
 from pipeclamp.errors import UserError
 from pipeclamp_identification.broyden import NotFoundError, Solver, Tolerance
 
-Scheme = Literal["parallel", "sequential", "iterated"]
+Scheme = Literal["parallel", "sequential", "implicit", "iterated"]
 
-ORDER: dict[Scheme, int] = {"parallel": 1, "sequential": 1, "iterated": 2}
+ORDER: dict[Scheme, int] = {"parallel": 1, "sequential": 1, "implicit": 2, "iterated": 2}
 """By which power of the macro step each scheme's error falls, for a law that is smooth."""
+
+ROLLS_BACK: frozenset[Scheme] = frozenset(("implicit", "iterated"))
+"""Schemes that save and restore states, and take the forces as linear over a step."""
 
 
 class Participant(Protocol):
@@ -44,6 +49,9 @@ class Participant(Protocol):
     def restore(self) -> None:
         """Go back to the state that was kept."""
 
+    def slopes(self) -> tuple[float, float] | None:
+        """Give a clamp's dF/ds (N/m) and dF/dv (N s/m) at the end of the last step, where it knows them."""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -55,7 +63,8 @@ class Point:
         excitation: m/s2 or N.
         displacement: per clamp, m.
         velocity: per clamp, m/s.
-        force: per clamp, into the clamp, N.
+        force: per clamp, into the clamp, as the clamp gave it, N.
+        told: per clamp, the force that the pipe was told for the end of the step (held over it, without roll-back), N.
         trials: how often the step to this point was taken; 1 where nothing is iterated.
     """
 
@@ -65,6 +74,7 @@ class Point:
     displacement: tuple[float, ...]
     velocity: tuple[float, ...]
     force: tuple[float, ...]
+    told: tuple[float, ...]
     trials: int
 
 
@@ -84,35 +94,56 @@ class System:
     excitation: Callable[[float], float]
 
 
-def march(system: System, scheme: Scheme, h: float, steps: int, tolerance: Tolerance) -> Iterator[Point]:
-    """Step a coupled system through time; gives the start and then the end of each step.
+class Advance(Protocol):
+    """A scheme: takes the coupled system over one step."""
+
+    def advance(self, start: Point, time: float, h: float) -> Point:
+        """Step from `time` to `time + h`; a scheme that rolls back has kept the states at `time`."""
+
+    def accept(self, point: Point) -> None:
+        """Learn that a step was taken for good."""
+
+
+def initial_point(system: System) -> Point:
+    """Give the coupled system at its start, participants initialised at time 0."""
+    count = len(system.clamps)
+    outputs = system.pipe.outputs()
+    force = tuple(clamp.outputs()[0] for clamp in system.clamps)
+    displacement, velocity = tuple(outputs[:count]), tuple(outputs[count : 2 * count])
+    return Point(0, 0.0, system.excitation(0.0), displacement, velocity, force, force, 0)
+
+
+def march(system: System, advance: Advance, h: float, steps: int) -> Iterator[Point]:
+    """Step a coupled system through time in equal steps; gives the start and then the end of each step.
 
     Args:
         system: participants that are initialised at time 0.
-        scheme: how they are coupled.
+        advance: how they are coupled.
         h: macro step, s.
         steps: how many.
-        tolerance: for the iterated scheme.
 
     Raises:
         UserError: an iterated step doesn't reach its tolerance; the message names the step.
     """
-    count = len(system.clamps)
-    outputs = system.pipe.outputs()
-    force = tuple(clamp.outputs()[0] for clamp in system.clamps)
-    point = Point(0, 0.0, system.excitation(0.0), tuple(outputs[:count]), tuple(outputs[count : 2 * count]), force, 0)
+    point = initial_point(system)
+    advance.accept(point)
     yield point
-    advance = {"parallel": _parallel, "sequential": _sequential}.get(scheme)
-    iteration = Iteration(system, tolerance)
     for index in range(1, steps + 1):
-        start = (index - 1) * h
-        point = advance(system, point, start, h) if advance else iteration.advance(point, start, h)
+        point = advance.advance(point, (index - 1) * h, h)
+        advance.accept(point)
         yield point
 
 
-def _end(
-    system: System, index: int, time: float, motion: Sequence[float], force: Sequence[float], trials: int
+def end_point(
+    system: System,
+    index: int,
+    time: float,
+    motion: Sequence[float],
+    force: Sequence[float],
+    told: Sequence[float],
+    trials: int,
 ) -> Point:
+    """Give the end of a step from the motion (displacements, then velocities) and the forces."""
     count = len(system.clamps)
     return Point(
         index,
@@ -121,11 +152,12 @@ def _end(
         tuple(motion[:count]),
         tuple(motion[count : 2 * count]),
         tuple(force),
+        tuple(told),
         trials,
     )
 
 
-def _step_clamps(system: System, motion: Sequence[float], time: float, h: float) -> list[float]:
+def step_clamps(system: System, motion: Sequence[float], time: float, h: float) -> list[float]:
     """Step each clamp to its displacement and velocity; give the forces."""
     count = len(system.clamps)
     for index, clamp in enumerate(system.clamps):
@@ -134,19 +166,49 @@ def _step_clamps(system: System, motion: Sequence[float], time: float, h: float)
     return [clamp.outputs()[0] for clamp in system.clamps]
 
 
-def _parallel(system: System, start: Point, time: float, h: float) -> Point:
-    system.pipe.set_inputs((start.excitation, *start.force))
-    system.pipe.step(time, h)
-    force = _step_clamps(system, (*start.displacement, *start.velocity), time, h)
-    return _end(system, start.index + 1, time + h, system.pipe.outputs(), force, 1)
+@dataclass(frozen=True)
+class Explicit:
+    """The parallel and the sequential scheme."""
+
+    system: System
+    sequential: bool
+
+    def advance(self, start: Point, time: float, h: float) -> Point:
+        """Take one step."""
+        system = self.system
+        system.pipe.set_inputs((start.excitation, *start.force))
+        system.pipe.step(time, h)
+        motion = system.pipe.outputs()
+        seen = motion if self.sequential else (*start.displacement, *start.velocity)
+        force = step_clamps(system, seen, time, h)
+        return end_point(system, start.index + 1, time + h, motion, force, start.force, 1)
+
+    def accept(self, point: Point) -> None:
+        """Nothing is remembered."""
 
 
-def _sequential(system: System, start: Point, time: float, h: float) -> Point:
-    system.pipe.set_inputs((start.excitation, *start.force))
-    system.pipe.step(time, h)
-    motion = system.pipe.outputs()
-    force = _step_clamps(system, motion, time, h)
-    return _end(system, start.index + 1, time + h, motion, force, 1)
+class Predictor:
+    """Guesses forces from those of the last points: the parabola through three."""
+
+    def __init__(self) -> None:
+        """Start without any."""
+        self._points: list[Point] = []
+
+    def accept(self, point: Point) -> None:
+        """Remember a point."""
+        self._points = [*self._points[-2:], point]
+
+    def forces(self, time: float) -> list[float]:
+        """Guess the forces at a time, s."""
+        known = self._points
+        weights = [
+            prod((time - other.time) / (point.time - other.time) for other in known if other is not point)
+            for point in known
+        ]
+        return [
+            sum(weight * force for weight, force in zip(weights, forces, strict=True))
+            for forces in zip(*(point.force for point in known), strict=True)
+        ]
 
 
 class Iteration:
@@ -157,7 +219,11 @@ class Iteration:
         self._system = system
         self._tolerance = tolerance
         self._solver = Solver(len(system.clamps), tolerance)
-        self._before: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+        self._predictor = Predictor()
+
+    def accept(self, point: Point) -> None:
+        """Remember a point for the next guess."""
+        self._predictor.accept(point)
 
     def advance(self, start: Point, time: float, h: float) -> Point:
         """Take one step, tried until the forces agree.
@@ -183,18 +249,15 @@ class Iteration:
             system.pipe.set_inputs((excitation, *force))
             system.pipe.step(time, h)
             motion = system.pipe.outputs()
-            return _step_clamps(system, motion, time, h)
+            return step_clamps(system, motion, time, h)
 
-        second, third = self._before or (start.force, start.force)
-        self._before = (start.force, second)
-        # The parabola through the last three; Broyden's method needs a trial less than from a straight line.
-        guess = [3 * (a - b) + c for a, b, c in zip(start.force, second, third, strict=True)]
         try:
-            force = self._solver.solve(answer, guess)
+            # Broyden's method needs a trial less from a parabola than from a straight line.
+            force = self._solver.solve(answer, self._predictor.forces(time + h))
         except NotFoundError as error:
             raise UserError(
                 f"step {start.index + 1} (t = {time + h:.6g} s): the forces of pipe and clamps don't agree after "
                 f"{trials} trials: they differ by {error.error:.1e} of the largest force, expected at most "
                 f"{self._tolerance.relative:.1e}; use a smaller step_s or more max_iterations"
             ) from error
-        return _end(system, start.index + 1, time + h, motion, force, trials)
+        return end_point(system, start.index + 1, time + h, motion, force, force, trials)

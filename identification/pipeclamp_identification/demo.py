@@ -23,8 +23,9 @@ from pipeclamp_identification.bundled_campaigns import bundled_campaign
 from pipeclamp_identification.campaign import Campaign, read_campaign
 from pipeclamp_identification.compare import Comparison, compare
 from pipeclamp_identification.comparison_report import how_much, loops_section, map_section
-from pipeclamp_identification.cosim import CosimResult, run_system, write_result
+from pipeclamp_identification.cosim import run_system
 from pipeclamp_identification.cosim_report import cosim_sections
+from pipeclamp_identification.cosim_result import CosimResult, write_result
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.identify_report import identification_sections
 from pipeclamp_identification.metrics_report import metrics_sections

@@ -41,6 +41,15 @@ class EnergyBalance:
         return self.clamps_received - self.delivered
 
     @property
+    def coupling_share(self) -> float:
+        """Largest energy that the coupling has made or destroyed, as a share of what the excitation has moved.
+
+        What it has moved to and fro counts, so that a motion without loss has a measure too.
+        """
+        moved = float(np.abs(np.diff(self.excitation)).sum())
+        return float(np.abs(self.coupling).max()) / moved if moved > 0 else 0.0
+
+    @property
     def unexplained(self) -> Array:
         """What is left of the balance: rounding, where the pipe keeps its own books exactly."""
         given = self.excitation + self.coupling

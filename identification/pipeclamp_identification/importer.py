@@ -84,6 +84,7 @@ class LoadedFmu:
             for variable in description.modelVariables
         }
         self.can_roll_back = bool(description.coSimulation.canGetAndSetFMUstate)
+        self.has_derivatives = bool(description.coSimulation.providesDirectionalDerivative)
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = fmi2CallbackLoggerTYPE(self.messages)
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -213,6 +214,16 @@ class FmuParticipant:
         """Give all coupled outputs."""
         self._slave.fmi2GetReal(self._component, self._outputs, len(self._outputs), self._output_values)
         return self._output_values[:]  # type: ignore[no-any-return]
+
+    def slopes(self) -> tuple[float, float] | None:
+        """Give the first output's derivatives by the first two inputs, where the FMU provides them."""
+        if not self._fmu.has_derivatives:
+            return None
+        by = [
+            self._slave.getDirectionalDerivative([self._outputs[0]], [reference], [1.0])[0]
+            for reference in self._inputs[:2]
+        ]
+        return by[0], by[1]
 
     def watched(self) -> list[float]:
         """Give the watched outputs."""

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from pipeclamp.toml_file import Name, Number, Positive, Table, read_table
-from pipeclamp_identification.coupling import Scheme
+from pipeclamp_identification.coupling import ROLLS_BACK, Scheme
 
 LawMode = Literal["given", "solved", "tracked"]
 
@@ -95,16 +95,27 @@ class ExcitationTable(Table):
 
 
 class RunTable(Table):
-    """How to run: until when, in which macro steps, coupled how, to which tolerance."""
+    """How to run: until when, in which macro steps, coupled how, to which tolerance.
+
+    With `energy_tolerance` the macro step follows the energy that the coupling makes, as a share of what is exchanged;
+    `step_s` is then the longest. A result whose coupling made more than `trusted_share` of all the energy is
+    marked.
+    """
 
     stop_s: Positive
     step_s: Positive
     scheme: Scheme = "iterated"
     tolerance: Annotated[Positive, Field(lt=0.1)] = 1e-6
     max_iterations: Annotated[int, Field(strict=True, ge=2, le=10_000)] = 60
+    energy_tolerance: Annotated[Positive, Field(lt=1)] | None = None
+    trusted_share: Annotated[Positive, Field(lt=1)] = 0.02
 
     @model_validator(mode="after")
     def _sensible(self) -> Self:
+        if self.energy_tolerance is not None and self.scheme not in ROLLS_BACK:
+            raise ValueError(
+                f"energy_tolerance needs a scheme that rolls back; expected {' or '.join(sorted(ROLLS_BACK))}"
+            )
         if self.step_s > self.stop_s:
             raise ValueError(f"step_s = {self.step_s:g} is longer than stop_s = {self.stop_s:g}")
         if self.stop_s / self.step_s > MOST_STEPS:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
+import zipfile
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from math import pi
@@ -19,7 +20,9 @@ from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp_fmu.build import build_clamp, build_pipe
-from pipeclamp_identification.cosim import CosimResult, run_system, write_result
+from pipeclamp_identification.cosim import run_system
+from pipeclamp_identification.cosim_report import cosim_sections
+from pipeclamp_identification.cosim_result import CosimResult, write_result
 from pipeclamp_identification.divergence import IMPOSSIBLE
 from pipeclamp_identification.excitation import excitation_signal
 from pipeclamp_identification.monolithic import MonolithicResult, clamp_equations, solve_monolithic
@@ -140,13 +143,15 @@ def largest_error(result: CosimResult, exact: MonolithicResult) -> float:
     return float(np.abs(ours - exact.displacement).max() / np.abs(exact.displacement).max())
 
 
+@pytest.mark.parametrize("scheme", ["implicit", "iterated"])
 @pytest.mark.parametrize("temperature", [20.0, 300.0])
 @pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_iterated_amplitude_at_resonance_is_the_monolithic_one(bench: Path, law: str, temperature: float) -> None:
+def test_amplitude_at_resonance_is_the_monolithic_one(bench: Path, law: str, temperature: float, scheme: str) -> None:
     stiffness = {"soft": SOFT, "stiff": STIFF}[law]["k10"] * ((temperature + 273.15) / 293.15) ** -0.3
     frequency = round(resonance(bench, stiffness), 3)
     file = write_system(
         bench,
+        scheme,
         laws={"clamp1": f'fmu = "{law}.fmu"'},
         frequency=frequency,
         acceleration={"soft": 3.0, "stiff": 4.0}[law],
@@ -174,7 +179,7 @@ def smooth_reference(bench: Path) -> MonolithicResult:
     return reference(write_system(bench, step=FINE, stop=0.3), ("smooth",), tolerance=1e-10)
 
 
-@pytest.mark.parametrize(("scheme", "order"), [("parallel", 1), ("sequential", 1), ("iterated", 2)])
+@pytest.mark.parametrize(("scheme", "order"), [("parallel", 1), ("sequential", 1), ("implicit", 2), ("iterated", 2)])
 def test_each_scheme_s_error_falls_at_its_order(
     bench: Path, smooth_reference: MonolithicResult, scheme: str, order: int
 ) -> None:
@@ -225,6 +230,61 @@ def test_the_energy_balance_closes_and_names_what_the_coupling_made(bench: Path)
     # A force that comes late feeds the pipe: the later, the more; an iterated step's comes in time.
     assert made["parallel"] > 2 * made["sequential"] > 0
     assert abs(made["iterated"]) < 0.1 * made["sequential"]
+
+
+def test_the_implicit_scheme_takes_steps_that_are_far_longer_than_the_parallel_one_s(bench: Path) -> None:
+    """1 % at resonance with a clamp ten times as stiff as the pipe: `build_scripts/benchmarks/work_precision.py`."""
+    frequency = round(resonance(bench, STIFF["k10"]), 3)
+    laws = {"clamp1": 'fmu = "stiff.fmu"'}
+    errors = {}
+    for scheme, parts in (("implicit", 40), ("parallel", 20 * 40)):
+        file = write_system(bench, scheme, laws, frequency, 4.0, 0.3, stop=15 / frequency, step=1 / (parts * frequency))
+        errors[scheme] = largest_error(run_system(file), reference(file, ("stiff",)))
+    assert errors["implicit"] < 0.01 < errors["parallel"]
+
+
+def test_a_result_whose_coupling_makes_energy_is_marked_everywhere(bench: Path, tmp_path: Path) -> None:
+    laws = {"clamp1": 'fmu = "soft.fmu"'}
+    marked = run_system(write_system(bench, "parallel", laws, step=2.5e-3))
+    assert not marked.trusted
+    assert f"NOT TO BE TRUSTED: the coupling itself made {marked.coupling_share:.1%}" in marked.summary()
+    write_result(marked, tmp_path / "marked.csv")
+    assert set(pl.read_csv(tmp_path / "marked.csv")["trusted [1 yes, 0 no]"]) == {0.0}
+    titles = [figure.layout.title.text for section in cosim_sections(marked) for figure in section.figures]
+    assert titles
+    assert all("NOT TO BE TRUSTED" in title for title in titles)
+    for more in ("", "trusted_share = 0.9\n"):
+        scheme = "parallel" if more else "implicit"
+        fine = run_system(write_system(bench, scheme, laws, step=2.5e-3, more=more))
+        assert fine.trusted
+        assert "TRUSTED" not in fine.summary()
+
+
+def test_an_energy_tolerance_controls_the_macro_step(bench: Path) -> None:
+    laws = {"clamp1": 'fmu = "soft.fmu"'}
+    shares = []
+    for tolerance in (1e-2, 1e-3):
+        more = f"energy_tolerance = {tolerance}\n"
+        result = run_system(write_system(bench, "implicit", laws, step=8e-3, stop=0.6, more=more))
+        assert result.time[-1] == pytest.approx(0.6)
+        assert np.ptp(np.diff(result.time)) > 0
+        assert result.coupling_share < tolerance
+        shares.append(result.coupling_share)
+    assert shares[1] < shares[0]
+
+
+def test_an_fmu_without_roll_back_gets_the_best_scheme_that_it_allows(bench: Path) -> None:
+    with zipfile.ZipFile(bench / "smooth.fmu") as whole, zipfile.ZipFile(bench / "stuck.fmu", "w") as stuck:
+        for entry in whole.namelist():
+            content = whole.read(entry)
+            if entry == "modelDescription.xml":
+                content = content.replace(b'canGetAndSetFMUstate="true"', b'canGetAndSetFMUstate="false"')
+            stuck.writestr(entry, content)
+    laws = {"clamp1": 'fmu = "stuck.fmu"'}
+    result = run_system(write_system(bench, "implicit", laws))
+    assert result.scheme == "sequential"
+    assert result.warnings[0].startswith("clamp1 can't save and restore a state: coupled by 'sequential'")
+    assert np.array_equal(result.columns["clamp1.s"], run_system(write_system(bench, "sequential")).columns["clamp1.s"])
 
 
 @pytest.mark.parametrize(("scheme", "step"), [("parallel", 5e-3), ("parallel", 2e-3), ("sequential", 5e-3)])

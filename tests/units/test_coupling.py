@@ -14,8 +14,11 @@ from pipeclamp.errors import UserError
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_identification.broyden import Tolerance
-from pipeclamp_identification.coupling import ORDER, Scheme, System, march
+from pipeclamp_identification.coupling import ORDER, ROLLS_BACK, Iteration, Point, Scheme, System, march
+from pipeclamp_identification.implicit_coupling import LinearlyImplicit
 from pipeclamp_identification.monolithic import ClampEquations, solve_monolithic
+from pipeclamp_identification.schemes import advance_of
+from pipeclamp_identification.step_control import energy_error, march_controlled
 
 PIPE = """
 name = "bench"
@@ -92,6 +95,9 @@ class PlainPipe:
     def restore(self) -> None:
         self.state = self.saved
 
+    def slopes(self) -> None:
+        return None
+
 
 class PlainClamp:
     """A clamp's equations as a participant."""
@@ -118,6 +124,9 @@ class PlainClamp:
 
     def restore(self) -> None:
         self.state = self.saved
+
+    def slopes(self) -> None:
+        return None
 
 
 def smooth(k1: float, k3: float, c: float) -> ClampEquations:
@@ -153,14 +162,15 @@ def excitation(frequency: float) -> Callable[[float], float]:
 
 
 def coupled(clamps: Sequence[ClampEquations], scheme: Scheme, frequency: float) -> System:
-    pipe = PlainPipe(reduced(len(clamps)), len(clamps), scheme == "iterated")
+    pipe = PlainPipe(reduced(len(clamps)), len(clamps), scheme in ROLLS_BACK)
     return System(pipe, tuple(PlainClamp(clamp) for clamp in clamps), excitation(frequency))
 
 
 def error(clamps: Sequence[ClampEquations], scheme: Scheme, end: float, steps: int, frequency: float) -> float:
     """Give the largest error of a displacement against the monolithic solution, as a share of the largest one."""
     h = end / steps
-    points = list(march(coupled(clamps, scheme, frequency), scheme, h, steps, Tolerance(1e-9, 200)))
+    system = coupled(clamps, scheme, frequency)
+    points = list(march(system, advance_of(scheme, system, Tolerance(1e-9, 200)), h, steps))
     ours = np.array([point.displacement for point in points])
     time = np.arange(steps + 1) * h
     exact = solve_monolithic(reduced(len(clamps)), clamps, excitation(frequency), time, 1e-10).displacement
@@ -173,7 +183,7 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("scheme", ["parallel", "sequential", "iterated"])
+@pytest.mark.parametrize("scheme", ORDER)
 @pytest.mark.parametrize("laws", LAWS)
 def test_error_falls_with_the_macro_step_at_the_stated_order(laws: str, scheme: Scheme) -> None:
     clamps, end, frequency = LAWS[laws]
@@ -182,6 +192,7 @@ def test_error_falls_with_the_macro_step_at_the_stated_order(laws: str, scheme: 
     assert fine < {1: 0.12, 2: 2e-4}[ORDER[scheme]]
 
 
+@pytest.mark.parametrize("scheme", ["implicit", "iterated"])
 @pytest.mark.parametrize(
     ("clamps", "limit"),
     [
@@ -192,14 +203,52 @@ def test_error_falls_with_the_macro_step_at_the_stated_order(laws: str, scheme: 
         ([smooth(20_000.0, 0.0, 0.1)], 0.02),  # a thousand times as stiff as the pipe
     ],
 )
-def test_steep_and_stiff_laws_converge(clamps: list[ClampEquations], limit: float) -> None:
-    assert error(clamps, "iterated", 0.3, 900, 15.0) < limit
+def test_steep_and_stiff_laws_converge(clamps: list[ClampEquations], limit: float, scheme: Scheme) -> None:
+    assert error(clamps, scheme, 0.3, 900, 15.0) < {"implicit": 1.5, "iterated": 1.0}[scheme] * limit
+
+
+def test_a_linear_clamp_takes_two_trials_however_stiff() -> None:
+    system = coupled([smooth(300.0, 0.0, 0.1)], "implicit", 15.0)
+    points = list(march(system, LinearlyImplicit(system), 1e-3, 200))
+    assert {point.trials for point in points[1:]} == {2}
+    peak = max(abs(point.force[0]) for point in points)
+    assert max(abs(point.told[0] - point.force[0]) for point in points[1:]) < 1e-6 * peak
+
+
+@pytest.mark.parametrize("scheme", ["implicit", "iterated"])
+def test_steps_follow_the_energy_that_the_coupling_makes(scheme: Scheme) -> None:
+    clamps, stop = [dry(300.0, 30.0)], 0.4
+    errors, counts = [], []
+    for tolerance in (1e-3, 1e-4):
+        system = coupled(clamps, scheme, 15.0)
+        advance = advance_of(scheme, system, Tolerance(1e-9, 200))
+        points = list(march_controlled(system, advance, 4e-3, stop, tolerance))
+        time = np.array([point.time for point in points])
+        assert time[-1] == pytest.approx(stop, rel=1e-12)
+        steps = np.diff(time)
+        assert steps.max() >= 4 * steps[:-1].min()  # short where the friction turns
+        exact = solve_monolithic(reduced(1), clamps, excitation(15.0), time, 1e-9).displacement[:, 0]
+        ours = np.array([point.displacement[0] for point in points])
+        errors.append(np.abs(ours - exact).max() / np.abs(exact).max())
+        counts.append(len(points))
+    assert errors[0] < 0.005
+    assert errors[1] < 0.6 * errors[0]
+    assert counts[0] < counts[1] < 5 * counts[0]
+
+
+def test_the_energy_error_of_a_step_is_what_pipe_and_clamp_don_t_agree_on() -> None:
+    start = Point(0, 0.0, 0.0, (0.0,), (0.01,), (5.0,), (5.0,), 0)
+    end = Point(1, 1e-3, 0.0, (1e-5,), (0.01,), (6.0,), (6.0,), 2)
+    assert energy_error(start, end) == (pytest.approx(0.0, abs=1e-18), pytest.approx(0.06))
+    late = Point(1, 1e-3, 0.0, (1e-5,), (0.01,), (6.0,), (4.0,), 2)
+    assert energy_error(start, late)[0] == pytest.approx((6.0 - 4.0) / 2 * 1e-5)
 
 
 def test_few_trials_are_needed_where_plain_repetition_would_diverge() -> None:
     """Over one step the clamp is stiffer than the pipe, so that f := clamps(pipe(f)) would grow."""
     clamps = [smooth(20_000.0, 0.0, 0.1)]
-    points = list(march(coupled(clamps, "iterated", 15.0), "iterated", 1e-3, 200, Tolerance()))
+    system = coupled(clamps, "iterated", 15.0)
+    points = list(march(system, Iteration(system, Tolerance()), 1e-3, 200))
     assert np.mean([point.trials for point in points[1:]]) < 4
 
     system = coupled(clamps, "iterated", 15.0)
@@ -220,10 +269,11 @@ def test_few_trials_are_needed_where_plain_repetition_would_diverge() -> None:
 def test_a_step_that_does_not_converge_is_named() -> None:
     system = coupled([dry(300.0, 300.0)], "iterated", 15.0)
     with pytest.raises(UserError, match=r"step \d+ \(t = .* s\).*2 trials.*smaller step_s"):
-        list(march(system, "iterated", 1e-3, 300, Tolerance(1e-12, 2)))
+        list(march(system, Iteration(system, Tolerance(1e-12, 2)), 1e-3, 300))
 
 
 def test_no_clamps_is_the_bare_pipe() -> None:
     pipe = reduced(2)
-    system = System(PlainPipe(pipe, 0, True), (), excitation(10.0))
-    assert list(march(system, "iterated", 1e-3, 5, Tolerance()))[-1].force == ()
+    for scheme in ORDER:
+        system = System(PlainPipe(pipe, 0, scheme in ROLLS_BACK), (), excitation(10.0))
+        assert list(march(system, advance_of(scheme, system, Tolerance()), 1e-3, 5))[-1].force == ()
