@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from pipeclamp_identification.cycles import Cycles, find_cycles
 from pipeclamp_identification.description import CampaignDescription, read_description
 from pipeclamp_identification.records import Record, UnusableRecord, check_samples, read_record
 from pipeclamp_identification.runs_table import RunRow, read_runs_table
+from pipeclamp_identification.smoothing import Smoothing, find_smoothing
 
 # threads that read records: more than most machines' cores for it, because each also waits for the disk
 READERS = 4
@@ -51,7 +52,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Campaign:
-    """The loop tests of one clamp: the usable runs in runs.csv's order, and those that were left out."""
+    """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed."""
 
     name: str
     notes: str
@@ -59,6 +60,7 @@ class Campaign:
     runs: tuple[Run, ...]
     left_out: tuple[LeftOut, ...]
     condition_columns: tuple[str, ...]
+    smoothing: Smoothing = field(default_factory=Smoothing)
 
 
 def read_campaign(folder: Path, strict: bool = False) -> Campaign:
@@ -101,6 +103,7 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
         runs=runs,
         left_out=left_out,
         condition_columns=table.condition_columns,
+        smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
     )
 
 

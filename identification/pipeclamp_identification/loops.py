@@ -24,6 +24,7 @@ from pipeclamp_identification.harmonics import (
     unit_phasor,
 )
 from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
+from pipeclamp_identification.smoothing import gain
 
 HARMONICS = 20
 
@@ -41,6 +42,10 @@ JUMP = 6.0
 PHASE_BINS = 24
 # a harmonic drifts when scatter alone would make so steady a change from cycle to cycle less often than this
 DRIFT_BY_CHANCE = 1e-4
+
+
+LEAST_GAIN = 0.3
+"""Harmonics of the displacement of which a moving average left less than this are lost."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +91,8 @@ class Loops:
     """R arrays (cycles, H + 1) N, turned likewise."""
     phases: tuple[Array, ...] = ()
     """R arrays (samples,) rad: where in the cycle each steady sample lies; none for rows that are single cycles."""
+    force_average: float = 0.0
+    """Share of the period over which the force was averaged before it was recorded."""
 
     @property
     def noise_nrmse(self) -> float:
@@ -120,7 +127,7 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
     Returns:
         One row per usable run, in the campaign's order.
     """
-    loops = [_run_loop(run, harmonics) for run in campaign.runs]
+    loops = [_run_loop(run, harmonics, campaign.smoothing.displacement) for run in campaign.runs]
     runs = campaign.runs
     displacement = np.stack([loop.displacement for loop in loops])
     return Loops(
@@ -146,6 +153,7 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
         displacement_per_cycle=tuple(loop.displacement_per_cycle for loop in loops),
         force_per_cycle=tuple(loop.force_per_cycle for loop in loops),
         phases=tuple(loop.phase for loop in loops),
+        force_average=campaign.smoothing.force,
     )
 
 
@@ -182,6 +190,7 @@ def per_cycle(loops: Loops) -> Loops:
         cycles=tuple(np.concatenate(loops.cycles)[:, None]),
         displacement_per_cycle=tuple(displacement[:, None, :]),
         force_per_cycle=tuple(np.concatenate(loops.force_per_cycle)[:, None, :]),
+        force_average=loops.force_average,
     )
 
 
@@ -227,7 +236,7 @@ def _kelvin(run: Run) -> float:
     return math.nan if run.temperature_C is None else run.temperature_C - ABSOLUTE_ZERO_C
 
 
-def _run_loop(run: Run, harmonics: int) -> _RunLoop:
+def _run_loop(run: Run, harmonics: int, average: float) -> _RunLoop:
     record, cycles = run.record, run.cycles
     y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
     phase = cycles.phase(record)
@@ -237,6 +246,9 @@ def _run_loop(run: Run, harmonics: int) -> _RunLoop:
     # each cycle has its own phase: a drive that wanders in phase doesn't smear the mean loop
     lag = np.angle(fitted[0, :, 1])
     fitted *= np.exp(-1j * lag[:, None] * np.arange(count + 1))
+    # the clamp saw the displacement before it was averaged; what an average leaves little of isn't brought back
+    left = gain(average, np.arange(count + 1))
+    fitted[0] *= np.where(left > LEAST_GAIN, 1 / np.maximum(left, LEAST_GAIN), 0.0)
     mean_displacement, mean_force = np.mean(fitted, axis=1)
     own_phase = phase + np.repeat(lag - 2 * np.pi * np.arange(cycles.count), np.diff(bounds))
     order = np.argsort(own_phase, kind="stable")

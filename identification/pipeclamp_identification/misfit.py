@@ -15,6 +15,7 @@ from pipeclamp_identification.campaign import Campaign, Run
 from pipeclamp_identification.harmonics import cycle_harmonics
 from pipeclamp_identification.loops import Loops, on_grid, per_cycle
 from pipeclamp_identification.observations import loop_motion
+from pipeclamp_identification.smoothing import averaged
 
 FINE_SAMPLES = 2048
 """Points of the cycle between which a law's loop is interpolated to the record's samples: the step that friction makes
@@ -89,10 +90,13 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
 
 
 def force_of_rows(law: Law, loops: Loops, samples: int = FINE_SAMPLES) -> Array:
-    """Give the law's force on loops, rows that are adrift moved to the measured mean, N, shape (R, samples)."""
+    """Give the law's force on loops as the records would show it, N, shape (R, samples).
+
+    Rows that are adrift are moved to the measured mean; a moving average that the records went through is repeated.
+    """
     response = law_response(law, loop_motion(loops, samples))
     shift = loops.force[:, 0].real - np.mean(response.force, axis=1)
-    return response.force + np.where(response.adrift, shift, 0.0)[:, None]
+    return averaged(response.force + np.where(response.adrift, shift, 0.0)[:, None], loops.force_average)
 
 
 def _refuse_unknown(law: Law, loops: Loops, force: Array) -> None:

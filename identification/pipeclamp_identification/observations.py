@@ -17,6 +17,7 @@ from pipeclamp.one_thread import one_thread
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response
 from pipeclamp_identification.loops import Loops, displacement_on_grid, on_grid
+from pipeclamp_identification.smoothing import averaged
 
 FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
@@ -94,20 +95,19 @@ def sampled_transform(phase: Array, samples: int, count: int) -> Array:
 
 
 def _transforms(loops: Loops) -> Array | None:
-    """Give each run's own transform, shape (R, n, m), where a run has few samples a cycle; None where none has."""
+    """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
     few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=False)]
-    if not any(few):
+    if not any(few) and not loops.force_average:
         return None
     count = loops.force.shape[1] - 1
     plain = harmonics_of(np.eye(SAMPLES), count)
-    own = np.empty((len(loops.run), SAMPLES, 2 * count + 1))
+    own = np.tile(plain, (len(loops.run), 1, 1))
     with one_thread():
-        for row, phase in enumerate(loops.phases):
+        for row in np.flatnonzero(few):
             carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
-            own[row] = plain
-            if few[row]:
-                own[row, :, : 2 * carried + 1] = sampled_transform(phase, SAMPLES, carried)
-    return own
+            own[row, :, : 2 * carried + 1] = sampled_transform(loops.phases[row], SAMPLES, carried)
+    # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
+    return averaged(own, loops.force_average, axis=1)
 
 
 def _chosen(response: Response, parameters: Rows) -> Array:
