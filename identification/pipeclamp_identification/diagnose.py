@@ -12,7 +12,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.law import Structure
 from pipeclamp_identification.add import with_effect
 from pipeclamp_identification.evidence import LackOfFit
-from pipeclamp_identification.fit import Progress
+from pipeclamp_identification.fit import Progress, linearised, starting_points
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.problem import Contender, Judged, Problem, judge, judge_each, prepare, weighed_for
@@ -42,8 +42,10 @@ WORTH_FITTING = 0.01
 PAIRED = 3
 """Best candidates that are tried together with a second effect, where one alone doesn't explain."""
 FEWEST_RUNS = 4
+MOST_ELEMENTS = 3
+"""Slip elements up to which a spread of slip forces is resolved."""
 ABOUT_AS_WELL = 10.0
-"""Difference in whitened squares that is no reason for a further slip element."""
+"""Difference in squares on left-out groups that is no reason for a further slip element."""
 
 
 @dataclass(frozen=True)
@@ -152,40 +154,33 @@ def _candidates(
     chosen = [promise for promise in promises if effect_id(promise.name) in ids and promise.gain >= worth]
     left = {promise.name: promise.gain / top if top > 0 else 0.0 for promise in promises if promise not in chosen}
     contenders = [Contender((promise.name,), with_effect(structure, promise.name), promise.start) for promise in chosen]
-    judged = judge_each(contenders, problem, jobs, tell)
-    return _ranked(_simplest([_alive(each, structure, problem) for each in judged])), left
+    judged = _ranked(judge_each(contenders, problem, jobs, tell))
+    return _ranked([*(_grown(each, structure, problem, tell) for each in judged[:PAIRED]), *judged[PAIRED:]]), left
 
 
-def _simplest(judged: Sequence[Judged]) -> list[Judged]:
-    """Keep of each id, of several numbers of elements, the smallest that does about as well as the best."""
-    best: dict[str, float] = {}
-    for candidate in judged:
-        name = effect_id(candidate.effects[-1])
-        best[name] = min(best.get(name, np.inf), candidate.squares)
-    kept: dict[str, Judged] = {}
-    for candidate in sorted(judged, key=lambda candidate: len(candidate.result.fitted)):
-        name = effect_id(candidate.effects[-1])
-        if name not in kept and candidate.squares <= best[name] + ABOUT_AS_WELL:
-            kept[name] = candidate
-    return list(kept.values())
-
-
-def _alive(judged: Judged, structure: Structure, problem: Problem) -> Judged:
-    """Give a law of several slip elements without those that came out dead, refitted from the living ones."""
-    name = judged.effects[-1]
-    states = len(structure.effect(name).states)
-    if effect_id(name) != "memory" or states < 2:
-        return judged
-    values = judged.result.law.values
-    living = [index for index in range(1, states + 1) if f"k_s{index}" not in judged.result.at_bound]
-    if len(living) in (0, states):
-        return judged
-    smaller = "memory" if len(living) == 1 else f"memory:{len(living)}"
-    start = dict(values)
-    for place, index in enumerate(living, 1):
-        suffix = "" if len(living) == 1 else str(place)
-        start |= {f"k_s{suffix}": values[f"k_s{index}"], f"z_s{suffix}": values[f"z_s{index}"]}
-    return judge((*judged.effects[:-1], smaller), with_effect(structure, smaller), start, problem)
+def _grown(judged: Judged, structure: Structure, problem: Problem, tell: Callable[[str], None]) -> Judged:
+    """Give a law with slip elements as many of them as the data asks for: one more while each does clearly better."""
+    name = next((name for name in judged.effects if effect_id(name) == "memory"), None)
+    count = len(structure.effect(name).states) if name else MOST_ELEMENTS
+    while name and count < MOST_ELEMENTS:
+        count += 1
+        more = f"memory:{count}"
+        effects = tuple(more if effect == name else effect for effect in judged.effects)
+        tell(f"fit {' and '.join(effects)}")
+        larger = structure
+        for effect in effects:
+            larger = with_effect(larger, effect)
+        values = judged.result.law.values
+        shared = {key: value for key, value in values.items() if not key.startswith(("k_s", "z_s"))}
+        start = min(
+            starting_points(larger, problem.observations, shared),
+            key=lambda point: linearised(larger, problem.observations, point).cost_after_one_step(),
+        )
+        grown = judge(effects, larger, start, problem)
+        if grown.objections or grown.squares > judged.squares - ABOUT_AS_WELL:
+            break
+        judged, name = grown, more
+    return judged
 
 
 def _verdict(
@@ -231,7 +226,8 @@ def _explains(candidate: Judged, law: Judged, limit: float) -> bool:
 
 
 def _alone(name: str, sound: Sequence[Judged]) -> float:
-    return min((candidate.squares for candidate in sound if candidate.effects == (name,)), default=np.inf)
+    same = (candidate.squares for candidate in sound if effect_id(candidate.effects[0]) == effect_id(name))
+    return min(same, default=np.inf)
 
 
 def _best_pair(
@@ -262,7 +258,8 @@ def _best_pair(
             contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), start))
         seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
     usable = [pair for pair in judge_each(contenders, problem, jobs, tell) if not pair.objections]
-    return min(usable, key=lambda pair: pair.squares, default=None)
+    best = min(usable, key=lambda pair: pair.squares, default=None)
+    return _grown(best, structure, problem, tell) if best else None
 
 
 def _distinct(judged: Sequence[Judged]) -> list[Judged]:

@@ -55,6 +55,10 @@ class Answer:
             return "unknown"
         return self.diagnosis.verdict
 
+    def left_over(self) -> tuple[str, ...]:
+        """Say what the best law leaves over; nothing where that is scatter."""
+        return () if self.verdict == "complete" else self.leftover.words
+
     def headline(self) -> str:
         """Give the verdict in words."""
         return HEADLINES[self.verdict].format(" or ".join(self.diagnosis.effects))
@@ -120,7 +124,7 @@ def answer_json(answer: Answer) -> dict[str, Any]:
             "between": list(proposal.rivals),
             "words": proposal.words(),
         },
-        "left_over": list(answer.leftover.words),
+        "left_over": list(answer.left_over()),
         "reasons": list(diagnosis.reasons),
         "left_out": [{"run": entry.run, "reason": entry.reason} for entry in answer.comparison.campaign.left_out],
     }
@@ -180,7 +184,7 @@ def answer_sections(answer: Answer) -> list[Section]:
     sections = [
         Section("Verdict", words, [candidate_table(diagnosis)], [falling]),
         Section("Evidence", _evidence(diagnosis), _screened(diagnosis)),
-        Section("What the best law leaves over", [_sentence(word) for word in answer.leftover.words], (), [
+        Section("What the best law leaves over", [_sentence(word) for word in answer.left_over()], (), [
             curves_picture(
                 "phase / deg after the largest displacement", "residual / N",
                 [("rms over runs", answer.leftover.phase.tolist(), answer.leftover.shape.tolist(), "lines")],

@@ -130,7 +130,7 @@ def diagnosed(answer: Answer | MetricAnswer, *, with_report: bool) -> Findings:
             [metric_diagnosis_report.metric_candidate_table(answer.diagnosis)],
             [answer.headline(), *(f"  {word}" for word in answer.words()), *following],
         )
-    words = (*answer.diagnosis.reasons, *answer.leftover.words)
+    words = (*answer.diagnosis.reasons, *answer.left_over())
     return Findings(
         diagnosis_report.answer_json(answer),
         diagnosis_report.answer_sections(answer) if with_report else [],

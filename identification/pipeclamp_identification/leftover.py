@@ -15,6 +15,8 @@ from pipeclamp_identification.problem import Judged, Problem
 
 POINTS = 360
 STRONGEST = 3
+MOST_NAMED = 4
+"""Lines that are named one by one."""
 NEIGHBOURS = 30
 NEAREST = 3
 """Bins nearer to a line than this hold some of the line itself."""
@@ -64,12 +66,15 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     loop = _along_cycle(residual)
     shape = np.sqrt(np.mean(loop**2, axis=0))
     phase = 360.0 * np.arange(POINTS) / POINTS
-    lines = time_locked_lines(campaign, misfits)
+    # An average leaves noise with zeros of its own, beside which anything looks like a line.
+    smoothed = bool(campaign.smoothing.force)
+    lines = () if smoothed else time_locked_lines(campaign, misfits)
     words = [_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem)]
     if lines:
-        named = ", ".join(f"{line:.2f} Hz" for line in lines)
+        named = ", ".join(f"{line:.2f} Hz" for line in lines[:MOST_NAMED])
+        named += f" and {len(lines) - MOST_NAMED} more" if len(lines) > MOST_NAMED else ""
         words.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
-    fractions = fractional_lines(campaign, misfits)
+    fractions = () if smoothed else fractional_lines(campaign, misfits)
     if fractions:
         named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
         words.append(

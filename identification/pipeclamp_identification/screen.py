@@ -7,14 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp.catalogue import entries, find_effect
+from pipeclamp.catalogue import entries
 from pipeclamp.errors import UserError
 from pipeclamp.law import Structure, compose
 from pipeclamp_identification.add import with_effect
 from pipeclamp_identification.fit import Linearised, linearised, starting_points
 from pipeclamp_identification.problem import Judged, Problem
-
-MEMORY_SIZES = ("memory", "memory:2", "memory:3")
 
 
 def effect_id(name: str) -> str:
@@ -36,7 +34,7 @@ def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str
         if getattr(entry, "part", None) == "base" or name in ("elastic_series", "damping_series", "condition"):
             continue
         if name == "memory":
-            names += [size for size in MEMORY_SIZES if _elements(size) > _elements_present(structure)]
+            names.append(_one_more_element(structure))
         elif name not in present:
             names.append(name)
     declared = (declaration.id for declaration in structure.declared)
@@ -44,12 +42,9 @@ def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str
     return names + [name for name in further if name not in structure.effects]
 
 
-def _elements(name: str) -> int:
-    return len(find_effect(name).states)
-
-
-def _elements_present(structure: Structure) -> int:
-    return max((len(effect.states) for effect in structure.all_effects() if effect.id == "memory"), default=0)
+def _one_more_element(structure: Structure) -> str:
+    present = max((len(effect.states) for effect in structure.all_effects() if effect.id == "memory"), default=0)
+    return f"memory:{present + 1}" if present else "memory"
 
 
 @dataclass(frozen=True, eq=False)
