@@ -512,13 +512,14 @@ def told(title: str) -> Iterator[Tell]:
 
 def _read(folder: Path, strict: bool, tell: Tell) -> Campaign | MetricCampaign:
     from pipeclamp_identification.bundled_campaigns import campaign_folder
+    from pipeclamp_identification.campaign import Campaign
     from pipeclamp_identification.metric_campaign import read_tests
 
     tell(f"read {folder}")
     tests = read_tests(campaign_folder(folder), strict=strict)
     for entry in tests.left_out:
         errors.print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
-    if tests.smoothing.words():
+    if isinstance(tests, Campaign) and tests.smoothing.words():
         errors.print(f"note: {tests.smoothing.words()}", markup=False, highlight=False, soft_wrap=True)
     return tests
 
