@@ -197,14 +197,17 @@ class _Maker:
         self.declaration = declaration
         fast = [signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.a or declaration.part == "rig"]
         self.fast: Signals = {str(symbol): symbol for symbol in fast}
-        self.slow: Signals = {**SLOW, **self._conditions()}
-        self.parameters = self._own(table.symbol for table in declaration.parameters)
-        self.coefficients = self._own(table.symbol for table in declaration.coefficients)
-        self.states = self._own(table.symbol for table in declaration.states)
-        every = [*self.parameters, *self.coefficients, *self.states, *(self.slow.keys() - SLOW.keys())]
-        for name in every:
-            if every.count(name) > 1:
+        further = self._conditions()
+        self.slow: Signals = {**SLOW, **further}
+        tables = (declaration.parameters, declaration.coefficients, declaration.states)
+        own = [[table.symbol for table in group] for group in tables]
+        names = [*further, *(name for group in own for name in group)]
+        for name in names:
+            if names.count(name) > 1:
                 raise self._error(f"the name {name!r} is used twice; expected different names")
+        self.parameters, self.coefficients, self.states = (
+            {name: sp.Symbol(name, real=True) for name in group} for group in own
+        )
 
     def effect(self) -> Effect:
         declaration, slow = self.declaration, {**self.slow, **self.parameters, **FIXED}
@@ -266,13 +269,6 @@ class _Maker:
                 raise self._error(f"conditions: {column!r} can't stand in an expression; rename the column")
             found[name] = symbols.condition_symbol(column)
         return found
-
-    def _own(self, names: Iterable[str]) -> Signals:
-        listed = list(names)
-        for name in listed:
-            if listed.count(name) > 1:
-                raise self._error(f"the name {name!r} is used twice; expected different names")
-        return {name: sp.Symbol(name, real=True) for name in listed}
 
     def _parameter(self, table: ParameterTable) -> Parameter:
         place = f"parameters, {table.symbol}"

@@ -144,7 +144,7 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
     """Compose the equations of a structure from the effects of the given parts.
 
     Raises:
-        UserError: two effects use one symbol, or a modifier finds nothing to scale.
+        UserError: two effects use one symbol or one path, or a modifier finds nothing to scale.
     """
     effects = tuple(effect for effect in structure.all_effects() if effect.part in parts)
     _refuse_clashes(effects)
@@ -171,7 +171,13 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
             else:
                 coefficients[index] = replace(entry, expression=entry.expression * factor)
     in_series: dict[sp.Symbol, sp.Expr] = {symbols.x: symbols.y}
-    in_series |= {signal: path for effect in effects for signal, path in effect.replaces.items()}
+    paths = [effect for effect in effects if effect.replaces]
+    if len(paths) > 1:
+        raise UserError(
+            f"effects {' and '.join(repr(effect.name) for effect in paths)} both stand in series with the elastic path; "
+            "leave one out"
+        )
+    in_series |= {signal: path for effect in paths for signal, path in effect.replaces.items()}
 
     def whole(expression: sp.Expr) -> sp.Expr:
         return expression.xreplace(fast_factors).xreplace(in_series)

@@ -115,6 +115,12 @@ def test_a_symbol_of_the_law_is_refused():
         compose(Structure(effects=("stop",), declared=(clash,)))
 
 
+def test_a_second_effect_in_series_is_refused():
+    second = declared(GOOD.replace('force = "k_b * max(y - y_b, 0)"', 'path = "k_b * max(y - y_b, 0)"'))
+    with pytest.raises(UserError, match="'gap' and 'stop' both stand in series"):
+        compose(Structure(effects=("gap", "stop"), declared=(second,)))
+
+
 def law_with(declaration: Declaration) -> dict:
     """The bundled law's file with an effect that the reader has to find in the file itself."""
     content = json.loads(law_text(open_law("emwm2")))
