@@ -173,10 +173,8 @@ def compose(structure: Structure, parts: tuple[Part, ...] = ("base", "clamp", "r
     in_series: dict[sp.Symbol, sp.Expr] = {symbols.x: symbols.y}
     paths = [effect for effect in effects if effect.replaces]
     if len(paths) > 1:
-        raise UserError(
-            f"effects {' and '.join(repr(effect.name) for effect in paths)} both stand in series with the elastic path; "
-            "leave one out"
-        )
+        names = " and ".join(repr(effect.name) for effect in paths)
+        raise UserError(f"effects {names} both stand in series with the elastic path; leave one out")
     in_series |= {signal: path for effect in paths for signal, path in effect.replaces.items()}
 
     def whole(expression: sp.Expr) -> sp.Expr:
