@@ -134,6 +134,7 @@ def _candidate_json(candidate: Judged, diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "effect": " + ".join(candidate.effects),
         "heldout_nrmse": candidate.heldout_nrmse,
+        "heldout_by": dict(candidate.heldout_by),
         "lack_of_fit": candidate.lack.share,
         "explained": explained(candidate, diagnosis),
         "objections": list(candidate.objections),
@@ -155,17 +156,26 @@ def explained(candidate: Judged, diagnosis: Diagnosis) -> float:
 def candidate_table(diagnosis: Diagnosis) -> Table:
     """Give the candidates, best first."""
     judged = [*diagnosis.candidates, *([diagnosis.pair] if diagnosis.pair else [])]
-    rows = [
+    law = diagnosis.law
+    rows: list[tuple[str | float, ...]] = [
         (
             " + ".join(candidate.effects),
             100 * candidate.heldout_nrmse,
+            *(100 * error for error in candidate.heldout_by.values()),
             100 * explained(candidate, diagnosis),
             "; ".join(candidate.objections) or "–",
         )
         for candidate in sorted(judged, key=lambda candidate: candidate.squares)
     ]
-    rows.append(("law as it is", 100 * diagnosis.law.heldout_nrmse, 0.0, "–"))
-    header = ("with", "error on left-out conditions / %", "of the lack of fit explained / %", "speaks against it")
+    further = (100 * error for error in law.heldout_by.values())
+    rows.append(("law as it is", 100 * law.heldout_nrmse, *further, 0.0, "–"))
+    header = (
+        "with",
+        "error on left-out A, f / %",
+        *(f"on left-out {name} / %" for name in law.heldout_by),
+        "of the lack of fit explained / %",
+        "speaks against it",
+    )
     return Table(header, rows, "every candidate refitted jointly with the law")
 
 

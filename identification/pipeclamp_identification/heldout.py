@@ -10,16 +10,17 @@ import numpy.typing as npt
 from pipeclamp.law import Law
 from pipeclamp.response import law_response
 from pipeclamp_identification.fit import fit
+from pipeclamp_identification.levels import number_levels
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.observations import LoopObservations, Rows
 
 FOLDS = 8
+SAME = 0.05
+"""Conditions closer than this share of each other count as the same: drives never hit their set points."""
 
 
 def condition_groups(amplitude: npt.ArrayLike, frequency: npt.ArrayLike) -> npt.NDArray[np.intp]:
     """Give each run the number of its (amplitude, frequency) group.
-
-    Conditions within 5 % of each other count as the same: drives never hit their set points.
 
     Args:
         amplitude: mm, shape (R,).
@@ -32,7 +33,26 @@ def condition_groups(amplitude: npt.ArrayLike, frequency: npt.ArrayLike) -> npt.
     return np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
 
 
-def _levels(values: npt.NDArray[np.float64], within: float = 0.05) -> npt.NDArray[np.intp]:
+def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
+    """Give other ways to leave runs out: by temperature, specimen or further condition, each run's group by name.
+
+    A condition needs three levels: what it does can't be foretold from one.
+    """
+    conditions = {"temperature": loops.temperature_K, "density": loops.density_g_cm3, **loops.conditions}
+    groups = {}
+    for name, values in conditions.items():
+        levels = number_levels(values, relative=SAME)
+        if len(levels) >= 3:
+            groups[name] = np.empty(len(values), dtype=np.intp)
+            for number, level in enumerate(levels):
+                groups[name][level.rows] = number
+    specimens = np.unique([name or "" for name in loops.specimen], return_inverse=True)[1]
+    if specimens.max() > 0:
+        groups["specimen"] = specimens.astype(np.intp)
+    return groups
+
+
+def _levels(values: npt.NDArray[np.float64], within: float = SAME) -> npt.NDArray[np.intp]:
     """Number the levels of positive values; neighbours that differ by less than a share belong together."""
     order = np.argsort(values)
     steps = np.diff(np.log(values[order])) > within

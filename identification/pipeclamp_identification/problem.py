@@ -21,7 +21,7 @@ from pipeclamp_identification.evidence import (
     whitened,
 )
 from pipeclamp_identification.fit import Fit, fit
-from pipeclamp_identification.heldout import condition_groups
+from pipeclamp_identification.heldout import condition_groups, further_groups
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import Loops, per_cycle
 from pipeclamp_identification.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
@@ -43,6 +43,7 @@ class Problem:
         noise: the noise model.
         smooth: smooth functions of the conditions, (R, q).
         groups: (amplitude, frequency) group of each row.
+        further_groups: other groups that are left out to see how laws foretell them, by name.
         discrepancy: variance of each harmonic part that the laws' form is granted besides the noise, N2. Where the
             best law misses far more than noise, noise alone would let the quietest harmonics rule.
     """
@@ -52,6 +53,7 @@ class Problem:
     noise: NoiseModel
     smooth: Array
     groups: Rows
+    further_groups: Mapping[str, Rows]
     discrepancy: float = 0.0
 
     @property
@@ -81,6 +83,7 @@ class Judged:
         score: how it foretells groups that were left out.
         lack: what it leaves over.
         heldout_nrmse: error on left-out groups as a share of the force, scatter included.
+        heldout_by: the same for other groups that were left out (temperatures, specimens, further conditions).
         objections: why it can't be named, in words; empty where nothing speaks against it.
     """
 
@@ -90,6 +93,7 @@ class Judged:
     score: LeftOutScore
     lack: LackOfFit
     heldout_nrmse: float
+    heldout_by: Mapping[str, float]
     objections: tuple[str, ...]
 
     @property
@@ -106,7 +110,7 @@ def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
     first = fit_structure(structure, loops, harmonics)
     noise = noise_model(loops, harmonics.plain_residual(first.response))
     groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
-    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups)
+    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops))
     return problem, judge((), structure, first.law.values, problem)
 
 
@@ -139,11 +143,19 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
     score = left_out_score(result, problem.observations, fitted, problem.groups)
     plain = problem.harmonics.plain_residual(result.response)
     lack = lack_of_fit(against_noise, plain, problem.noise, problem.smooth, problem.loops.noise_rms_N)
+    further = {
+        name: _share_of_force(left_out_score(result, problem.observations, fitted, groups), problem.loops)
+        for name, groups in problem.further_groups.items()
+    }
+    error = _share_of_force(score, problem.loops)
     score = replace(score, squares=score.squares + _price_of_free_means(result, problem))
-    loops = problem.loops
-    error = float(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2))
     lean = replace(result, response=replace(result.response, jacobian=None))
-    return Judged(effects, lean, fitted, score, lack, float(np.sqrt(error)), objections(effects, result))
+    return Judged(effects, lean, fitted, score, lack, error, further, objections(effects, result))
+
+
+def _share_of_force(score: LeftOutScore, loops: Loops) -> float:
+    """Give the error on left-out groups as a share of the force, scatter included."""
+    return float(np.sqrt(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2)))
 
 
 @dataclass(frozen=True)
