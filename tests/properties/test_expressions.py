@@ -99,7 +99,7 @@ TOKENS = [
 ]
 
 
-@settings(max_examples=300, deadline=2000, derandomize=True)
+@settings(max_examples=300, deadline=20_000, derandomize=True)
 @given(
     st.one_of(
         st.text(max_size=60),
