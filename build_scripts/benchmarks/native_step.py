@@ -76,10 +76,14 @@ def without_law(folder: Path, sources: Path, library: Path) -> None:
         text = source.read_text(encoding="utf-8")
         if source.name == "clamp.c":
             text = text.replace("static int model_step(", "static int unused_step(")
-            text += (
-                "static int model_step(Model *model, const Values *values, double h, char reason[TEXT])\n"
-                "{ (void)values; (void)h; (void)reason; (void)unused_step; model->real[FORCE] = 0; return 1; }\n"
-            )
+            text += """
+static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+{
+    (void)values, (void)scratch, (void)h, (void)reason, (void)unused_step;
+    model->real[FORCE] = 0;
+    return 1;
+}
+"""
         (folder / source.name).write_text(text, encoding="utf-8")
     compiled(folder, folder / "fmu.c", library, *FLAGS, "-fPIC")
 

@@ -18,6 +18,7 @@ from pipeclamp_fmu.compile import default_platforms
 from pipeclamp_fmu.excitation import Samples, excitation_content
 from pipeclamp_fmu.native_clamp import Entry, NativeLaw, native_clamp
 from pipeclamp_fmu.native_fmu import Built, NativeContent, write_native_fmu
+from pipeclamp_fmu.native_pipe import native_pipe
 from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_fmu.passivity import require_dissipation
 from pipeclamp_fmu.pipe import pipe_content
@@ -107,6 +108,22 @@ def build_pipe(pipe: ReducedPipe, output: Path) -> str:
         UserError: the description can't serve, or the FMU can't be written.
     """
     return write_fmu(pipe_content(pipe, version()), output)
+
+
+def build_native_pipe(pipe: ReducedPipe, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None) -> Built:
+    """Build a pipe FMU (FMI 2.0 or 3.0 co-simulation, C) from a reduced pipe.
+
+    Args:
+        pipe: what `pipeclamp.pipe.reduce` makes of a description.
+        output: the FMU to write, whole or not at all.
+        fmi: version of FMI, 2 or 3.
+        platforms: as `build_native_clamp`.
+
+    Raises:
+        UserError: the FMU can't be written, or a platform can't be compiled for.
+    """
+    content = native_pipe(pipe, version())
+    return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
 
 
 def build_excitation(samples: Samples, output: Path) -> str:

@@ -51,6 +51,8 @@ class Description:
         text: what is said of the whole.
         variables: all variables.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
+        exchange: whether there is model exchange besides co-simulation.
+        derivatives: whether there are derivatives of outputs.
         terminals: connectors.
         tool: program that wrote the FMU, with its version.
     """
@@ -60,13 +62,23 @@ class Description:
     text: ModelText
     variables: Variables
     indicator: str
+    exchange: bool
+    derivatives: bool
     terminals: Sequence[Terminal]
     tool: str
 
     def dependencies(self) -> tuple[list[Variable], list[Variable]]:
-        """Give what outputs depend on at any time, and at initialisation."""
+        """Give what outputs depend on at any time, and at initialisation.
+
+        In co-simulation alone they are those of the last step, and depend on no input that is set at the same instant.
+        """
         known = self.variables
-        return list(known.inputs), [*known.inputs, *known.parameters, *known.fixed, *known.boolean_parameters]
+        return list(known.inputs) if self.exchange else [], [
+            *known.inputs,
+            *known.parameters,
+            *known.fixed,
+            *known.boolean_parameters,
+        ]
 
 
 def model_description(description: Description, fmi: int) -> bytes:
@@ -91,9 +103,11 @@ def _fmi2(description: Description) -> bytes:
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "true",
+        "providesDirectionalDerivative": _truth(description.derivatives),
     }
-    for kind, own in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"})):
+    interfaces: dict[str, dict[str, str]] = {"ModelExchange": {}} if description.exchange else {}
+    interfaces["CoSimulation"] = {"canHandleVariableCommunicationStepSize": "true"}
+    for kind, own in interfaces.items():
         files = SubElement(SubElement(root, kind, common | own), "SourceFiles")
         SubElement(files, "File", {"name": MAIN_SOURCE})
     _common_elements(root, description)
@@ -135,10 +149,11 @@ def _fmi3(description: Description) -> bytes:
         "modelIdentifier": description.identifier,
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": "true",
-        "providesAdjointDerivatives": "true",
+        "providesDirectionalDerivatives": _truth(description.derivatives),
+        "providesAdjointDerivatives": _truth(description.derivatives),
     }
-    SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
+    if description.exchange:
+        SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
     SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
     _common_elements(root, description, TIME)
     listed = SubElement(root, "ModelVariables")
@@ -177,7 +192,11 @@ def _common_elements(root: Element, description: Description, *further: Quantity
 def _start(variable: Variable) -> dict[str, str]:
     if variable.start is None:
         return {}
-    return {"start": str(variable.start).lower() if isinstance(variable.start, bool) else repr(float(variable.start))}
+    return {"start": _truth(variable.start) if isinstance(variable.start, bool) else repr(float(variable.start))}
+
+
+def _truth(value: bool) -> str:
+    return str(value).lower()
 
 
 def terminals_and_icons(description: Description) -> bytes:

@@ -31,7 +31,7 @@ class NativeContent:
         model: the model in C.
         terminals: its connectors.
         documentation: `documentation/index.html`.
-        icon: a PNG.
+        icon: a PNG, empty for none.
         further: further files by name.
     """
 
@@ -46,9 +46,10 @@ class NativeContent:
 
 @dataclass(frozen=True)
 class Built:
-    """What was written: the FMU's model identifier and the platforms that it has libraries for."""
+    """What was written: the FMU's model identifier, its version of FMI, the platforms that it has libraries for."""
 
     identifier: str
+    fmi: int
     platforms: tuple[str, ...]
 
 
@@ -75,7 +76,7 @@ def write_native_fmu(content: NativeContent, output: Path, fmi: int, platforms: 
         target = PLATFORMS[name]
         files[f"binaries/{target.folder[fmi]}/{identifier}{target.ending}"] = library
     write_whole(output, zipped(files))
-    return Built(identifier, tuple(platforms))
+    return Built(identifier, fmi, tuple(platforms))
 
 
 def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str, bytes]:
@@ -93,6 +94,8 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         content.text,
         content.model.variables,
         content.model.indicator,
+        content.model.exchange,
+        content.model.derivatives,
         content.terminals,
         f"pipeclamp {content.text.version}",
     )
@@ -105,7 +108,6 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
     }
     if fmi == 3:
         files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(description)
-        files["terminalsAndIcons/icon.png"] = content.icon
-    else:
-        files["model.png"] = content.icon
+    if content.icon:
+        files["model.png" if fmi == 2 else "terminalsAndIcons/icon.png"] = content.icon
     return files

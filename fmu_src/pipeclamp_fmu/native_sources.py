@@ -37,6 +37,8 @@ class NativeModel:
         variables: its variables.
         ranges: of its first tunable parameters.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
+        exchange: whether it can be exchanged as a model; else it is for co-simulation alone.
+        derivatives: whether it gives derivatives of its outputs.
     """
 
     name: str
@@ -45,6 +47,8 @@ class NativeModel:
     variables: Variables
     ranges: Sequence[Range]
     indicator: str = ""
+    exchange: bool = True
+    derivatives: bool = True
 
 
 def template(name: str) -> str:
@@ -76,6 +80,8 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
         "FLAG_OUTPUTS": len(variables.boolean_outputs),
         "RANGES": len(model.ranges),
         "INDICATORS": int(bool(model.indicator)),
+        "MODEL_EXCHANGE": int(model.exchange),
+        "DERIVATIVES": int(model.derivatives),
     }
     structure = content_hash(*model.generated.values(), *(variable.name for variable in variables.all))
     headers = [*model.generated, *(name for name in model.sources if name.endswith(".h"))]
@@ -89,6 +95,8 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
             f'#define MODEL_SOURCE "{model.sources[0]}"',
             f"#define FUNCTION_PREFIX {identifier}_",
             f"#define STRUCTURE 0x{structure[:16]}u /* tells its saved states from others' */",
+            "",
+            "#define ROOM(count) ((count) > 0 ? (count) : 1) /* C has no arrays without entries */",
             "",
             f"enum {{ {', '.join(f'{name} = {count}' for name, count in counts.items())} }};",
             "",
@@ -105,7 +113,7 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
 
 
 def _names(array: str, names: Sequence[str]) -> str:
-    listed = ",\n    ".join(json.dumps(name) for name in names)
+    listed = ",\n    ".join(json.dumps(name) for name in names or [""])
     return f"static const char *const {array}[] = {{\n    {listed}\n}};"
 
 

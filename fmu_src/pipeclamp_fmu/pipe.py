@@ -104,30 +104,39 @@ def quantities(pipe: ReducedPipe) -> Mapping[str, Quantity]:
     return described
 
 
-def pipe_content(pipe: ReducedPipe, version: str) -> Content:
-    """Give all that goes into the pipe's FMU."""
-    text = ModelText(
+def pipe_text(pipe: ReducedPipe, version: str) -> ModelText:
+    """Give what the description says of the whole."""
+    return ModelText(
         name=f"Pipe {pipe.name}",
         description="Bending of a straight pipe in modes, with ports for clamps",
         version=version,
         step_size=usual(1 / (STEPS_PER_CYCLE * pipe.up_to_Hz)),
     )
+
+
+def pipe_content(pipe: ReducedPipe, version: str) -> Content:
+    """Give all that goes into the pipe's Python FMU."""
     described = quantities(pipe)
     inputs = (excitation_input(pipe), *(f"{name}.f" for name in pipe.clamp_names))
     return Content(
         kind="pipe",
         source=pipe_module(pipe),
         class_name=pipe_slave.PipeSlave.__name__,
-        text=text,
+        text=pipe_text(pipe, version),
         quantities=described,
         initial_inputs=inputs,
-        documentation=page(
-            text.name, (text.description + ".", *pipe.summary().splitlines()), _sections(pipe, described)
-        ),
+        documentation=pipe_documentation(pipe, described, "Standard library of Python only."),
     )
 
 
-def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity]) -> Sequence[Section]:
+def pipe_documentation(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) -> str:
+    """Give the page that travels inside the FMU; `needs` says what this kind of FMU runs on."""
+    text = pipe_text(pipe, "")
+    introduction = (text.description + ".", *pipe.summary().splitlines())
+    return page(text.name, introduction, _sections(pipe, described, needs))
+
+
+def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) -> Sequence[Section]:
     modes = enumerate(zip(pipe.omega, pipe.zeta, strict=True), start=1)
     return [
         Section(
@@ -166,7 +175,7 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity]) -> Sequence[
                 "all models in parallel expect.",
                 "workExcitation - workClamps = energyPipe + energyDissipated at every communication point.",
                 "A step with a NaN or infinite input, or not above 0, is discarded with a logged error, the state "
-                "untouched. States are saved, restored and serialised exactly. Standard library of Python only.",
+                f"untouched. States are saved, restored and serialised exactly. {needs}",
             ),
         ),
     ]

@@ -25,6 +25,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 
 if TYPE_CHECKING:
+    from pipeclamp_fmu.native_fmu import Built
     from pipeclamp_identification.add import Addition
     from pipeclamp_identification.campaign import Campaign
     from pipeclamp_identification.findings import Findings
@@ -75,12 +76,6 @@ class FmiVersion(StrEnum):
     fmi3 = "3"
 
 
-class PipeKind(StrEnum):
-    """Kinds of FMUs that a pipe can be built as."""
-
-    python = "python"
-
-
 class RecordFormat(StrEnum):
     """Formats of records that the virtual rig writes."""
 
@@ -91,6 +86,14 @@ class RecordFormat(StrEnum):
 
 CampaignFolder = Annotated[
     Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
+]
+KindOption = Annotated[
+    FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
+]
+FmiOption = Annotated[FmiVersion | None, typer.Option(help="Native: version of FMI, 2 by default.")]
+PlatformsOption = Annotated[
+    str | None,
+    typer.Option(metavar="linux64,win64,darwin64", help="Native: this machine's by default; '' for sources alone."),
 ]
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
@@ -354,33 +357,23 @@ def rig(
 def build_fmu(
     law: LawArgument,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="CLAMP.fmu", help="The FMU to write.")],
-    kind: Annotated[
-        FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
-    ] = FmuKind.python,
-    fmi: Annotated[FmiVersion | None, typer.Option(help="Native: version of FMI, 2 by default.")] = None,
-    platforms: Annotated[
-        str | None,
-        typer.Option(metavar="linux64,win64,darwin64", help="Native: this machine's by default; '' for sources alone."),
-    ] = None,
+    kind: KindOption = FmuKind.python,
+    fmi: FmiOption = None,
+    platforms: PlatformsOption = None,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
     from pipeclamp.bundled import open_law
     from pipeclamp_fmu.build import build_clamp, build_native_clamp
 
     with told("build-fmu"):
-        if kind is FmuKind.python:
-            if platforms is not None or fmi is not None:
-                raise UserError(
-                    "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
-                )
+        made = "FMI 2.0 co-simulation, python"
+        if kind is FmuKind.native:
+            built = build_native_clamp(open_law(law), output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
+            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
+        else:
+            _refuse_native_options(fmi, platforms)
             build_clamp(open_law(law), output)
-            console.print(f"{output}: FMI 2.0 co-simulation, python")
-            return
-        version = int(fmi or FmiVersion.fmi2)
-        chosen = None if platforms is None else _names(platforms)
-        built = build_native_clamp(open_law(law), output, version, chosen)
-    libraries = ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
-    console.print(f"{output}: FMI {version}.0 co-simulation and model exchange, native ({libraries})")
+    console.print(f"{output}: {made}")
 
 
 @app.command("set-parameters", epilog="Example: pipeclamp set-parameters clamp.fmu law2.json")
@@ -405,19 +398,27 @@ def set_parameters(
 def build_pipe(
     pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="PIPE.fmu", help="The FMU to write.")],
-    kind: Annotated[PipeKind, typer.Option(help="python: needs a Python in the importing tool.")] = PipeKind.python,
+    kind: KindOption = FmuKind.python,
+    fmi: FmiOption = None,
+    platforms: PlatformsOption = None,
 ) -> None:
     """Package a pipe as an FMU with a port for each of its clamps."""
     from pipeclamp.pipe import reduce
     from pipeclamp.pipe_description import read_pipe
-    from pipeclamp_fmu.build import build_pipe as build
+    from pipeclamp_fmu.build import build_native_pipe, build_pipe
 
     with told("build-pipe"):
         reduced = reduce(read_pipe(pipe))
-        build(reduced, output)
+        made = "FMI 2.0 co-simulation, python"
+        if kind is FmuKind.native:
+            built = build_native_pipe(reduced, output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
+            made = f"FMI {built.fmi}.0 co-simulation, native ({_libraries(built)})"
+        else:
+            _refuse_native_options(fmi, platforms)
+            build_pipe(reduced, output)
     for line in reduced.summary().splitlines():
         console.print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
-    console.print(f"{output}: FMI 2.0 co-simulation, {kind.value}")
+    console.print(f"{output}: {made}")
 
 
 @app.command(epilog="Example: pipeclamp cosim system.toml -o result.csv --report result.html")
@@ -468,15 +469,17 @@ def response(
 def system_structure(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="SYSTEM.ssp", help="The SSP to write.")],
-    kind: Annotated[FmuKind, typer.Option(help="Of the clamps that are given by their laws.")] = FmuKind.python,
+    kind: Annotated[FmuKind, typer.Option(help="Of clamps and pipe, where they aren't FMUs yet.")] = FmuKind.python,
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
-    from pipeclamp_fmu.build import build_clamp, build_native_clamp
+    from pipeclamp_fmu.build import build_native_clamp, build_native_pipe
+    from pipeclamp_identification.cosim import PYTHON, Builders
     from pipeclamp_identification.system_ssp import write_system
 
+    builders = PYTHON if kind is FmuKind.python else Builders(build_native_clamp, build_native_pipe)
     with told("system"):
-        write_system(system, output, build_clamp if kind is FmuKind.python else build_native_clamp)
-    console.print(f"{output}: SSP 1.0, clamps {kind.value}")
+        write_system(system, output, builders)
+    console.print(f"{output}: SSP 1.0, clamps and pipe {kind.value}")
 
 
 @app.command(epilog="Example: pipeclamp demo my_demo")
@@ -597,6 +600,21 @@ def _print_law(file: Any, output: Path) -> None:
         of = "in dW and W (rms of log ratios)" if file.fit.method == "metrics" else "of the rms force"
         console.print(f"error {file.fit.nrmse:.2%} {of}{noise}", highlight=False)
     console.print(str(output), highlight=False)
+
+
+def _refuse_native_options(fmi: FmiVersion | None, platforms: str | None) -> None:
+    if platforms is not None or fmi is not None:
+        raise UserError(
+            "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
+        )
+
+
+def _platforms(text: str | None) -> tuple[str, ...] | None:
+    return None if text is None else _names(text)
+
+
+def _libraries(built: Built) -> str:
+    return ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
 
 
 def _names(text: str) -> tuple[str, ...]:

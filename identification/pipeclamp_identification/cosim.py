@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import LawFile, read_law
-from pipeclamp.pipe import reduce
+from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import build_clamp, build_pipe, condition_parameter
@@ -33,7 +33,6 @@ from pipeclamp_identification.system import ClampSource, LawMode, PipeSource, Sy
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
-Builder = Callable[[LawFile, Path], object]
 
 CELSIUS = 273.15
 
@@ -51,6 +50,18 @@ MEASURED_SHARE = 0.3
 """Last part of a run, in which the A and f of its motion are measured."""
 MEASURED_POINTS = 20_000
 """Points of it."""
+
+
+@dataclass(frozen=True)
+class Builders:
+    """What makes the FMUs of clamps that are given by their laws, and of pipes that are described."""
+
+    clamp: Callable[[LawFile, Path], object] = build_clamp
+    pipe: Callable[[ReducedPipe, Path], object] = build_pipe
+
+
+PYTHON = Builders()
+"""Python FMUs: made at once, and run wherever this program does."""
 
 
 @dataclass(frozen=True)
@@ -170,13 +181,13 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
 
 
 @contextmanager
-def finished(description: SystemDescription, folder: Path, build: Builder = build_clamp) -> Iterator[SystemDescription]:
+def finished(description: SystemDescription, folder: Path, build: Builders = PYTHON) -> Iterator[SystemDescription]:
     """Give the description with all its FMUs built; those that were built are gone at the end.
 
     Args:
         description: the system.
         folder: what its paths are relative to.
-        build: what makes the FMU of a clamp that is given by its law.
+        build: what makes the FMUs.
 
     Raises:
         UserError: a pipe or a law can't be read or built.
@@ -185,13 +196,13 @@ def finished(description: SystemDescription, folder: Path, build: Builder = buil
     try:
         pipe = description.pipe
         if pipe.fmu is None:
-            build_pipe(reduce(read_pipe(folder / str(pipe.file))), built / "pipe.fmu")
+            build.pipe(reduce(read_pipe(folder / str(pipe.file))), built / "pipe.fmu")
             pipe = PipeSource(fmu=str(built / "pipe.fmu"))
         clamps = []
         for index, clamp in enumerate(description.clamps):
             if clamp.fmu is None:
                 output = built / f"clamp_{index}.fmu"
-                build(law_in(folder, str(clamp.law)), output)
+                build.clamp(law_in(folder, str(clamp.law)), output)
                 clamp = clamp.model_copy(update={"law": None, "fmu": str(output)})
             clamps.append(clamp)
         yield description.model_copy(update={"pipe": pipe, "clamps": tuple(clamps)})

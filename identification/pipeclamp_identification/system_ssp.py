@@ -9,7 +9,7 @@ from pipeclamp.errors import UserError
 from pipeclamp_fmu.build import build_excitation
 from pipeclamp_fmu.excitation import Samples
 from pipeclamp_fmu.ssp import Component, SystemStructure, write_ssp
-from pipeclamp_identification.cosim import Builder, clamp_parameters, finished, pipe_variables
+from pipeclamp_identification.cosim import Builders, clamp_parameters, finished, pipe_variables
 from pipeclamp_identification.excitation import excitation_signal
 from pipeclamp_identification.importer import opened
 from pipeclamp_identification.system import read_system
@@ -21,13 +21,13 @@ MOST_SAMPLES = 200_000
 """Of the excitation, one a step, in its FMU."""
 
 
-def write_system(path: Path, output: Path, build: Builder) -> None:
+def write_system(path: Path, output: Path, build: Builders) -> None:
     """Write the system that a file describes as an SSP: excitation, pipe, clamps, connections, parameters.
 
     Args:
         path: SYSTEM.toml; paths in it are relative to its folder.
         output: the SSP to write, whole or not at all.
-        build: what makes the FMU of a clamp that is given by its law.
+        build: what makes the FMUs of clamps and pipe.
 
     Raises:
         UserError: the system can't be read or built, has too many steps, or the file can't be written.

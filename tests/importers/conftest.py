@@ -16,7 +16,7 @@ from pipeclamp.bundled import open_law
 from pipeclamp.parameter_file import CoefficientEntry, Interval, LawFile
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_pipe
+from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_native_pipe, build_pipe
 from pipeclamp_fmu.clamp import ClampModel, clamp_content, source_text
 from pipeclamp_fmu.compile import system_compiler
 from pipeclamp_fmu.one_module import body_of
@@ -199,6 +199,18 @@ def native_fmus(tmp_path_factory: pytest.TempPathFactory, law_with_memory: LawFi
     paths = {fmi: folder / f"fmi{fmi}.fmu" for fmi in (2, 3)}
     for fmi, path in paths.items():
         build_native_clamp(law_with_memory, path, fmi)
+    return paths
+
+
+@pytest.fixture(scope="session")
+def native_pipes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Give the native FMUs of the test pipes by name."""
+    if system_compiler() is None:
+        pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
+    folder = tmp_path_factory.mktemp("native_pipes")
+    paths = {name: folder / f"{name}.fmu" for name in PIPES}
+    for name, path in paths.items():
+        build_native_pipe(reduce(parse_pipe(PIPE.format(tables=PIPES[name]))), path)
     return paths
 
 

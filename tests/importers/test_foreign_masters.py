@@ -10,7 +10,7 @@ import foreign_masters
 import numpy as np
 import pytest
 
-from pipeclamp_identification.coupling import System, Tolerance, march
+from pipeclamp_identification.coupling import Explicit, System, march
 from pipeclamp_identification.importer import FmuParticipant, opened
 
 STEP_NS, STEPS = 20_000, 3000
@@ -37,7 +37,7 @@ def own(fmus, clamp_fmu):
             (FmuParticipant(clamp, ["flange.s", "flange.v"], ["flange.f"], []),),
             foreign_masters.excitation,
         )
-        points = list(march(system, "parallel", 1e-9 * STEP_NS, STEPS, Tolerance()))
+        points = list(march(system, Explicit(system, sequential=False), 1e-9 * STEP_NS, STEPS))
     return np.array([(point.displacement[0], point.force[0]) for point in points[1:]])
 
 

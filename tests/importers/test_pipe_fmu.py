@@ -1,4 +1,4 @@
-"""The pipe FMU in fmpy: its motion against scipy, its energies, its states, its guards."""
+"""The pipe FMU in fmpy, of Python and native: its motion against scipy, its energies, its states, its guards."""
 
 import math
 
@@ -15,9 +15,21 @@ STEPS = 400
 PIPES = ["pipe", "forced_pipe", "loaded_pipe"]
 
 
+@pytest.fixture(params=["python", "native"])
+def paths(request, fmus):
+    """Give the pipes' FMUs by name, of each kind."""
+    return fmus if request.param == "python" else request.getfixturevalue("native_pipes")
+
+
+@pytest.fixture
+def drive(drive, paths):
+    """Give the function that makes an instance of one of the pipes, of each kind."""
+    return lambda name, start=None: drive(paths[name], start)
+
+
 @pytest.mark.parametrize("name", PIPES)
-def test_fmpy_finds_nothing_to_object_to(fmus, name):
-    assert validate_fmu(str(fmus[name])) == []
+def test_fmpy_finds_nothing_to_object_to(paths, name):
+    assert validate_fmu(str(paths[name])) == []
 
 
 def modal_system(pipe):

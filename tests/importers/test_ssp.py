@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from pipeclamp.errors import UserError
-from pipeclamp_fmu.build import build_clamp, build_native_clamp
+from pipeclamp_fmu.build import build_native_clamp, build_native_pipe
 from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_identification.cosim import run_system
+from pipeclamp_identification.cosim import PYTHON, Builders, run_system
 from pipeclamp_identification.system_ssp import write_system
 
 STEP_NS, STEPS = 20_000, 1500
@@ -51,10 +51,10 @@ def folder(tmp_path_factory, pipe_text):
 
 @pytest.fixture(scope="module", params=["python", "native"])
 def ssp(request, folder):
-    """Give the system as an SSP, with clamps of each kind."""
+    """Give the system as an SSP, with pipe and clamp of each kind."""
     if request.param == "native" and system_compiler() is None:
         pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
-    build = {"python": build_clamp, "native": build_native_clamp}[request.param]
+    build = {"python": PYTHON, "native": Builders(build_native_clamp, build_native_pipe)}[request.param]
     write_system(folder / "system.toml", folder / f"{request.param}.ssp", build)
     return folder / f"{request.param}.ssp"
 
@@ -94,5 +94,5 @@ def test_too_long_a_run_is_refused(folder, tmp_path):
     text = SYSTEM.format(stop=100.0, step=1e-4).replace("pipe.toml", str(folder / "pipe.toml"))
     (tmp_path / "system.toml").write_text(text, encoding="utf-8")
     with pytest.raises(UserError, match="1000000 steps; expected at most 200000"):
-        write_system(tmp_path / "system.toml", tmp_path / "system.ssp", build_clamp)
+        write_system(tmp_path / "system.toml", tmp_path / "system.ssp", PYTHON)
     assert not (tmp_path / "system.ssp").exists()

@@ -231,7 +231,7 @@ static int prepare(const Model *model, const Values *values, double h, Condition
     return put_under(from, k, conditions, model, values, reason);
 }
 
-static int model_step(Model *model, const Values *values, double h, char reason[TEXT])
+static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
 {
     Memory *memory = &model->memory;
     const double y = MM * model->real[S], v = MM * model->real[V];
@@ -241,6 +241,7 @@ static int model_step(Model *model, const Values *values, double h, char reason[
     Place prepared, *to;
     const Place *from = now(memory);
     const double *k = memory->k;
+    (void)scratch;
     if (!as_before) {
         if (!prepare(model, values, h, &conditions, new_k, &prepared, &share, reason))
             return 0;

@@ -2,8 +2,6 @@
 #ifndef CLAMP_H
 #define CLAMP_H
 
-#define ROOM(count) ((count) > 0 ? (count) : 1)
-
 /* A place on the way, with what the law makes of it. */
 typedef struct {
     double y, v, force, energy;
@@ -27,5 +25,9 @@ typedef struct {
     double counted; /* load cycles since the start: a cycle is a way of four amplitudes, there and back */
     int inside; /* whether the conditions are inside the law's range */
 } Memory;
+
+typedef struct {
+    char unused;
+} Scratch;
 
 #endif

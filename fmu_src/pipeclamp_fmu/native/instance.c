@@ -29,6 +29,8 @@ static Instance *instance_new(const char *name, const char *token, const char *f
         snprintf(reason, TEXT, "no memory for an instance");
     } else if (length == 0) {
         snprintf(reason, TEXT, "the instance has no name");
+    } else if (!co_simulation && !MODEL_EXCHANGE) {
+        snprintf(reason, TEXT, "there is no model exchange, co-simulation alone");
     } else if (!token) {
         snprintf(reason, TEXT, "no identifier of the model description was given");
     } else if (values_read(&instance->values, folder, token, reason)) {
@@ -158,7 +160,7 @@ static Status instance_do_step(Instance *instance, double time, double h)
     char reason[TEXT];
     if (!(h > 0.0 && isfinite(h)))
         return discarded(instance, time, h, "expected a finite step above 0 s");
-    if (!model_step(&instance->done, &instance->values, h, reason))
+    if (!model_step(&instance->done, &instance->values, &instance->scratch, h, reason))
         return discarded(instance, time, h, reason);
     instance->time = instance->done_time = time + h;
     warn_once(instance);
@@ -179,7 +181,7 @@ static Status evaluated(Instance *instance)
         return STATUS_DISCARD;
     }
     instance->shown = instance->done;
-    if (!model_step(&instance->shown, &instance->values, h, reason))
+    if (!model_step(&instance->shown, &instance->values, &instance->scratch, h, reason))
         return discarded(instance, instance->done_time, h, reason);
     instance->stale = 0;
     return STATUS_OK;
@@ -308,6 +310,8 @@ static Status instance_derivatives(Instance *instance, const unsigned unknowns[]
     Status status;
     const Model *model = showing(instance, 1, &status);
     size_t row, column;
+    if (!DERIVATIVES)
+        return instance_lacks(instance, "derivatives");
     if (status != STATUS_OK)
         return status;
     for (row = 0; row < unknown_count; row++)

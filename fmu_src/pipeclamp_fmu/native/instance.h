@@ -34,6 +34,7 @@ struct Instance {
     int warned; /* not part of a saved state: what was said stays said */
     int logging;
     Values values;
+    Scratch scratch;
     char *name;
     void *environment;
     void (*logger)(void); /* the importer's, of a type that `tell` knows */

@@ -23,23 +23,24 @@ enum {
 typedef struct {
     char name[TEXT / 2];
     double start[INPUTS + PARAMETERS];
-    double fixed[FIXED];
-    double range[RANGES][2];
+    double fixed[ROOM(FIXED)];
+    double range[ROOM(RANGES)][2];
 } Values;
 
 /* All that changes. It holds no pointers, so that a copy of it is an exact saved state. */
 typedef struct {
     double real[REALS];
-    int flag[FLAGS];
+    int flag[ROOM(FLAGS)];
     int settled; /* no parameter has changed since the last step */
     Memory memory;
 } Model;
 
-/* Functions that can't do what they are asked say why in `reason` and return 0, the model untouched. */
+/* Functions that can't do what they are asked say why in `reason` and return 0, the model untouched. What a model keeps
+ * in `scratch` is no part of its state: it only saves work. */
 
 static void model_reset(Model *model, const Values *values);
 static int model_start(Model *model, const Values *values, char reason[TEXT]);
-static int model_step(Model *model, const Values *values, double h, char reason[TEXT]);
+static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT]);
 
 /* Derivatives of the Real outputs by inputs and tunable parameters, for the last step as it ended. */
 static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][FIRST_OUTPUT]);
