@@ -17,6 +17,8 @@ from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.noise import UNSEEN, NoiseModel, WhitenedObservations
 from pipeclamp_identification.observations import Rows
 
+INDEPENDENT = 0.01
+"""A change of which the law's parameters leave less than this share is one that they make themselves."""
 LOW_HARMONICS = 7
 """Most of what loops can miss shows up to this harmonic."""
 
@@ -109,7 +111,8 @@ class LackOfFit:
     """What of the residuals follows the conditions, against what noise alone would make of it.
 
     Attributes:
-        p_value: chance that noise alone makes so much, over all or the low harmonics, whichever is smaller (twice).
+        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, or as stiffness or
+            damping that follows one condition, whichever is least likely, times three.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
             small.
@@ -125,7 +128,9 @@ class LackOfFit:
         return float(self.by_channel.sum())
 
 
-def lack_of_fit(fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, noise_rms: Array) -> LackOfFit:
+def lack_of_fit(
+    fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, directed: Array, noise_rms: Array
+) -> LackOfFit:
     """Test whether residuals follow the conditions: significance in units of the noise, size in newtons.
 
     Args:
@@ -133,6 +138,7 @@ def lack_of_fit(fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array
         plain: the residuals in N, shape (R, m).
         noise: the noise model.
         smooth: orthonormal functions of the conditions, shape (R, q).
+        directed: whitened changes of force that are looked for one by one, shape (k, R, m).
         noise_rms: force noise per sample of each run, N, shape (R,).
     """
     runs, channels, count = fitted.jacobian.shape
@@ -142,6 +148,7 @@ def lack_of_fit(fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array
     freedoms = smooth.shape[1] - taken
     low = 2 * LOW_HARMONICS + 1
     p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
+    p_values.append(_least_likely(directed, fitted.residual, flat, runs - smooth.shape[1]))
     leverage = np.sum(smooth**2, axis=1)
     seen = noise.variance < UNSEEN
     variance = np.where(seen, noise.total_variance(), 0.0)
@@ -150,7 +157,27 @@ def lack_of_fit(fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array
     # A harmonic's mean square is half its squared amplitude.
     by_channel[1:] /= 2
     share = np.sqrt(max(float(by_channel.sum()), 0.0) / float(np.mean(noise_rms**2)))
-    return LackOfFit(min(1.0, 2 * min(p_values)), float(share), by_channel)
+    return LackOfFit(min(1.0, len(p_values) * min(p_values)), float(share), by_channel)
+
+
+def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:
+    """Give the chance that noise alone makes the largest of several changes as large as it is.
+
+    Args:
+        directed: the changes, shape (k, R, m); what the law's parameters can make of them counts for nothing.
+        residual: shape (R, m).
+        basis: orthonormal, of what the parameters can do, shape (R m, P).
+        free: runs that told the size of the scatter.
+    """
+    flat = directed.reshape(len(directed), -1)
+    own = flat - (flat @ basis) @ basis.T
+    size = np.linalg.norm(own, axis=1)
+    usual = np.linalg.norm(flat, axis=1)
+    known = size > INDEPENDENT * usual
+    if not known.any():
+        return 1.0
+    largest = float(np.max(np.abs(own[known] @ residual.ravel()) / size[known]))
+    return min(1.0, 2 * int(known.sum()) * float(stats.t.sf(largest, max(free, 1))))
 
 
 def _scaled(jacobian: Array) -> Array:

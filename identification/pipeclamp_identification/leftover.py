@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy import stats
 
 from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.campaign import Campaign
@@ -26,6 +27,14 @@ FEWEST_SHARE = 0.3
 """A line must be looked for in this share of the runs: a few spectra have outliers of their own."""
 SURELY = 12.0
 """Standard errors by which the pooled power of a line must exceed its neighbours': hundreds of bins are looked at."""
+
+
+HALVES = np.array([0.5, 1.5, 2.5])
+FEWEST_CYCLES = 4
+"""Cycles from which on there are multiples of the record's length beside the halves."""
+FEWEST_RUNS = 4
+CHANCE = 1e-4
+"""Halves that noise makes so strong with less than this chance are there."""
 
 
 @dataclass(frozen=True)
@@ -142,16 +151,13 @@ def _ranks(values: Array) -> Array:
     return np.argsort(np.argsort(values)).astype(float)
 
 
-def pooled_lines(
-    campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates: Array, *, of_drive: bool
-) -> tuple[float, ...]:
+def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates: Array) -> tuple[float, ...]:
     """Find lines that stand out of their neighbouring spectrum in all runs together.
 
     Args:
         campaign: the tests.
         misfits: the law's error on each sample.
-        candidates: where to look: Hz, or multiples of the drive's frequency.
-        of_drive: whether the candidates are multiples of the drive's frequency.
+        candidates: where to look, Hz.
 
     Returns:
         candidates whose power, over the local median and averaged over runs, is beyond what noise would make.
@@ -164,7 +170,7 @@ def pooled_lines(
         spectrum = np.abs(np.fft.rfft((error - error.mean()) * np.hanning(len(error)))) ** 2
         width = 1.0 / (length * (1 + 1 / (len(error) - 1)))
         drive = run.cycles.frequency_Hz
-        place = candidates * (drive if of_drive else 1.0) / width
+        place = candidates / width
         line = np.round(place).astype(np.intp)
         order = np.arange(len(spectrum)) * width / drive
         # What repeats with the motion is the law's own lack, not a line of its own.
@@ -210,9 +216,35 @@ def time_locked_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tup
     rate = min(len(run.record.time_s) / float(run.record.time_s[-1] - run.record.time_s[0]) for run in campaign.runs)
     slowest = min(run.cycles.frequency_Hz for run in campaign.runs)
     candidates = np.arange(2.5 * slowest, 0.45 * rate, 0.5 / longest)
-    return pooled_lines(campaign, misfits, candidates, of_drive=False)
+    return pooled_lines(campaign, misfits, candidates)
 
 
 def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tuple[float, ...]:
-    """Find lines at fractions of the drive's frequency in all runs together: subharmonics of the motion."""
-    return pooled_lines(campaign, misfits, np.array([0.5, 1.5, 2.5]), of_drive=True)
+    """Find forces at halves of the drive's frequency, in all runs together: subharmonics of the motion.
+
+    Over an even number of cycles the motion's own harmonics and halves are orthogonal to all other multiples of the
+    record's length, whose power says what noise makes.
+    """
+    halves = np.zeros((0, len(HALVES)))
+    noise = np.zeros((0, len(HALVES)))
+    for run, misfit in zip(campaign.runs, misfits, strict=True):
+        count = run.cycles.count - run.cycles.count % 2
+        if count < FEWEST_CYCLES:
+            continue
+        samples = int(run.cycles.bounds[count] - run.cycles.bounds[0])
+        error = (misfit.measured - misfit.computed)[:samples]
+        phase = run.cycles.phase(run.record)[:samples]
+
+        def power(orders: Array, error: Array = error, phase: Array = phase) -> Array:
+            return np.asarray(np.abs(np.exp(-1j * np.outer(orders, phase)) @ error) ** 2)
+
+        between = np.arange(1, count // 2) / count
+        beside = np.array([power(np.concatenate([half - between, half + between])).mean() for half in HALVES])
+        level = float(np.mean(beside))
+        halves = np.vstack([halves, power(HALVES) / level])
+        noise = np.vstack([noise, beside / level])
+    if len(halves) < FEWEST_RUNS:
+        return ()
+    ratio = halves.sum(axis=0) / noise.sum(axis=0)
+    chance = stats.f.sf(ratio, 2 * len(halves), 4 * len(halves))
+    return tuple(float(half) for half, one in zip(HALVES, chance, strict=True) if one < CHANCE)

@@ -115,6 +115,14 @@ class NoiseModel:
         lower = np.linalg.cholesky(covariance)
         return np.asarray(np.linalg.solve(lower, np.broadcast_to(np.eye(size), covariance.shape)))
 
+    def share_trends(self, loops: Loops) -> Array:
+        """Give stiffness, then damping, that follows each condition by itself, N, whitened, shape (2 c, R, m)."""
+        directions = [
+            column[:, None] * direction for direction in (self.elastic, self.damping) for column in trends(loops).T
+        ]
+        stacked = np.array(directions).reshape(-1, *self.variance.shape)
+        return np.asarray(np.einsum("rij,prj->pri", self.whitener(), stacked))
+
 
 def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:
     """Estimate the noise model.
@@ -161,6 +169,14 @@ def smooth_basis(loops: Loops) -> Array:
     return smooth_functions(*main, (loops.density_g_cm3, loops.cycle, *loops.conditions.values()), loops.specimen)
 
 
+def trends(loops: Loops) -> Array:
+    """Give each condition that varies, centred and scaled, and each specimen, one a column, shape (R, c)."""
+    main = [np.log(loops.amplitude_mm), np.log(loops.frequency_Hz), loops.temperature_K]
+    columns = _varied([*main, loops.density_g_cm3, loops.cycle, *loops.conditions.values()])
+    columns += _specimens(loops.specimen)
+    return np.stack(columns, axis=1) if columns else np.zeros((len(loops.run), 0))
+
+
 def smooth_functions(
     amplitude: Array, frequency: Array, temperature: Array, further: Sequence[Array], specimen: Sequence[str | None]
 ) -> Array:
@@ -175,8 +191,7 @@ def smooth_functions(
         specimen: label of each run's specimen.
     """
     main = [np.log(amplitude), np.log(frequency), temperature]
-    names = sorted({name or "" for name in specimen})[1:]
-    specimens = [np.array([float((name or "") == label) for name in specimen]) for label in names]
+    specimens = _specimens(specimen)
     runs = len(amplitude)
     for degree in range(DEGREE, 0, -1):
         functions = [*_monomials(_varied(main), degree, runs), *_powers(_varied(further), min(degree, 2)), *specimens]
@@ -184,6 +199,12 @@ def smooth_functions(
         if columns.shape[1] <= (1 - FREE_RUNS) * runs:
             return columns
     return np.full((runs, 1), 1 / np.sqrt(runs))
+
+
+def _specimens(specimen: Sequence[str | None]) -> list[Array]:
+    """Give which runs are of each specimen but the first."""
+    names = sorted({name or "" for name in specimen})[1:]
+    return [np.array([float((name or "") == label) for name in specimen]) for label in names]
 
 
 def _varied(values: Sequence[Array]) -> list[Array]:

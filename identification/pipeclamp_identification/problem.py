@@ -71,6 +71,11 @@ class Problem:
         """What lack of fit is told from: whitened by the noise alone."""
         return WhitenedObservations(self.harmonics, self.noise.whitener())
 
+    @cached_property
+    def share_trends(self) -> Array:
+        """Stiffness and damping that follow one condition each, against the noise, shape (k, R, m)."""
+        return self.noise.share_trends(self.loops)
+
 
 @dataclass(frozen=True)
 class Judged:
@@ -142,7 +147,9 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
     against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
     score = left_out_score(result, problem.observations, fitted, problem.groups)
     plain = problem.harmonics.plain_residual(result.response)
-    lack = lack_of_fit(against_noise, plain, problem.noise, problem.smooth, problem.loops.noise_rms_N)
+    lack = lack_of_fit(
+        against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.noise_rms_N
+    )
     further = {
         name: _share_of_force(left_out_score(result, problem.observations, fitted, groups), problem.loops)
         for name, groups in problem.further_groups.items()
