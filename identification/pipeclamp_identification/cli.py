@@ -18,7 +18,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table as RichTable
 
 from pipeclamp.errors import UserError
@@ -480,6 +488,32 @@ def system_structure(
     with told("system"):
         write_system(system, output, builders)
     console.print(f"{output}: SSP 1.0, clamps and pipe {kind.value}")
+
+
+@app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")
+def sweep(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The system and what is varied in it.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="STUDY.parquet", help="The table to write.")],
+    jobs: Annotated[int, typer.Option(help="Processes; -1 for all cores.")] = -1,
+    dask: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler that takes the cases.")] = None,
+    report: ReportOption = None,
+) -> None:
+    """Vary a system over thousands of cases; after a kill the same command goes on."""
+    from pipeclamp_identification.study import read_study
+    from pipeclamp_identification.study_report import study_sections
+    from pipeclamp_identification.study_run import run_study
+
+    read = read_study(study)
+    columns = (TextColumn("sweep"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as shown:
+        task = shown.add_task("sweep", total=read.description.count)
+        frame = run_study(read, output, jobs, dask, lambda done, _: shown.update(task, completed=done))
+    sections = study_sections(read, frame)
+    if report:
+        _write(None, report, None, f"Study {study.stem}", read.description.notes, sections)
+    for line in sections[0].paragraphs:
+        console.print(line, highlight=False, markup=False)
+    console.print(str(output))
 
 
 @app.command(epilog="Example: pipeclamp demo my_demo")

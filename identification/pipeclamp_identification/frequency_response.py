@@ -147,7 +147,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
     """
     tell = progress or (lambda what: None)
     description = read_system(path)
-    table = _table(description, path)
+    table = response_table(description, str(path))
     if description.pipe.file is None:
         raise UserError(f"{path}: pipe: a response needs the pipe's equations; expected file = 'PIPE.toml', not an FMU")
     pipe = reduce(read_pipe(path.parent / description.pipe.file))
@@ -180,10 +180,15 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
     )
 
 
-def _table(description: SystemDescription, path: Path) -> ResponseTable:
+def response_table(description: SystemDescription, where: str) -> ResponseTable:
+    """Give what a system says of its response, or what follows from its excitation; `where` is named in errors.
+
+    Raises:
+        UserError: the excitation is a record.
+    """
     excitation = description.excitation
     if excitation.kind == "record":
-        raise UserError(f"{path}: excitation: a record has no frequency response; expected kind = 'sine' or 'sweep'")
+        raise UserError(f"{where}: excitation: a record has no frequency response; expected kind = 'sine' or 'sweep'")
     if description.response is not None:
         return description.response
     first, last = excitation.frequency_Hz or excitation.from_Hz, excitation.frequency_Hz or excitation.to_Hz

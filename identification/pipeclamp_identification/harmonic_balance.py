@@ -119,7 +119,7 @@ class SteadySystem:
     def _unpacked(self, unknowns: Array) -> Complex:
         """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""
         H, count = self._orders.size - 1, len(self._clamps)
-        parts = unknowns.reshape(-1, count, 2 * H + 1)
+        parts = unknowns.reshape(len(unknowns), count, 2 * H + 1)
         return np.concatenate([parts[:, :, :1] + 0j, parts[:, :, 1 : H + 1] + 1j * parts[:, :, H + 1 :]], axis=2)
 
     def _packed(self, harmonics: Complex) -> Array:

@@ -84,6 +84,15 @@ def parse_table(text: str, model: type[Model], where: str) -> Model:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise UserError(f"{where}: not valid TOML: {error}") from error
+    return validated(content, model, where)
+
+
+def validated(content: Any, model: type[Model], where: str) -> Model:
+    """Make a table of what a TOML file holds; `where` is named in errors.
+
+    Raises:
+        UserError: it doesn't hold what the table expects.
+    """
     try:
         return model.model_validate(content)
     except ValidationError as error:

@@ -14,7 +14,7 @@ COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 
 
 def test_the_contracts_commands_are_there():
-    named = "metrics identify compare add effects rig build-fmu build-pipe cosim response demo"
+    named = "metrics identify compare add effects rig build-fmu build-pipe cosim response sweep demo"
     assert set(named.split()) <= set(COMMANDS)
 
 

@@ -1,0 +1,95 @@
+"""One case of a study: what the system's pipe does there."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeclamp.errors import UserError
+from pipeclamp.one_thread import one_thread
+from pipeclamp.pipe import ReducedPipe, reduce
+from pipeclamp.pipe_description import PipeDescription
+from pipeclamp_fmu.build import build_pipe
+from pipeclamp_identification.cosim import run_described
+from pipeclamp_identification.excitation import require_kind
+from pipeclamp_identification.frequency_response import amplitudes_of, response_table, steady_system
+from pipeclamp_identification.study import Study, Values
+from pipeclamp_identification.system import PipeSource, SystemDescription
+
+Row = dict[str, Any]
+
+
+@lru_cache(maxsize=64)
+def _reduced(text: str) -> ReducedPipe:
+    return reduce(PipeDescription.model_validate_json(text))
+
+
+@one_thread()
+def evaluate(study: Study, number: int, values: Values) -> Row:
+    """Evaluate a case; what it can't be is said in its row, so that the others go on.
+
+    Args:
+        study: the study.
+        number: of the case.
+        values: what is varied, in this case.
+
+    Returns:
+        its number, values, amplitudes (mm) and frequency (Hz) by point, whether all of it is stable (for "cosim": to be
+        trusted), the time it took (s), and an error or "".
+    """
+    begin = time.perf_counter()
+    row: Row = {"case": number, **values, "error": ""}
+    try:
+        row |= _measured(study, *study.described(values))
+    except (UserError, ArithmeticError, np.linalg.LinAlgError) as error:
+        row["error"] = str(error)
+    return row | {"seconds": time.perf_counter() - begin}
+
+
+def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescription) -> Row:
+    """Give what the study asks for."""
+    where = study.description.name
+    if study.description.measure == "cosim":
+        return _cosimulated(study, pipe_table, system)
+    pipe = _reduced(pipe_table.model_dump_json())
+    require_kind(system.excitation, pipe.excitation, where)
+    table = response_table(system, where)
+    steady = steady_system(system, pipe, study.folder, None, 1.0, table.harmonics, where)
+    if study.description.measure == "peak":
+        states = steady.curve(table.from_Hz, table.to_Hz)
+    else:
+        frequency = system.excitation.frequency_Hz
+        if frequency is None:
+            raise UserError(f"{where}: measure = 'steady' needs an excitation of kind 'sine'; use 'peak' or 'cosim'")
+        state = steady.at(frequency)
+        states = [] if state is None else [state]
+    if not states:
+        raise UserError(f"{where}: no steady state was found")
+    amplitudes = np.array([amplitudes_of(state) for state in states])
+    row: Row = {
+        "stable": float(all(state.stable for state in states)),
+        "pipe_stable": float(pipe.stability.kind == "stable"),
+    }
+    for index, name in enumerate((*(clamp.at for clamp in system.clamps), *pipe.probe_names)):
+        highest = int(amplitudes[:, index].argmax())
+        row[f"{name}.s [mm]"] = float(amplitudes[highest, index])
+        row[f"{name}.frequency [Hz]"] = states[highest].frequency
+    return row
+
+
+def _cosimulated(study: Study, pipe_table: PipeDescription, system: SystemDescription) -> Row:
+    """Co-simulate a case; amplitudes are those of the last fifth."""
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as name:
+        file = Path(name) / "pipe.fmu"
+        build_pipe(_reduced(pipe_table.model_dump_json()), file)
+        ready = system.model_copy(update={"pipe": PipeSource(fmu=str(file))})
+        result = run_described(ready, study.folder, study.description.name)
+    row: Row = {"stable": float(result.trusted)}
+    return row | {
+        f"{point}.s [mm]": 1e3 * result.amplitude(f"{point}.s") for point in (*result.clamp_names, *result.probe_names)
+    }

@@ -1,0 +1,125 @@
+"""Running a study: on all cores or a cluster, resumable after a kill, into one Parquet file."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import joblib
+import polars as pl
+
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_whole
+from pipeclamp_identification.study import Study
+from pipeclamp_identification.study_case import Row, evaluate
+
+Progress = Callable[[int, int], None]
+
+
+def journal_of(output: Path) -> Path:
+    """Give the file that keeps finished cases until all are done."""
+    return output.with_name(output.name + ".journal")
+
+
+def run_study(
+    study: Study, output: Path, jobs: int = -1, scheduler: str | None = None, progress: Progress | None = None
+) -> pl.DataFrame:
+    """Run all cases that a journal beside the output doesn't hold yet, and write the output when all are done.
+
+    Each finished case is written to the journal before the next is counted: after a kill the same call goes on, and
+    evaluates only what isn't there.
+
+    Args:
+        study: the study.
+        output: the Parquet file; a row each case, in their order.
+        jobs: processes; -1 for all cores.
+        scheduler: address of a Dask scheduler that takes the cases instead.
+        progress: told how many cases are done, of how many.
+
+    Returns:
+        the table that was written.
+
+    Raises:
+        UserError: the journal is another study's, the folder can't be written, or Dask isn't there.
+    """
+    tell = progress or (lambda done, count: None)
+    count, journal = study.description.count, journal_of(output)
+    done = _finished(journal, study)
+    tell(len(done), count)
+    waiting = ((number, values) for number, values in study.cases() if number not in done)
+    with _opened(journal, study, fresh=not done) as stream, _backend(scheduler):
+        calls = (joblib.delayed(evaluate)(study, number, values) for number, values in waiting)
+        for row in joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", pre_dispatch="4*n_jobs")(calls):
+            stream.write(json.dumps(row) + "\n")
+            stream.flush()
+            os.fsync(stream.fileno())
+            done[row["case"]] = row
+            tell(len(done), count)
+    frame = pl.from_dicts([done[number] for number in sorted(done)], infer_schema_length=None)
+    content = io.BytesIO()
+    frame.write_parquet(content)
+    write_whole(output, content.getvalue())
+    journal.unlink()
+    return frame
+
+
+def _finished(journal: Path, study: Study) -> dict[int, Row]:
+    """Read the cases of a journal; a last line that a kill has cut short doesn't count.
+
+    Raises:
+        UserError: it is another study's.
+    """
+    if not journal.exists():
+        return {}
+    first, *lines = journal.read_text(encoding="utf-8").split("\n")
+    if first != study.fingerprint:
+        raise UserError(
+            f"{journal}: holds cases of another study, or of files that have changed since; delete it to begin anew, "
+            "or go on with the files that it was begun with"
+        )
+    rows = [json.loads(line) for line in lines[:-1]]
+    return {row["case"]: row for row in rows}
+
+
+@contextmanager
+def _opened(journal: Path, study: Study, *, fresh: bool) -> Iterator[io.TextIOWrapper]:
+    """Open a journal to go on; what a kill has cut short is taken off."""
+    try:
+        if fresh:
+            journal.write_text(study.fingerprint + "\n", encoding="utf-8", newline="\n")
+        else:
+            whole = journal.read_bytes()
+            journal.write_bytes(whole[: whole.rindex(b"\n") + 1])
+        stream = journal.open("a", encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise UserError(
+            f"{journal}: can't write there ({error.strerror}); expected a folder that is writable"
+        ) from error
+    with stream:
+        yield stream
+
+
+@contextmanager
+def _backend(scheduler: str | None) -> Iterator[None]:
+    """Use joblib's own processes, or a Dask cluster.
+
+    Raises:
+        UserError: Dask isn't installed, or no scheduler answers.
+    """
+    if scheduler is None:
+        yield
+        return
+    try:
+        from dask.distributed import Client
+    except ImportError as error:
+        raise UserError("--dask needs dask.distributed; expected: pip install 'pipeclamp[dask]'") from error
+    try:
+        client = Client(scheduler)
+    except OSError as error:
+        raise UserError(f"--dask {scheduler}: no scheduler answers there ({error})") from error
+    with client, joblib.parallel_config(backend="dask"):
+        yield

@@ -1,0 +1,196 @@
+"""Studies: cases, resuming after a kill, one table at the end."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import polars as pl
+import pytest
+
+from pipeclamp.errors import UserError
+from pipeclamp_identification.study import read_study
+from pipeclamp_identification.study_case import evaluate
+from pipeclamp_identification.study_report import study_sections
+from pipeclamp_identification.study_run import journal_of, run_study
+
+PIPE = """
+name = "pipe"
+[pipe]
+outer_diameter_mm = 114.3
+wall_mm = 3.6
+length_m = 10.0
+material = "carbon steel"
+fluid = "water"
+[ends]
+left = "pinned"
+right = "pinned"
+[[clamps]]
+name = "c1"
+position_m = 1.5
+[[clamps]]
+name = "c2"
+position_m = 7.0
+[[probes]]
+name = "middle"
+position_m = 5.0
+[damping]
+ratio = 0.02
+[modes]
+up_to_Hz = 60.0
+"""
+SYSTEM = """
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "c1"
+law = "emwm2"
+temperature_C = 20.0
+amplitude_mm = 0.5
+[[clamps]]
+at = "c2"
+law = "emwm2"
+temperature_C = 20.0
+amplitude_mm = 0.5
+[excitation]
+kind = "sine"
+acceleration_m_s2 = 1.0
+frequency_Hz = 3.7
+[run]
+stop_s = 1.0
+step_s = 0.01
+"""
+STUDY = """
+name = "both clamps"
+system = "system.toml"
+{measure}
+[vary]
+{vary}
+"""
+TWO = """
+"pipe.clamps.c1.position_m" = { start = 1.0, stop = 2.0, points = 3 }
+"system.clamps.*.temperature_C" = [20.0, 300.0]
+"""
+
+
+@pytest.fixture
+def write(tmp_path: Path):
+    def make(vary: str = TWO, measure: str = "") -> Path:
+        (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
+        (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
+        path = tmp_path / "study.toml"
+        path.write_text(STUDY.format(vary=vary, measure=measure), encoding="utf-8")
+        return path
+
+    return make
+
+
+def test_every_combination_is_a_case(write) -> None:
+    study = read_study(write())
+    cases = [values for _, values in study.cases()]
+    assert len(cases) == study.description.count == 6
+    assert list(cases[0].values()) == [1.0, 20.0]
+    assert list(cases[-1].values()) == [2.0, 300.0]
+    pipe, system = study.described(cases[-1])
+    assert pipe.clamps[0].position_m == 2.0
+    assert [clamp.temperature_C for clamp in system.clamps] == [300.0, 300.0]
+
+
+def test_places_that_the_files_leave_out_can_be_varied(write) -> None:
+    vary = '"pipe.flow.velocity_m_s" = [0.0, 8.0]\n"system.clamps.number" = [0, 1, 2]'
+    study = read_study(write(vary))
+    rows = [evaluate(study, number, values) for number, values in study.cases()]
+    assert [row["error"] for row in rows] == [""] * 6
+    assert rows[0]["middle.s [mm]"] != rows[3]["middle.s [mm]"]  # the flow
+    assert rows[1]["middle.s [mm]"] > 2 * rows[2]["middle.s [mm]"]  # the second clamp helps
+    assert "c2.s [mm]" in rows[2]
+    assert "c2.s [mm]" not in rows[1]
+
+
+@pytest.mark.parametrize("measure", ["peak", "cosim"])
+def test_other_measures(write, measure: str) -> None:
+    study = read_study(write('"system.excitation.acceleration_m_s2" = [0.2, 1.0]', f'measure = "{measure}"'))
+    rows = [evaluate(study, number, values) for number, values in study.cases()]
+    assert [row["error"] for row in rows] == ["", ""]
+    assert rows[0]["middle.s [mm]"] < rows[1]["middle.s [mm]"]
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ('"pipe.clamps.c3.position_m" = [1.0]', ["pipe.clamps.c3.position_m", "'c3'", "did you mean"]),
+        ('"pipe.clamps.c1.positon_m" = [1.0]', ["positon_m", "did you mean 'position_m'"]),
+        ('"pip.length_m" = [1.0]', ["expected pipe.… or system.…"]),
+        ('"pipe.clamps.c1.position_m" = [1.0, 11.0]', ["11", "beyond the pipe's length_m"]),
+        ('"pipe.clamps.c1.position_m" = []', ["is empty"]),
+        ('"pipe.pipe.length_m" = { start = 1.0, stop = 2.0 }', ["points"]),
+        ("", ["vary"]),
+    ],
+)
+def test_a_wrong_study_is_refused(write, vary: str, words: list[str]) -> None:
+    with pytest.raises(UserError) as refused:
+        read_study(write(vary))
+    assert all(word in str(refused.value) for word in ["study.toml", *words]), refused.value
+
+
+def test_a_case_that_cannot_be_does_not_stop_the_others(write, tmp_path: Path) -> None:
+    study = read_study(write('"pipe.clamps.c1.position_m" = [1.0, 20.0, 2.0]'))
+    frame = run_study(study, tmp_path / "study.parquet", jobs=1)
+    assert frame["error"].to_list()[::2] == ["", ""]
+    assert "beyond the pipe's length_m" in frame["error"][1]
+    sections = study_sections(study, frame)
+    assert "1 cases gave no result" in " ".join(sections[0].paragraphs)
+    assert sections[1].figures
+
+
+def test_the_table_is_written_and_the_journal_goes(write, tmp_path: Path) -> None:
+    study, output = read_study(write()), tmp_path / "study.parquet"
+    told: list[int] = []
+    run_study(study, output, jobs=2, progress=lambda done, count: told.append(done))
+    frame = pl.read_parquet(output)
+    assert frame["case"].to_list() == list(range(6))
+    assert sorted(told) == list(range(7))
+    assert not journal_of(output).exists()
+    hot, cold = (frame.filter(pl.col("system.clamps.*.temperature_C") == T)["middle.s [mm]"] for T in (300.0, 20.0))
+    assert hot.to_list() != cold.to_list()
+
+
+def test_a_killed_study_goes_on_with_nothing_lost_or_done_twice(write, tmp_path: Path) -> None:
+    path = write('"pipe.clamps.c1.position_m" = { start = 1.0, stop = 2.0, points = 40 }')
+    output = tmp_path / "study.parquet"
+    command = [sys.executable, "-m", "pipeclamp_identification", "sweep", str(path), "-o", str(output), "--jobs", "1"]
+    journal = journal_of(output)
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as running:
+        until = time.monotonic() + 60
+        while time.monotonic() < until and not (journal.exists() and journal.read_text().count("\n") > 4):
+            time.sleep(0.02)
+        running.kill()
+    kept = [json.loads(line) for line in journal.read_text(encoding="utf-8").split("\n")[1:-1]]
+    assert 4 <= len(kept) < 40
+    with journal.open("a", encoding="utf-8") as stream:
+        stream.write('{"case": 39, "erro')  # as a kill in the middle of a line leaves it
+    subprocess.run(command, check=True, capture_output=True)
+    frame = pl.read_parquet(output)
+    assert frame["case"].to_list() == list(range(40))
+    assert (frame["error"] == "").all()
+    # The time that a case took tells whether it was done again.
+    assert [frame["seconds"][row["case"]] for row in kept] == [row["seconds"] for row in kept]
+
+
+def test_a_journal_of_another_study_is_refused(write, tmp_path: Path) -> None:
+    output = tmp_path / "study.parquet"
+    journal_of(output).write_text("of something else\n", encoding="utf-8")
+    with pytest.raises(UserError, match=r"study\.parquet\.journal: holds cases of another study"):
+        run_study(read_study(write()), output, jobs=1)
+
+
+def test_a_dask_cluster_takes_the_same_study(write, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    study = read_study(write())
+    here = run_study(study, tmp_path / "here.parquet", jobs=1)
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        there = run_study(study, tmp_path / "there.parquet", scheduler=cluster.scheduler_address)
+    assert there.drop("seconds").equals(here.drop("seconds"))
