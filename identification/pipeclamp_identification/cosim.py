@@ -22,11 +22,11 @@ from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import build_clamp, build_pipe, condition_parameter
 from pipeclamp_identification.broyden import Tolerance
 from pipeclamp_identification.cosim_result import CosimResult
-from pipeclamp_identification.coupling import ROLLS_BACK, Point, System, march
+from pipeclamp_identification.coupling import ROLLS_BACK, Participant, Point, System, march
 from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
-from pipeclamp_identification.importer import FmuParticipant, LoadedFmu, opened
+from pipeclamp_identification.importer import FmuParticipant, HeldInputs, LoadedFmu, opened
 from pipeclamp_identification.schemes import advance_of, best_allowed
 from pipeclamp_identification.step_control import march_controlled
 from pipeclamp_identification.system import ClampSource, LawMode, PipeSource, SystemDescription, read_system
@@ -160,6 +160,9 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
     """Run a description whose FMUs are finished."""
     paths = [(folder / str(description.pipe.fmu), "pipe"), *((folder / str(c.fmu), c.at) for c in description.clamps)]
     with opened(paths) as (pipe, *clamps):
+        pipe.rename(description.pipe.variables)
+        for fmu, source in zip(clamps, description.clamps, strict=True):
+            fmu.rename(source.variables)
         variables = pipe_variables(pipe)
         for index, clamp in enumerate(description.clamps, 1):
             if clamp.at not in variables.clamps:
@@ -169,10 +172,15 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
         stuck = [fmu.instance for fmu in (pipe, *clamps) if not fmu.can_roll_back]
         scheme = best_allowed(run.scheme, not stuck)
         description = description.model_copy(update={"run": run.model_copy(update={"scheme": scheme})})
-        start = {variables.excitation: signal(0.0), "inputsAtStepEnd": scheme in ROLLS_BACK}
+        start: dict[str, float | bool] = {variables.excitation: signal(0.0)}
+        if "inputsAtStepEnd" in pipe.variables:
+            start["inputsAtStepEnd"] = scheme in ROLLS_BACK
         pipe.initialise(start)
         for fmu, source in zip(clamps, description.clamps, strict=True):
-            fmu.initialise(clamp_parameters(source, description))
+            parameters = clamp_parameters(source, description)
+            if "A_used" not in fmu.variables:  # no clamp of ours: what it has of them
+                parameters = {name: value for name, value in parameters.items() if name in fmu.variables}
+            fmu.initialise(parameters)
         result = _run(description, variables, signal, pipe, clamps, progress)
         if scheme == run.scheme:
             return result
@@ -225,16 +233,17 @@ def pipe_variables(pipe: LoadedFmu) -> PipeVariables:
     inputs = [name for name, variable in pipe.variables.items() if variable.causality == "input"]
     outputs = [name for name, variable in pipe.variables.items() if variable.causality == "output"]
     excitation = [name for name in inputs if name in ("base.a", "excitation.f")]
-    missing = [name for name in PIPE_ENERGIES if name not in outputs]
-    if len(excitation) != 1 or missing:
+    if len(excitation) != 1:
         raise UserError(
-            f"{pipe.path}: this isn't a pipe FMU: expected one of the inputs base.a and excitation.f, and the outputs "
-            f"{', '.join(PIPE_ENERGIES)}; got inputs {', '.join(inputs) or 'none'}"
+            f"{pipe.path}: this isn't a pipe FMU: expected one of the inputs base.a and excitation.f, or variables that "
+            f"say what stands for it; got inputs {', '.join(inputs) or 'none'}"
         )
+    clamps = tuple(name.removesuffix(".f") for name in inputs if name.endswith(".f") and name != excitation[0])
+    places = [name.removesuffix(".s") for name in outputs if name.endswith(".s")]
     return PipeVariables(
         excitation[0],
-        tuple(name.removesuffix(".f") for name in inputs if name.endswith(".f") and name != excitation[0]),
-        tuple(name.removesuffix(".a") for name in outputs if name.endswith(".a")),
+        clamps,
+        tuple(name for name in places if name not in clamps),
     )
 
 
@@ -269,7 +278,12 @@ def _run(
     clamp_participants = tuple(
         FmuParticipant(clamp, ["flange.s", "flange.v"], ["flange.f"], CLAMP_WATCHED, ["inRange"]) for clamp in clamps
     )
-    system = System(pipe_participant, clamp_participants, signal)
+    coupled_pipe: Participant = pipe_participant
+    if run.scheme in ROLLS_BACK and "inputsAtStepEnd" not in pipe.variables:
+        coupled_pipe = HeldInputs(
+            pipe_participant, (signal(0.0), *(clamp.outputs()[0] for clamp in clamp_participants))
+        )
+    system = System(coupled_pipe, clamp_participants, signal)
     participants = (pipe_participant, *clamp_participants)
     tolerance = Tolerance(run.tolerance, run.max_iterations)
     points: list[Point] = []
@@ -344,6 +358,14 @@ def _result(
     # A parallel master tells the clamps where they were one step before.
     told = np.vstack([displacement[:1], displacement[:-1]]) if description.run.scheme == "parallel" else displacement
     stored, dissipated, work, delivered = watched[:, energies_at:clamps_at].T
+    if np.isnan(delivered).any():  # a foreign pipe: by the forces that it was told, and its motion
+        given = np.array([point.told for point in points]).reshape(len(points), len(names))
+        if description.run.scheme not in ROLLS_BACK:
+            given = np.repeat(given[1:], 2, axis=0)  # held over each step
+            places = np.repeat(displacement, 2, axis=0)[1:-1]
+            delivered = np.concatenate([[0.0], received_work(given, places).sum(axis=1)[1::2]])
+        else:
+            delivered = received_work(given, displacement).sum(axis=1)
     balance = EnergyBalance(
         excitation=work,
         pipe_stored=stored,

@@ -35,7 +35,7 @@ class EnergyGuard:
         """
         self._moved += abs(work - self._work)
         self._work = work
-        if stored <= IMPOSSIBLE * self._moved:
+        if not stored > IMPOSSIBLE * self._moved:  # nor where a foreign pipe doesn't say what it stores
             self.since = 0
             return
         self.since = self.since or point.index

@@ -47,6 +47,8 @@ class EnergyBalance:
         What it has moved to and fro counts, so that a motion without loss has a measure too.
         """
         moved = float(np.abs(np.diff(self.excitation)).sum())
+        if not np.isfinite(moved):  # a foreign pipe that doesn't say
+            moved = float(np.abs(np.diff(self.delivered)).sum())
         return float(np.abs(self.coupling).max()) / moved if moved > 0 else 0.0
 
     @property

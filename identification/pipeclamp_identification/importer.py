@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import byref
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -116,6 +117,18 @@ class LoadedFmu:
                 raise UserError(f"{self.path}: {unknown(name, list(self.variables), 'variable')}")
         return [self.variables[name].reference for name in names]
 
+    def rename(self, names: Mapping[str, str]) -> None:
+        """Let variables be known by our names: ours to the FMU's.
+
+        Raises:
+            UserError: the FMU has no such variable.
+        """
+        self.references(list(names.values()))
+        theirs = set(names.values())
+        self.variables = {name: entry for name, entry in self.variables.items() if name not in theirs} | {
+            ours: self.variables[name] for ours, name in names.items()
+        }
+
     def set_parameters(self, values: Mapping[str, float | bool]) -> None:
         """Set parameters, and inputs before the start."""
         for name, value in values.items():
@@ -178,7 +191,7 @@ class FmuParticipant:
         watched: Sequence[str],
         flags: Sequence[str] = (),
     ) -> None:
-        """Choose the variables that couple, and the Real and Boolean ones that are only watched."""
+        """Choose the variables that couple, and the Real and Boolean ones that are watched where the FMU has them."""
         self._fmu = fmu
         self._slave = fmu.slave
         self._component = fmu.slave.component
@@ -186,6 +199,9 @@ class FmuParticipant:
         self._input_values = (fmi2Real * len(inputs))()
         self._outputs = (fmi2ValueReference * len(outputs))(*fmu.references(outputs))
         self._output_values = (fmi2Real * len(outputs))()
+        self._known = [name in fmu.variables for name in watched]
+        watched = [name for name, known in zip(watched, self._known, strict=True) if known]
+        flags = [name for name in flags if name in fmu.variables]
         self._watched = (fmi2ValueReference * len(watched))(*fmu.references(watched))
         self._watched_values = (fmi2Real * len(watched))()
         self._flags = (fmi2ValueReference * len(flags))(*fmu.references(flags))
@@ -226,9 +242,10 @@ class FmuParticipant:
         return by[0], by[1]
 
     def watched(self) -> list[float]:
-        """Give the watched outputs."""
+        """Give the watched outputs; NaN for those that the FMU doesn't have."""
         self._slave.fmi2GetReal(self._component, self._watched, len(self._watched), self._watched_values)
-        return self._watched_values[:]  # type: ignore[no-any-return]
+        values = iter(self._watched_values)
+        return [next(values) if known else nan for known in self._known]
 
     def flags(self) -> list[bool]:
         """Give the watched Boolean outputs."""
@@ -249,3 +266,42 @@ class FmuParticipant:
         if self._state:
             self._slave.fmi2FreeFMUstate(self._component, byref(self._state))
             self._state = fmi2FMUstate()
+
+
+class HeldInputs:
+    """A participant whose inputs are held over a step, given their mean, where they are meant as those at its end.
+
+    The motion then errs by O(h^2), as with inputs that are linear over the step.
+    """
+
+    def __init__(self, participant: FmuParticipant, start: Sequence[float]) -> None:
+        """Take a participant and its inputs at time 0."""
+        self._participant = participant
+        self._before = self._last = tuple(start)
+
+    def set_inputs(self, values: Sequence[float]) -> None:
+        """Set the inputs at the step's end."""
+        self._last = tuple(values)
+        self._participant.set_inputs([(a + b) / 2 for a, b in zip(self._before, values, strict=True)])
+
+    def step(self, time: float, h: float) -> None:
+        """Step from `time` to `time + h`."""
+        self._participant.step(time, h)
+
+    def outputs(self) -> list[float]:
+        """Give all coupled outputs."""
+        return self._participant.outputs()
+
+    def slopes(self) -> tuple[float, float] | None:
+        """Give none."""
+        return None
+
+    def save(self) -> None:
+        """Keep the present state; the last inputs are those that it begins with."""
+        self._before = self._last
+        self._participant.save()
+
+    def restore(self) -> None:
+        """Go back to the state that was kept."""
+        self._last = self._before
+        self._participant.restore()

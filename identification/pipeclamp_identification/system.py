@@ -17,15 +17,21 @@ MOST_STEPS = 5_000_000
 
 
 class PipeSource(Table):
-    """The pipe: its description, or a finished FMU."""
+    """The pipe: its description, or a finished FMU; `variables` gives a foreign FMU's names for ours.
+
+    Ours are base.a or excitation.f, and for each clamp NAME.s, NAME.v, NAME.f, for each probe NAME.s.
+    """
 
     file: str | None = None
     fmu: str | None = None
+    variables: dict[str, str] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.file is None) == (self.fmu is None):
             raise ValueError("expected either file = 'PIPE.toml' or fmu = 'pipe.fmu'")
+        if self.file is not None and self.variables:
+            raise ValueError("variables belong to fmu = ...; a described pipe has our names")
         return self
 
 
@@ -35,6 +41,7 @@ class ClampSource(Table):
     Amplitude and frequency are those given here; with `solve` they are only where it starts, and the run is repeated
     until the clamp's motion shows those that it was given; with `track` the FMU estimates them as it goes. `conditions`
     are further ones that the law follows, by column of runs.csv; the middle of the law's range where they are left out.
+    `variables` gives a foreign FMU's names for ours: flange.s, flange.v, flange.f.
     """
 
     at: Name
@@ -46,6 +53,7 @@ class ClampSource(Table):
     track: bool = False
     solve: bool = False
     conditions: Annotated[dict[str, Number], Field(default_factory=dict)]
+    variables: dict[str, str] = Field(default_factory=dict)
 
     @property
     def mode(self) -> LawMode:
