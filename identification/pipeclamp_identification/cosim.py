@@ -235,8 +235,8 @@ def pipe_variables(pipe: LoadedFmu) -> PipeVariables:
     excitation = [name for name in inputs if name in ("base.a", "excitation.f")]
     if len(excitation) != 1:
         raise UserError(
-            f"{pipe.path}: this isn't a pipe FMU: expected one of the inputs base.a and excitation.f, or variables that "
-            f"say what stands for it; got inputs {', '.join(inputs) or 'none'}"
+            f"{pipe.path}: this isn't a pipe FMU: expected one of the inputs base.a and excitation.f, or variables "
+            f"that say what stands for it; got inputs {', '.join(inputs) or 'none'}"
         )
     clamps = tuple(name.removesuffix(".f") for name in inputs if name.endswith(".f") and name != excitation[0])
     places = [name.removesuffix(".s") for name in outputs if name.endswith(".s")]

@@ -124,6 +124,8 @@ class CosimResult:
     def _about_conditions(self, name: str, mode: LawMode) -> str:
         """Say where a law's A and f come from."""
         amplitude, frequency = 1e3 * self.columns[f"{name}.A_used"][-1], self.columns[f"{name}.f_used"][-1]
+        if amplitude != amplitude:
+            return f"{name}: not one of our FMUs; it doesn't say what A and f its law was taken for"
         used = f"A = {amplitude:.4g} mm, f = {frequency:.4g} Hz"
         if mode == "solved" and self.unsolved:
             return f"{name}: A and f NOT solved in {self.runs} runs, they still change by {self.unsolved:.1%}: {used}"
