@@ -68,7 +68,7 @@ class Description:
     tool: str
 
     def dependencies(self) -> tuple[list[Variable], list[Variable]]:
-        """Give what outputs depend on at any time, and at initialisation.
+        """Give what outputs and derivatives depend on at any time, and at initialisation.
 
         In co-simulation alone they are those of the last step, and depend on no input that is set at the same instant.
         """
@@ -124,13 +124,19 @@ def _fmi2(description: Description) -> bytes:
             "description": variable.quantity.description,
         })  # fmt: skip
         kind = "Boolean" if variable in variables.booleans else "Real"
-        SubElement(element, kind, number_attributes(variable.quantity) | _start(variable))
+        derivative = _derived(variables, variable, 1)
+        SubElement(element, kind, number_attributes(variable.quantity) | _start(variable) | derivative)
     always, initially = ([places[entry.name] for entry in group] for group in description.dependencies())
     structure = SubElement(root, "ModelStructure")
-    for name, known in (("Outputs", always), ("InitialUnknowns", initially)):
-        unknowns = SubElement(structure, name)
-        for output in (*variables.outputs, *variables.boolean_outputs):
-            SubElement(unknowns, "Unknown", {"index": places[output.name], "dependencies": " ".join(known)})
+    outputs = (*variables.outputs, *variables.boolean_outputs)
+    for name, listed_variables, known in (
+        ("Outputs", outputs, always),
+        ("Derivatives", variables.derivatives, always),
+        ("InitialUnknowns", _in_order(variables, outputs), initially),
+    ):
+        unknowns = SubElement(structure, name) if listed_variables else structure
+        for variable in listed_variables:
+            SubElement(unknowns, "Unknown", {"index": places[variable.name], "dependencies": " ".join(known)})
     return xml_bytes(root)
 
 
@@ -166,17 +172,36 @@ def _fmi3(description: Description) -> bytes:
             "causality": causality,
             "variability": variability,
             "description": variable.quantity.description,
-        } | number_attributes(variable.quantity) | _start(variable))  # fmt: skip
+        } | number_attributes(variable.quantity) | _start(variable) | _derived(variables, variable, 0))  # fmt: skip
     time = {"name": "time", "valueReference": str(len(places)), "causality": "independent", "variability": "continuous"}
     SubElement(listed, "Float64", time | {"description": TIME.description} | number_attributes(TIME))
     always, initially = (" ".join(places[entry.name] for entry in group) for group in description.dependencies())
     structure = SubElement(root, "ModelStructure")
-    for name, known in (("Output", always), ("InitialUnknown", initially)):
-        for output in (*variables.outputs, *variables.boolean_outputs):
-            SubElement(structure, name, {"valueReference": places[output.name], "dependencies": known})
+    outputs = (*variables.outputs, *variables.boolean_outputs)
+    for name, listed_variables, known in (
+        ("Output", outputs, always),
+        ("ContinuousStateDerivative", variables.derivatives, always),
+        ("InitialUnknown", _in_order(variables, outputs), initially),
+    ):
+        for variable in listed_variables:
+            SubElement(structure, name, {"valueReference": places[variable.name], "dependencies": known})
     if description.indicator:
         SubElement(structure, "EventIndicator", {"valueReference": places[description.indicator]})
     return xml_bytes(root)
+
+
+def _in_order(variables: Variables, outputs: Sequence[Variable]) -> list[Variable]:
+    """Give what is calculated at initialisation, outputs, states and derivatives, in the order of the variables."""
+    unknown = {variable.name for variable in (*outputs, *variables.state_variables, *variables.derivatives)}
+    return [variable for variable in variables.all if variable.name in unknown]
+
+
+def _derived(variables: Variables, variable: Variable, first: int) -> dict[str, str]:
+    """Give the attribute that tells whose derivative a variable is; places count from `first`."""
+    if variable not in variables.derivatives:
+        return {}
+    state = variables.state_variables[variables.derivatives.index(variable)]
+    return {"derivative": str(variables.all.index(state) + first)}
 
 
 def _common_elements(root: Element, description: Description, *further: Quantity) -> None:

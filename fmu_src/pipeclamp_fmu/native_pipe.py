@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipeclamp.pipe import ReducedPipe
+from pipeclamp_fmu.model_description import Quantity
 from pipeclamp_fmu.native_description import FLANGE, Terminal
 from pipeclamp_fmu.native_fmu import NativeContent
 from pipeclamp_fmu.native_sources import NativeModel
@@ -13,21 +14,28 @@ from pipeclamp_fmu.variables import Variable, Variables
 
 Nested = Sequence["float | Nested"]
 
+NEEDS = (
+    "In model exchange the modes and the two works are continuous states; inputs are those of the present time. "
+    "Standard C library only; the sources are inside."
+)
+
 
 def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
     """Give all that goes into the pipe's native FMU."""
     described = dict(quantities(pipe))
     flag = described.pop("inputsAtStepEnd")
     inputs = (excitation_input(pipe), *(f"{name}.f" for name in pipe.clamp_names))
+    states = _states(pipe)
     variables = Variables(
         inputs=tuple(Variable(name, described[name], 0.0) for name in inputs),
         parameters=(),
         outputs=tuple(Variable(name, described[name]) for name in _outputs(pipe)),
-        locals=(),
+        locals=(*states, *(Variable(f"der({entry.name})", _rate(entry.quantity)) for entry in states)),
         fixed=(),
         boolean_parameters=(Variable("inputsAtStepEnd", flag, False),),
         boolean_outputs=(),
         signals=len(inputs),
+        states=len(states),
     )
     return NativeContent(
         kind="pipe",
@@ -38,13 +46,29 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
             {"modes.h": _modes(pipe)},
             variables,
             (),
-            exchange=False,
             derivatives=False,
         ),
         terminals=[_port(name) for name in pipe.clamp_names],
-        documentation=pipe_documentation(pipe, quantities(pipe), "Standard C library only; the sources are inside."),
+        documentation=pipe_documentation(pipe, quantities(pipe), NEEDS),
         icon=b"",
     )
+
+
+def _states(pipe: ReducedPipe) -> tuple[Variable, ...]:
+    """Give the continuous states in the order in which pipe.c has them: modes of unit mass, then works."""
+    modes = range(1, len(pipe.omega) + 1)
+    slowest = min((omega for omega in pipe.omega if omega > 0), default=1.0)
+    q, p = 1e-3, 1e-3 * slowest
+    return (
+        *(Variable(f"mode.q[{n}]", Quantity(f"displacement of mode {n}, sqrt(kg) m", nominal=q)) for n in modes),
+        *(Variable(f"mode.p[{n}]", Quantity(f"velocity of mode {n}, sqrt(kg) m/s", nominal=p)) for n in modes),
+        Variable("work.excitation", Quantity("work of the excitation", "J", nominal=p * p)),
+        Variable("work.clamps", Quantity("work done on the clamps", "J", nominal=p * p)),
+    )
+
+
+def _rate(quantity: Quantity) -> Quantity:
+    return Quantity(f"change of the {quantity.description} per second")
 
 
 def _outputs(pipe: ReducedPipe) -> tuple[str, ...]:

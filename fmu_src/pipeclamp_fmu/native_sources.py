@@ -76,6 +76,7 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
         "OUTPUTS": len(variables.outputs),
         "LOCALS": len(variables.locals),
         "FIXED": len(variables.fixed),
+        "STATES": variables.states,
         "FLAG_PARAMETERS": len(variables.boolean_parameters),
         "FLAG_OUTPUTS": len(variables.boolean_outputs),
         "RANGES": len(model.ranges),
@@ -102,6 +103,7 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
             "",
             _names("REAL_NAMES", [variable.name for variable in variables.reals]),
             _names("FLAG_NAMES", [variable.name for variable in variables.booleans]),
+            f"static const double STATE_NOMINALS[] = {{{_nominals(variables)}}};",
             _names("RANGE_UNITS", [entry.unit for entry in model.ranges]),
             "",
             *(f'#include "{name}"' for name in headers),
@@ -110,6 +112,10 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
             "",
         ]
     )
+
+
+def _nominals(variables: Variables) -> str:
+    return ", ".join(repr(entry.quantity.nominal or 1.0) for entry in variables.state_variables) or "1.0"
 
 
 def _names(array: str, names: Sequence[str]) -> str:

@@ -30,6 +30,7 @@ class Variables:
     Attributes:
         inputs, parameters, outputs, locals, fixed: of type Real; `parameters` are tunable.
         boolean_parameters, boolean_outputs: of type Boolean.
+        states: how many of the locals, the first, are continuous states; as many after them are their derivatives.
         signals: how many of the inputs may change with every step without unsettling the conditions.
     """
 
@@ -41,6 +42,17 @@ class Variables:
     boolean_parameters: tuple[Variable, ...]
     boolean_outputs: tuple[Variable, ...]
     signals: int
+    states: int = 0
+
+    @property
+    def state_variables(self) -> tuple[Variable, ...]:
+        """The continuous states."""
+        return self.locals[: self.states]
+
+    @property
+    def derivatives(self) -> tuple[Variable, ...]:
+        """Their derivatives, in the same order."""
+        return self.locals[self.states : 2 * self.states]
 
     @property
     def reals(self) -> tuple[Variable, ...]:

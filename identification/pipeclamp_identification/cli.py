@@ -420,7 +420,7 @@ def build_pipe(
         made = "FMI 2.0 co-simulation, python"
         if kind is FmuKind.native:
             built = build_native_pipe(reduced, output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
-            made = f"FMI {built.fmi}.0 co-simulation, native ({_libraries(built)})"
+            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
         else:
             _refuse_native_options(fmi, platforms)
             build_pipe(reduced, output)

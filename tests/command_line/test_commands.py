@@ -226,5 +226,5 @@ def test_a_native_pipe_is_built(pipeclamp, tmp_path):
     examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
     (tmp_path / "pipe.toml").write_text(examples.joinpath("pipe.toml").read_text(encoding="utf-8"), encoding="utf-8")
     done = pipeclamp("build-pipe", "pipe.toml", "-o", "p.fmu", "--kind", "native", "--platforms", "", cwd=tmp_path)
-    assert "FMI 2.0 co-simulation, native (sources alone" in done.stdout.replace("\n", " ")
+    assert "FMI 2.0 co-simulation and model exchange, native (sources alone" in done.stdout.replace("\n", " ")
     assert "sources/pipe.c" in zipfile.ZipFile(tmp_path / "p.fmu").namelist()

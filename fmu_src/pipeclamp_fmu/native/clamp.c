@@ -275,6 +275,29 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
     return 1;
 }
 
+static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+{
+    return model_step(model, values, scratch, h, reason);
+}
+
+static void model_get_states(const Model *model, double states[])
+{
+    (void)model;
+    (void)states;
+}
+
+static void model_set_states(Model *model, const double states[])
+{
+    (void)model;
+    (void)states;
+}
+
+static void model_derivatives(const Model *model, double derivatives[])
+{
+    (void)model;
+    (void)derivatives;
+}
+
 /* Derivatives of the tracked A (mm) and f (Hz) by y (mm) and v (mm/s) at the end of the step, where they aren't held. */
 static void tracker_slopes(const Memory *memory, const Values *values, double slope[2][2])
 {

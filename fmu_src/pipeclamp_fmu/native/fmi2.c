@@ -355,7 +355,7 @@ NEVER_PENDING(fmi2GetStatus, fmi2Status)
 NEVER_PENDING(fmi2GetIntegerStatus, fmi2Integer)
 NEVER_PENDING(fmi2GetStringStatus, fmi2String)
 
-/* --- Model exchange: no continuous states; memory turns at completed steps and events */
+/* --- Model exchange: a clamp has no continuous states, its memory turns at completed steps and events */
 
 FMU_API(fmi2Status, fmi2EnterEventMode)(fmi2Component component)
 {
@@ -404,14 +404,26 @@ FMU_API(fmi2Status, fmi2GetEventIndicators)(fmi2Component component, fmi2Real in
     return (fmi2Status)instance_indicators(instance, indicators, count);
 }
 
-#define OF_STATES(function, type, modes)                                                                               \
-    FMU_API(fmi2Status, function)(fmi2Component component, type values[], size_t count)                                \
-    {                                                                                                                  \
-        (void)values;                                                                                                  \
-        return (fmi2Status)instance_none(component, (modes), __func__, count);                                         \
-    }
+FMU_API(fmi2Status, fmi2SetContinuousStates)(fmi2Component component, const fmi2Real states[], size_t count)
+{
+    REQUIRE(CONTINUOUS);
+    return (fmi2Status)instance_set_states(instance, states, count);
+}
 
-OF_STATES(fmi2SetContinuousStates, const fmi2Real, CONTINUOUS)
-OF_STATES(fmi2GetContinuousStates, fmi2Real, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
-OF_STATES(fmi2GetDerivatives, fmi2Real, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
-OF_STATES(fmi2GetNominalsOfContinuousStates, fmi2Real, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
+FMU_API(fmi2Status, fmi2GetContinuousStates)(fmi2Component component, fmi2Real states[], size_t count)
+{
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi2Status)instance_get_states(instance, states, count);
+}
+
+FMU_API(fmi2Status, fmi2GetDerivatives)(fmi2Component component, fmi2Real derivatives[], size_t count)
+{
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi2Status)instance_state_derivatives(instance, derivatives, count);
+}
+
+FMU_API(fmi2Status, fmi2GetNominalsOfContinuousStates)(fmi2Component component, fmi2Real nominals[], size_t count)
+{
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi2Status)instance_nominals(instance, nominals, count);
+}

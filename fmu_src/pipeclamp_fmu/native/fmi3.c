@@ -357,7 +357,7 @@ FMU_API(fmi3Status, fmi3DoStep)(fmi3Instance handle, fmi3Float64 time, fmi3Float
     return (fmi3Status)status;
 }
 
-/* --- Model exchange: no continuous states; memory turns at completed steps and events */
+/* --- Model exchange: a clamp has no continuous states, its memory turns at completed steps and events */
 
 FMU_API(fmi3Status, fmi3EnterEventMode)(fmi3Instance handle)
 {
@@ -436,20 +436,32 @@ FMU_API(fmi3Status, fmi3GetNumberOfEventIndicators)(fmi3Instance handle, size_t 
 
 FMU_API(fmi3Status, fmi3GetNumberOfContinuousStates)(fmi3Instance handle, size_t *count)
 {
-    return count_of(handle, __func__, 0, count);
+    return count_of(handle, __func__, STATES, count);
 }
 
-#define OF_STATES(function, type, modes)                                                                               \
-    FMU_API(fmi3Status, function)(fmi3Instance handle, type values[], size_t count)                                    \
-    {                                                                                                                  \
-        (void)values;                                                                                                  \
-        return (fmi3Status)instance_none(handle, (modes), __func__, count);                                            \
-    }
+FMU_API(fmi3Status, fmi3SetContinuousStates)(fmi3Instance handle, const fmi3Float64 states[], size_t count)
+{
+    REQUIRE(CONTINUOUS);
+    return (fmi3Status)instance_set_states(instance, states, count);
+}
 
-OF_STATES(fmi3SetContinuousStates, const fmi3Float64, CONTINUOUS)
-OF_STATES(fmi3GetContinuousStates, fmi3Float64, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
-OF_STATES(fmi3GetContinuousStateDerivatives, fmi3Float64, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
-OF_STATES(fmi3GetNominalsOfContinuousStates, fmi3Float64, INITIALIZATION | EVENT | CONTINUOUS | TERMINATED)
+FMU_API(fmi3Status, fmi3GetContinuousStates)(fmi3Instance handle, fmi3Float64 states[], size_t count)
+{
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi3Status)instance_get_states(instance, states, count);
+}
+
+FMU_API(fmi3Status, fmi3GetContinuousStateDerivatives)(fmi3Instance handle, fmi3Float64 derivatives[], size_t count)
+{
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi3Status)instance_state_derivatives(instance, derivatives, count);
+}
+
+FMU_API(fmi3Status, fmi3GetNominalsOfContinuousStates)(fmi3Instance handle, fmi3Float64 nominals[], size_t count)
+{
+    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    return (fmi3Status)instance_nominals(instance, nominals, count);
+}
 
 /* --- What this FMU doesn't have: clocks, arrays of varying size, derivatives in time, an event mode in co-simulation */
 

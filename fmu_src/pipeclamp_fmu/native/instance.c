@@ -181,7 +181,7 @@ static Status evaluated(Instance *instance)
         return STATUS_DISCARD;
     }
     instance->shown = instance->done;
-    if (!model_step(&instance->shown, &instance->values, &instance->scratch, h, reason))
+    if (!model_evaluate(&instance->shown, &instance->values, &instance->scratch, h, reason))
         return discarded(instance, instance->done_time, h, reason);
     instance->stale = 0;
     return STATUS_OK;
@@ -208,6 +208,43 @@ static Status instance_set_time(Instance *instance, double time)
         instance->time = time;
         instance->stale = 1;
     }
+    return STATUS_OK;
+}
+
+static Status instance_set_states(Instance *instance, const double states[], size_t count)
+{
+    if (count != STATES || (count > 0 && !states))
+        return instance_misses(instance, "a continuous state");
+    model_set_states(&instance->done, states);
+    instance->stale = 1;
+    return STATUS_OK;
+}
+
+static Status instance_get_states(const Instance *instance, double states[], size_t count)
+{
+    if (count != STATES || (count > 0 && !states))
+        return instance_misses(instance, "a continuous state");
+    model_get_states(&instance->done, states);
+    return STATUS_OK;
+}
+
+static Status instance_state_derivatives(Instance *instance, double derivatives[], size_t count)
+{
+    const Status status = evaluated(instance);
+    if (count != STATES || (count > 0 && !derivatives))
+        return instance_misses(instance, "a derivative of a continuous state");
+    if (status == STATUS_OK)
+        model_derivatives(&instance->shown, derivatives);
+    return status;
+}
+
+static Status instance_nominals(const Instance *instance, double nominals[], size_t count)
+{
+    size_t i;
+    if (count != STATES || (count > 0 && !nominals))
+        return instance_misses(instance, "a nominal value of a continuous state");
+    for (i = 0; i < count; i++)
+        nominals[i] = STATE_NOMINALS[i];
     return STATUS_OK;
 }
 

@@ -72,6 +72,10 @@ static Status instance_do_step(Instance *instance, double time, double h);
 /* Model exchange: take the present time and inputs as the end of a completed step. */
 static Status instance_complete_step(Instance *instance);
 static Status instance_set_time(Instance *instance, double time);
+static Status instance_set_states(Instance *instance, const double states[], size_t count);
+static Status instance_get_states(const Instance *instance, double states[], size_t count);
+static Status instance_state_derivatives(Instance *instance, double derivatives[], size_t count);
+static Status instance_nominals(const Instance *instance, double nominals[], size_t count);
 static Status instance_indicators(Instance *instance, double indicators[], size_t count);
 
 /* Products of the Jacobian with a seed, forwards, or transposed. */

@@ -42,6 +42,14 @@ static void model_reset(Model *model, const Values *values);
 static int model_start(Model *model, const Values *values, char reason[TEXT]);
 static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT]);
 
+/* Model exchange: bring the model to the present inputs, `h` after the last completed step. */
+static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT]);
+
+/* Continuous states, `STATES` of them; their derivatives are those of a model that is evaluated. */
+static void model_get_states(const Model *model, double states[]);
+static void model_set_states(Model *model, const double states[]);
+static void model_derivatives(const Model *model, double derivatives[]);
+
 /* Derivatives of the Real outputs by inputs and tunable parameters, for the last step as it ended. */
 static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][FIRST_OUTPUT]);
 

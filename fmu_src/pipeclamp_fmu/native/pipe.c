@@ -190,17 +190,55 @@ static double stored(const double q[MODES], const double p[MODES])
     return (seen(p, p) + seen(q, strain)) / 2;
 }
 
-/* Write the outputs of the present motion. */
-static void show(Model *model)
+static void accelerations(double acceleration[MODES], const Memory *memory)
 {
-    const Memory *memory = &model->memory;
-    double *output = model->real + FIRST_OUTPUT;
-    double strain[MODES], damped[MODES], acceleration[MODES], energy = stored(memory->q, memory->p);
+    double strain[MODES], damped[MODES];
     int i;
     forces(strain, STIFFNESS, memory->q);
     forces(damped, DAMPING, memory->p);
     for (i = 0; i < MODES; i++)
         acceleration[i] = memory->modal_loads[i] - damped[i] - strain[i];
+}
+
+static void model_get_states(const Model *model, double states[])
+{
+    const Memory *memory = &model->memory;
+    memcpy(states, memory->q, sizeof memory->q);
+    memcpy(states + MODES, memory->p, sizeof memory->p);
+    states[2 * MODES] = memory->excited;
+    states[2 * MODES + 1] = memory->on_clamps;
+}
+
+static void model_set_states(Model *model, const double states[])
+{
+    Memory *memory = &model->memory;
+    memcpy(memory->q, states, sizeof memory->q);
+    memcpy(memory->p, states + MODES, sizeof memory->p);
+    memory->excited = states[2 * MODES];
+    memory->on_clamps = states[2 * MODES + 1];
+}
+
+static void model_derivatives(const Model *model, double derivatives[])
+{
+    const Memory *memory = &model->memory;
+    int i;
+    memcpy(derivatives, memory->p, sizeof memory->p);
+    accelerations(derivatives + MODES, memory);
+    derivatives[2 * MODES] = memory->loads[0] * seen(PARTICIPATION, memory->p);
+    derivatives[2 * MODES + 1] = 0.0;
+    for (i = 0; i < CLAMPS; i++)
+        derivatives[2 * MODES + 1] += memory->loads[1 + i] * seen(CLAMP_SHAPES[i], memory->p);
+}
+
+/* Write outputs, states and derivatives of the present motion. */
+static void show(Model *model)
+{
+    const Memory *memory = &model->memory;
+    double *output = model->real + FIRST_OUTPUT, *acceleration = model->real + FIRST_LOCAL + STATES + MODES;
+    const double energy = stored(memory->q, memory->p);
+    int i;
+    model_get_states(model, model->real + FIRST_LOCAL);
+    model_derivatives(model, model->real + FIRST_LOCAL + STATES);
     for (i = 0; i < CLAMPS; i++)
         *output++ = seen(CLAMP_SHAPES[i], memory->q);
     for (i = 0; i < CLAMPS; i++)
@@ -224,13 +262,19 @@ static void model_reset(Model *model, const Values *values)
     memcpy(model->real, values->start, sizeof values->start);
 }
 
+/* Take the inputs as those of the present time. */
+static void take_loads(Model *model)
+{
+    memcpy(model->memory.loads, model->real, sizeof model->memory.loads);
+    modal_loads(model->memory.modal_loads, model->real);
+    show(model);
+}
+
 static int model_start(Model *model, const Values *values, char reason[TEXT])
 {
     (void)values;
     (void)reason;
-    memcpy(model->memory.loads, model->real, sizeof model->memory.loads);
-    modal_loads(model->memory.modal_loads, model->real);
-    show(model);
+    take_loads(model);
     return 1;
 }
 
@@ -258,6 +302,17 @@ static int finite_inputs(const double loads[INPUTS], char reason[TEXT])
         }
     snprintf(reason, TEXT, "the inputs are too large");
     return 0;
+}
+
+static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+{
+    (void)values;
+    (void)scratch;
+    (void)h;
+    if (!finite_inputs(model->real, reason))
+        return 0;
+    take_loads(model);
+    return 1;
 }
 
 static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
