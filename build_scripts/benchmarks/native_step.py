@@ -77,9 +77,9 @@ def without_law(folder: Path, sources: Path, library: Path) -> None:
         if source.name == "clamp.c":
             text = text.replace("static int model_step(", "static int unused_step(")
             text += """
-static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT])
 {
-    (void)values, (void)scratch, (void)h, (void)reason, (void)unused_step;
+    (void)values, (void)scratch, (void)end, (void)h, (void)reason, (void)unused_step;
     model->real[FORCE] = 0;
     return 1;
 }

@@ -17,6 +17,7 @@ from pipeclamp_fmu.clamp import ClampModel, FurtherCondition, clamp_content
 from pipeclamp_fmu.compile import default_platforms
 from pipeclamp_fmu.excitation import Samples, excitation_content
 from pipeclamp_fmu.native_clamp import Entry, NativeLaw, native_clamp
+from pipeclamp_fmu.native_excitation import native_excitation
 from pipeclamp_fmu.native_fmu import Built, NativeContent, write_native_fmu
 from pipeclamp_fmu.native_pipe import native_pipe
 from pipeclamp_fmu.packing import write_fmu
@@ -145,6 +146,18 @@ def condition_parameter(column: str, value: float) -> tuple[str, float]:
     if column == "first_cycle":
         return CYCLES, value
     return f"condition.{str(symbols.condition_symbol(column)).removeprefix(symbols.CONDITION)}", value
+
+
+def build_native_excitation(
+    samples: Samples, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None
+) -> Built:
+    """Build an FMU (FMI 2.0 or 3.0, co-simulation and model exchange, C) that gives an excitation.
+
+    Raises:
+        UserError: the FMU can't be written, or a platform can't be compiled for.
+    """
+    content = native_excitation(samples, version())
+    return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
 
 
 def clamp_model(file: LawFile) -> ClampModel:

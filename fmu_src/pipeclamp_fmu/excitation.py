@@ -22,10 +22,25 @@ class Samples:
     unit: str
 
 
-def excitation_content(samples: Samples, version: str) -> Content:
-    """Give all that goes into the excitation's FMU."""
-    text = ModelText("Excitation", "Signal over time, linear between its samples", version, samples.step)
+def excitation_text(samples: Samples, version: str) -> ModelText:
+    """Give what the description says of the whole."""
+    return ModelText("Excitation", "Signal over time, linear between its samples", version, samples.step)
+
+
+def signal_quantity(samples: Samples) -> Quantity:
+    """Give what an importer should know of the signal."""
     highest = max(map(abs, samples.values)) or 1.0
+    return Quantity("excitation", samples.unit, "", -10 * highest, 10 * highest, usual(highest))
+
+
+def excitation_documentation(samples: Samples) -> str:
+    """Give the page that travels inside the FMU."""
+    text = f"{len(samples.values)} samples, {samples.step:g} s apart, linear between, zero after the last."
+    return page(excitation_text(samples, "").name, (text,), ())
+
+
+def excitation_content(samples: Samples, version: str) -> Content:
+    """Give all that goes into the excitation's Python FMU."""
     generated = f"STEP = {float(samples.step)!r}\nVALUES = {tuple(map(float, samples.values))!r}\n"
     return Content(
         kind="excitation",
@@ -34,14 +49,8 @@ def excitation_content(samples: Samples, version: str) -> Content:
             {"pipeclamp_fmu.plain_slave": source_text("plain_slave"), "pipeclamp_fmu.stand_in_samples": generated},
         ),
         class_name=excitation_slave.ExcitationSlave.__name__,
-        text=text,
-        quantities={
-            "signal": Quantity("excitation", samples.unit, "", -10 * highest, 10 * highest, usual(highest)),
-        },
+        text=excitation_text(samples, version),
+        quantities={"signal": signal_quantity(samples)},
         initial_inputs=(),
-        documentation=page(
-            text.name,
-            (f"{len(samples.values)} samples, {samples.step:g} s apart, linear between, zero after the last.",),
-            (),
-        ),
+        documentation=excitation_documentation(samples),
     )

@@ -231,7 +231,7 @@ def terminals_and_icons(description: Description) -> bytes:
     picture = SubElement(root, "GraphicalRepresentation")
     SubElement(picture, "CoordinateSystem", corners | {"suggestedScalingFactorTo_mm": "0.1"})
     SubElement(picture, "Icon", corners)
-    listed = SubElement(root, "Terminals")
+    listed = SubElement(root, "Terminals") if description.terminals else root
     for terminal in description.terminals:
         element = SubElement(
             listed, "Terminal", {"name": terminal.name, "matchingRule": "plug", "terminalKind": terminal.kind}

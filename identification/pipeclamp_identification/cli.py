@@ -477,17 +477,15 @@ def response(
 def system_structure(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="SYSTEM.ssp", help="The SSP to write.")],
-    kind: Annotated[FmuKind, typer.Option(help="Of clamps and pipe, where they aren't FMUs yet.")] = FmuKind.python,
+    kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
-    from pipeclamp_fmu.build import build_native_clamp, build_native_pipe
-    from pipeclamp_identification.cosim import PYTHON, Builders
+    from pipeclamp_identification.cosim import NATIVE, PYTHON
     from pipeclamp_identification.system_ssp import write_system
 
-    builders = PYTHON if kind is FmuKind.python else Builders(build_native_clamp, build_native_pipe)
     with told("system"):
-        write_system(system, output, builders)
-    console.print(f"{output}: SSP 1.0, clamps and pipe {kind.value}")
+        write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE)
+    console.print(f"{output}: SSP 1.0, {kind.value}")
 
 
 @app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")

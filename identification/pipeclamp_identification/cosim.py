@@ -19,7 +19,16 @@ from pipeclamp.parameter_file import LawFile, read_law
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.toml_file import unknown
-from pipeclamp_fmu.build import build_clamp, build_pipe, condition_parameter
+from pipeclamp_fmu.build import (
+    build_clamp,
+    build_excitation,
+    build_native_clamp,
+    build_native_excitation,
+    build_native_pipe,
+    build_pipe,
+    condition_parameter,
+)
+from pipeclamp_fmu.excitation import Samples
 from pipeclamp_identification.broyden import Tolerance
 from pipeclamp_identification.cosim_result import CosimResult
 from pipeclamp_identification.coupling import ROLLS_BACK, Participant, Point, System, march
@@ -54,14 +63,18 @@ MEASURED_POINTS = 20_000
 
 @dataclass(frozen=True)
 class Builders:
-    """What makes the FMUs of clamps that are given by their laws, and of pipes that are described."""
+    """What makes the FMUs of clamps that are given by their laws, of pipes that are described, of excitations."""
 
     clamp: Callable[[LawFile, Path], object] = build_clamp
     pipe: Callable[[ReducedPipe, Path], object] = build_pipe
+    excitation: Callable[[Samples, Path], object] = build_excitation
 
 
 PYTHON = Builders()
 """Python FMUs: made at once, and run wherever this program does."""
+
+NATIVE = Builders(build_native_clamp, build_native_pipe, build_native_excitation)
+"""Native FMUs: they take a C compiler, and run wherever they were compiled for."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ import tempfile
 from pathlib import Path
 
 from pipeclamp.errors import UserError
-from pipeclamp_fmu.build import build_excitation
 from pipeclamp_fmu.excitation import Samples
 from pipeclamp_fmu.ssp import Component, SystemStructure, write_ssp
 from pipeclamp_identification.cosim import Builders, clamp_parameters, finished, pipe_variables
@@ -27,7 +26,7 @@ def write_system(path: Path, output: Path, build: Builders) -> None:
     Args:
         path: SYSTEM.toml; paths in it are relative to its folder.
         output: the SSP to write, whole or not at all.
-        build: what makes the FMUs of clamps and pipe.
+        build: what makes the FMUs of clamps, pipe and excitation.
 
     Raises:
         UserError: the system can't be read or built, has too many steps, or the file can't be written.
@@ -46,7 +45,7 @@ def write_system(path: Path, output: Path, build: Builders) -> None:
         signal = excitation_signal(description.excitation, variables.kind, run.stop_s, folder, str(path))
         values = [signal(min(index * run.step_s, run.stop_s)) for index in range(run.steps + 1)]
         excitation_fmu = Path(scratch) / "excitation.fmu"
-        build_excitation(Samples(run.step_s, values, UNITS[variables.kind]), excitation_fmu)
+        build.excitation(Samples(run.step_s, values, UNITS[variables.kind]), excitation_fmu)
         clamps = [
             Component(clamp.at, folder / str(clamp.fmu), clamp_parameters(clamp, description))
             for clamp in description.clamps

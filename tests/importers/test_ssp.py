@@ -10,11 +10,11 @@ from pathlib import Path
 import foreign_ssp
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
 
 from pipeclamp.errors import UserError
-from pipeclamp_fmu.build import build_native_clamp, build_native_pipe
 from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_identification.cosim import PYTHON, Builders, run_system
+from pipeclamp_identification.cosim import NATIVE, PYTHON, run_system
 from pipeclamp_identification.system_ssp import write_system
 
 STEP_NS, STEPS = 20_000, 1500
@@ -51,10 +51,10 @@ def folder(tmp_path_factory, pipe_text):
 
 @pytest.fixture(scope="module", params=["python", "native"])
 def ssp(request, folder):
-    """Give the system as an SSP, with pipe and clamp of each kind."""
+    """Give the system as an SSP, all of one kind."""
     if request.param == "native" and system_compiler() is None:
         pytest.skip("there is no C compiler (cc, gcc or clang) on the path")
-    build = {"python": PYTHON, "native": Builders(build_native_clamp, build_native_pipe)}[request.param]
+    build = {"python": PYTHON, "native": NATIVE}[request.param]
     write_system(folder / "system.toml", folder / f"{request.param}.ssp", build)
     return folder / f"{request.param}.ssp"
 
@@ -83,11 +83,13 @@ def test_it_gives_what_our_parallel_scheme_gives(ssp, own, master, tmp_path):
     assert (np.abs(theirs - own).max(axis=0) < 1e-9 * size).all()
 
 
-def test_it_holds_every_part(ssp):
+def test_it_holds_every_part(ssp, tmp_path):
     with zipfile.ZipFile(ssp) as archive:
         names = set(archive.namelist())
+        archive.extractall(tmp_path)
     parts = {f"resources/{name}.fmu" for name in ("excitation", "pipe", "clamp1")}
     assert names == {"SystemStructure.ssd", "resources/clamp1.ssv", *parts}
+    assert [validate_fmu(str(tmp_path / part)) for part in sorted(parts)] == [[], [], []]
 
 
 def test_too_long_a_run_is_refused(folder, tmp_path):

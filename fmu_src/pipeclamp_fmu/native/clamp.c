@@ -231,7 +231,7 @@ static int prepare(const Model *model, const Values *values, double h, Condition
     return put_under(from, k, conditions, model, values, reason);
 }
 
-static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT])
 {
     Memory *memory = &model->memory;
     const double y = MM * model->real[S], v = MM * model->real[V];
@@ -242,6 +242,7 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
     const Place *from = now(memory);
     const double *k = memory->k;
     (void)scratch;
+    (void)end;
     if (!as_before) {
         if (!prepare(model, values, h, &conditions, new_k, &prepared, &share, reason))
             return 0;
@@ -275,9 +276,10 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
     return 1;
 }
 
-static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double time, double h,
+                          char reason[TEXT])
 {
-    return model_step(model, values, scratch, h, reason);
+    return model_step(model, values, scratch, time, h, reason);
 }
 
 static void model_get_states(const Model *model, double states[])
@@ -315,7 +317,7 @@ static void tracker_slopes(const Memory *memory, const Values *values, double sl
     }
 }
 
-static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][FIRST_OUTPUT])
+static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)])
 {
     enum { BY = 2 + LAW_CONDITIONS }; /* y, v, conditions */
     const Memory *memory = &model->memory;

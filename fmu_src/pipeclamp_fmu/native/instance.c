@@ -160,7 +160,7 @@ static Status instance_do_step(Instance *instance, double time, double h)
     char reason[TEXT];
     if (!(h > 0.0 && isfinite(h)))
         return discarded(instance, time, h, "expected a finite step above 0 s");
-    if (!model_step(&instance->done, &instance->values, &instance->scratch, h, reason))
+    if (!model_step(&instance->done, &instance->values, &instance->scratch, time + h, h, reason))
         return discarded(instance, time, h, reason);
     instance->time = instance->done_time = time + h;
     warn_once(instance);
@@ -181,7 +181,7 @@ static Status evaluated(Instance *instance)
         return STATUS_DISCARD;
     }
     instance->shown = instance->done;
-    if (!model_evaluate(&instance->shown, &instance->values, &instance->scratch, h, reason))
+    if (!model_evaluate(&instance->shown, &instance->values, &instance->scratch, instance->time, h, reason))
         return discarded(instance, instance->done_time, h, reason);
     instance->stale = 0;
     return STATUS_OK;
@@ -343,7 +343,7 @@ static Status instance_derivatives(Instance *instance, const unsigned unknowns[]
                             const unsigned knowns[], size_t known_count, int transposed, const double seed[],
                             double product[])
 {
-    double jacobian[OUTPUTS][FIRST_OUTPUT];
+    double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)];
     Status status;
     const Model *model = showing(instance, 1, &status);
     size_t row, column;

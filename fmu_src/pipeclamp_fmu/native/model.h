@@ -22,7 +22,7 @@ enum {
 /* What the file of values says; the same for the life of an instance. */
 typedef struct {
     char name[TEXT / 2];
-    double start[INPUTS + PARAMETERS];
+    double start[ROOM(INPUTS + PARAMETERS)];
     double fixed[ROOM(FIXED)];
     double range[ROOM(RANGES)][2];
 } Values;
@@ -35,15 +35,17 @@ typedef struct {
     Memory memory;
 } Model;
 
-/* Functions that can't do what they are asked say why in `reason` and return 0, the model untouched. What a model keeps
+/* A step ends at the time `end` after `h` seconds.
+ * Functions that can't do what they are asked say why in `reason` and return 0, the model untouched. What a model keeps
  * in `scratch` is no part of its state: it only saves work. */
 
 static void model_reset(Model *model, const Values *values);
 static int model_start(Model *model, const Values *values, char reason[TEXT]);
-static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT]);
+static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT]);
 
-/* Model exchange: bring the model to the present inputs, `h` after the last completed step. */
-static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT]);
+/* Model exchange: bring the model to the present time and inputs, `h` after the last completed step. */
+static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double time, double h,
+                          char reason[TEXT]);
 
 /* Continuous states, `STATES` of them; their derivatives are those of a model that is evaluated. */
 static void model_get_states(const Model *model, double states[]);
@@ -51,7 +53,7 @@ static void model_set_states(Model *model, const double states[]);
 static void model_derivatives(const Model *model, double derivatives[]);
 
 /* Derivatives of the Real outputs by inputs and tunable parameters, for the last step as it ended. */
-static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][FIRST_OUTPUT]);
+static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)]);
 
 /* Says what is used beyond its range; returns 0 where nothing is. */
 static int model_beyond_range(const Model *model, const Values *values, char text[TEXT]);

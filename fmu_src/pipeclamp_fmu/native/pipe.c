@@ -304,10 +304,12 @@ static int finite_inputs(const double loads[INPUTS], char reason[TEXT])
     return 0;
 }
 
-static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double time, double h,
+                          char reason[TEXT])
 {
     (void)values;
     (void)scratch;
+    (void)time;
     (void)h;
     if (!finite_inputs(model->real, reason))
         return 0;
@@ -315,13 +317,14 @@ static int model_evaluate(Model *model, const Values *values, Scratch *scratch, 
     return 1;
 }
 
-static int model_step(Model *model, const Values *values, Scratch *scratch, double h, char reason[TEXT])
+static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT])
 {
     Memory *memory = &model->memory;
     const double *loads = model->real, *loads_before = loads, *g0;
     double g1[MODES], q[MODES], p[MODES], mean[MODES], energy;
     int block, i, j;
     (void)values;
+    (void)end;
     if (!finite_inputs(loads, reason))
         return 0;
     modal_loads(g1, loads);
@@ -368,7 +371,7 @@ static int model_beyond_range(const Model *model, const Values *values, char tex
     return 0;
 }
 
-static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][FIRST_OUTPUT])
+static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)])
 {
     (void)model;
     (void)values;

@@ -1,0 +1,35 @@
+"""What an excitation's native FMU is made of."""
+
+from __future__ import annotations
+
+from pipeclamp_fmu.excitation import Samples, excitation_documentation, excitation_text, signal_quantity
+from pipeclamp_fmu.native_fmu import NativeContent
+from pipeclamp_fmu.native_sources import NativeModel
+from pipeclamp_fmu.variables import Variable, Variables
+
+
+def native_excitation(samples: Samples, version: str) -> NativeContent:
+    """Give all that goes into the excitation's native FMU."""
+    values = ", ".join(repr(float(value)) for value in samples.values)
+    header = (
+        "/* Generated: the samples. */\n"
+        f"enum {{ SAMPLES = {len(samples.values)} }};\n"
+        f"static const double STEP = {float(samples.step)!r};\n"
+        f"static const double VALUES[] = {{{values}}};\n"
+    )
+    variables = Variables((), (), (Variable("signal", signal_quantity(samples)),), (), (), (), (), signals=0)
+    return NativeContent(
+        kind="excitation",
+        text=excitation_text(samples, version),
+        model=NativeModel(
+            "excitation",
+            ("excitation.c", "excitation.h"),
+            {"samples.h": header},
+            variables,
+            (),
+            derivatives=False,
+        ),
+        terminals=(),
+        documentation=excitation_documentation(samples),
+        icon=b"",
+    )
