@@ -256,3 +256,16 @@ def test_an_unknown_platform_is_named(law_with_memory, tmp_path):
     with pytest.raises(UserError, match=r"'amiga'.*linux64"):
         build_native_clamp(law_with_memory, tmp_path / "a.fmu", platforms=["amiga"])
     assert list(tmp_path.iterdir()) == []
+
+
+MAGIC = {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"}
+
+
+def test_zig_compiles_for_every_platform(law_with_memory, tmp_path):
+    pytest.importorskip("ziglang", reason="ziglang isn't installed: pip install 'pipeclamp[native]'")
+    built = build_native_clamp(law_with_memory, tmp_path / "all.fmu", platforms=tuple(MAGIC))
+    assert built.platforms == tuple(MAGIC)
+    with zipfile.ZipFile(tmp_path / "all.fmu") as archive:
+        for platform, magic in MAGIC.items():
+            (library,) = [name for name in archive.namelist() if name.startswith(f"binaries/{platform}/")]
+            assert archive.read(library).startswith(magic)
