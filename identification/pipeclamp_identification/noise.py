@@ -24,6 +24,8 @@ DEGREE = 3
 """Highest total degree of the polynomials over the conditions that count as smooth."""
 FREE_RUNS = 0.35
 """At least this share of the runs must stay free of the polynomials, to show the scatter between runs."""
+MOST_SCATTER = 0.02
+"""Stiffness or damping that differs by more than this share from run to run is a law's error, not a rig's scatter."""
 UNSEEN = 1e15
 """Variance in N2 that stands for a harmonic which wasn't measured."""
 
@@ -160,7 +162,7 @@ def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array) 
     if free < 1:
         return 0.0
     excess = np.sum(rest**2) - np.sum((1 - leverage) / weight[known])
-    return float(np.sqrt(max(excess, 0.0) / free))
+    return min(float(np.sqrt(max(excess, 0.0) / free)), MOST_SCATTER)
 
 
 def smooth_basis(loops: Loops) -> Array:
