@@ -30,6 +30,8 @@ much where friction steps between samples."""
 FORM = 0.1
 """An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
 exact form."""
+MOST_FORM = 1.0
+"""But a law that leaves over more than the force noise itself is not complete, whatever its effects' form."""
 EXPLAINS = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
 CLOSE = 0.1
@@ -46,6 +48,19 @@ MOST_ELEMENTS = 3
 """Slip elements up to which a spread of slip forces is resolved."""
 ABOUT_AS_WELL = 10.0
 """Difference in squares on left-out groups that is no reason for a further slip element."""
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Lack of fit that is let pass, as shares of the force noise.
+
+    Attributes:
+        complete: below this a law counts as complete.
+        form: below this an effect counts as explained, be its form not quite the catalogue's.
+    """
+
+    complete: float
+    form: float
 
 
 @dataclass(frozen=True)
@@ -98,10 +113,11 @@ def diagnose(structure: Structure, loops: Loops, *, jobs: int = 1, progress: Pro
         raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least {FEWEST_RUNS}")
     tell("law as it is")
     problem, law = prepare(structure, loops)
-    limit = max(MATERIAL, _precision(loops), FORM * _bare_lack(structure, problem))
-    if _adequate(law.lack, limit):
+    form = FORM * _bare_lack(structure, problem)
+    tolerance = Tolerance(max(MATERIAL, _precision(loops), min(form, MOST_FORM)), form)
+    if _adequate(law.lack, tolerance):
         reasons = (_scatter_words(law.lack, problem),)
-        return Diagnosis("complete", (), law, (), {}, None, problem, limit, reasons)
+        return Diagnosis("complete", (), law, (), {}, None, problem, tolerance.complete, reasons)
     problem, law = _weighed_again(problem, law, law)
     promises = screened(structure, problem, law, tell)
     candidates, screened_out = _candidates(structure, problem, promises, jobs, tell)
@@ -109,7 +125,7 @@ def diagnose(structure: Structure, loops: Loops, *, jobs: int = 1, progress: Pro
         tell("evidence weighed by the best law's own residuals")
         problem, law = _weighed_again(problem, law, candidates[0])
         candidates = _ranked(judge_each([_as_it_is(judged) for judged in candidates], problem, jobs, tell))
-    return _verdict(structure, problem, law, candidates, screened_out, limit, jobs, tell)
+    return _verdict(structure, problem, law, candidates, screened_out, tolerance, jobs, tell)
 
 
 def _weighed_again(problem: Problem, law: Judged, best: Judged) -> tuple[Problem, Judged]:
@@ -140,8 +156,8 @@ def _precision(loops: Loops) -> float:
     return PRECISE * float(np.sqrt(np.sum(loops.force_rms_N**2) / np.sum(loops.noise_rms_N**2)))
 
 
-def _adequate(lack: LackOfFit, limit: float) -> bool:
-    return lack.p_value > SIGNIFICANT or lack.share < limit
+def _adequate(lack: LackOfFit, tolerance: Tolerance) -> bool:
+    return lack.p_value > SIGNIFICANT or lack.share < tolerance.complete
 
 
 def _candidates(
@@ -189,7 +205,7 @@ def _verdict(
     law: Judged,
     candidates: Sequence[Judged],
     screened_out: Mapping[str, float],
-    limit: float,
+    tolerance: Tolerance,
     jobs: int,
     tell: Callable[[str], None],
 ) -> Diagnosis:
@@ -198,22 +214,24 @@ def _verdict(
 
     def answer(verdict: Verdict, effects: Iterable[str], pair: Judged | None, *reasons: str) -> Diagnosis:
         names = tuple(dict.fromkeys(effect_id(name) for name in effects))
-        return Diagnosis(verdict, names, law, tuple(candidates), screened_out, pair, problem, limit, reasons)
+        return Diagnosis(
+            verdict, names, law, tuple(candidates), screened_out, pair, problem, tolerance.complete, reasons
+        )
 
     if not sound:
         return answer("unknown", (), None, "no effect of the catalogue lowers the error on left-out conditions")
     best = sound[0]
     pair = None
-    if not _explains(best, law, limit):
+    if not _explains(best, law, tolerance):
         tell("two effects together")
         pair = _best_pair(structure, problem, law, sound, jobs, tell)
-        if pair is None or not _explains(pair, law, limit):
+        if pair is None or not _explains(pair, law, tolerance):
             return answer("unknown", (), pair, _unexplained_words(best, law))
         members = sorted(pair.effects, key=lambda name: _alone(name, sound))
         return answer(
             "missing", members[:1], pair, f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
         )
-    rivals = _rivals(best, sound, problem, limit, law)
+    rivals = _rivals(best, sound, problem, tolerance, law)
     names = [best.effects[0], *(rival.effects[0] for rival in rivals)]
     distinct = list(dict.fromkeys(effect_id(name) for name in names))
     if len(distinct) > 1:
@@ -221,8 +239,9 @@ def _verdict(
     return answer("missing", distinct, None, f"{best.effects[0]} explains it and no rival comes near")
 
 
-def _explains(candidate: Judged, law: Judged, limit: float) -> bool:
-    return _adequate(candidate.lack, limit) or candidate.lack.share < EXPLAINS * law.lack.share
+def _explains(candidate: Judged, law: Judged, tolerance: Tolerance) -> bool:
+    left, missing = candidate.lack.share, law.lack.share
+    return _adequate(candidate.lack, tolerance) or left < EXPLAINS * missing or left < tolerance.form < missing
 
 
 def _alone(name: str, sound: Sequence[Judged]) -> float:
@@ -270,9 +289,9 @@ def _distinct(judged: Sequence[Judged]) -> list[Judged]:
     return list(best.values())
 
 
-def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, limit: float, law: Judged) -> list[Judged]:
+def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, tolerance: Tolerance, law: Judged) -> list[Judged]:
     """Find who can't be told from the best: one standard error away, or best in many resampled sets of conditions."""
-    others = [candidate for candidate in sound if candidate is not best and _explains(candidate, law, limit)]
+    others = [candidate for candidate in sound if candidate is not best and _explains(candidate, law, tolerance)]
     if not others:
         return []
     random = np.random.default_rng(0)
