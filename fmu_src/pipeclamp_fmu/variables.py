@@ -10,7 +10,7 @@ from pipeclamp_fmu.model_description import Quantity
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable: Boolean where its start is a truth value or it has neither unit nor start.
+    """A variable of a model.
 
     Attributes:
         name: as importers see it.
