@@ -13,7 +13,7 @@ FOLDER = Path(os.environ.get("PIPECLAMP_DATA", "no data")) / "mr_damper"
 
 @pytest.mark.skipif(not FOLDER.is_dir(), reason="PIPECLAMP_DATA has no mr_damper")
 def test_current_then_memory_are_found_and_the_error_falls(pipeclamp, tmp_path):
-    """SOURCE.md: independent fits err by 20.7 % with the current, 13.0 % with memory too, 11.8 % with a third effect."""
+    """SOURCE.md: independent fits err by 20.7 % with the current, 13.0 % with memory, 11.8 % with a third effect."""
     law, answer = tmp_path / "law0.json", tmp_path / "answer.json"
     identified = pipeclamp("identify", FOLDER, "-o", law)
     assert "moving average (displacement over 10.2% of the period, force over 10.2%" in identified.stderr
