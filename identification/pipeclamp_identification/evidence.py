@@ -17,7 +17,7 @@ from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.noise import UNSEEN, NoiseModel, WhitenedObservations
 from pipeclamp_identification.observations import Rows
 
-INDEPENDENT = 0.01
+INDEPENDENT = 0.05
 """A change of which the law's parameters leave less than this share is one that they make themselves."""
 LOW_HARMONICS = 7
 """Most of what loops can miss shows up to this harmonic."""
@@ -138,7 +138,7 @@ def lack_of_fit(
         plain: the residuals in N, shape (R, m).
         noise: the noise model.
         smooth: orthonormal functions of the conditions, shape (R, q).
-        directed: whitened changes of force that are looked for one by one, shape (k, R, m).
+        directed: whitened changes of force that are looked for one by one, in d directions each, (c, d, R, m).
         noise_rms: force noise per sample of each run, N, shape (R,).
     """
     runs, channels, count = fitted.jacobian.shape
@@ -164,20 +164,22 @@ def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> 
     """Give the chance that noise alone makes the largest of several changes as large as it is.
 
     Args:
-        directed: the changes, shape (k, R, m); what the law's parameters can make of them counts for nothing.
+        directed: the changes, each a plane of d directions, shape (c, d, R, m); what the law's parameters can make of
+            them counts for nothing.
         residual: shape (R, m).
         basis: orthonormal, of what the parameters can do, shape (R m, P).
         free: runs that told the size of the scatter.
     """
-    flat = directed.reshape(len(directed), -1)
-    own = flat - (flat @ basis) @ basis.T
-    size = np.linalg.norm(own, axis=1)
-    usual = np.linalg.norm(flat, axis=1)
-    known = size > INDEPENDENT * usual
-    if not known.any():
-        return 1.0
-    largest = float(np.max(np.abs(own[known] @ residual.ravel()) / size[known]))
-    return min(1.0, 2 * int(known.sum()) * float(stats.t.sf(largest, max(free, 1))))
+    chances = []
+    for plane in directed.reshape(*directed.shape[:2], -1):
+        own = plane - (plane @ basis) @ basis.T
+        known = np.linalg.norm(own, axis=1) > INDEPENDENT * np.linalg.norm(plane, axis=1)
+        if not known.any():
+            continue
+        span = np.linalg.qr(own[known].T)[0]
+        explained = float(np.sum((span.T @ residual.ravel()) ** 2))
+        chances.append(float(stats.f.sf(explained / span.shape[1], span.shape[1], max(free, 1))))
+    return min(1.0, len(chances) * min(chances, default=1.0))
 
 
 def _scaled(jacobian: Array) -> Array:

@@ -118,12 +118,10 @@ class NoiseModel:
         return np.asarray(np.linalg.solve(lower, np.broadcast_to(np.eye(size), covariance.shape)))
 
     def share_trends(self, loops: Loops) -> Array:
-        """Give stiffness, then damping, that follows each condition by itself, N, whitened, shape (2 c, R, m)."""
-        directions = [
-            column[:, None] * direction for direction in (self.elastic, self.damping) for column in trends(loops).T
-        ]
-        stacked = np.array(directions).reshape(-1, *self.variance.shape)
-        return np.asarray(np.einsum("rij,prj->pri", self.whitener(), stacked))
+        """Give stiffness and damping that follow each condition by itself, N, whitened, shape (c, 2, R, m)."""
+        directions = np.stack([self.elastic, self.damping])
+        followed = trends(loops).T[:, None, :, None] * directions
+        return np.asarray(np.einsum("rij,cdrj->cdri", self.whitener(), followed))
 
 
 def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:

@@ -73,7 +73,7 @@ class Problem:
 
     @cached_property
     def share_trends(self) -> Array:
-        """Stiffness and damping that follow one condition each, against the noise, shape (k, R, m)."""
+        """Stiffness and damping that follow one condition each, against the noise, shape (c, 2, R, m)."""
         return self.noise.share_trends(self.loops)
 
 
