@@ -6,40 +6,37 @@ What a command needs is imported inside it, so that `--help` and light commands 
 from __future__ import annotations
 
 import datetime
-import json
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.table import Table as RichTable
 
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
+from pipeclamp_identification import cli_simulation
+from pipeclamp_identification.terminal import (
+    JsonOption,
+    LawArgument,
+    ReportOption,
+    console,
+    errors,
+    names_in,
+    print_table,
+    show,
+    told,
+    write,
+)
 
 if TYPE_CHECKING:
-    from pipeclamp_fmu.native_fmu import Built
     from pipeclamp_identification.add import Addition
     from pipeclamp_identification.campaign import Campaign
-    from pipeclamp_identification.findings import Findings
     from pipeclamp_identification.fit import Progress as Tell
     from pipeclamp_identification.metric_campaign import MetricCampaign
-    from pipeclamp_identification.report import Section, Table
 
 app = typer.Typer(
     name="pipeclamp",
@@ -50,9 +47,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
     add_completion=False,
 )
-WIDE = 150
-console = Console(width=None if sys.stdout.isatty() else WIDE)
-errors = Console(stderr=True)
+app.add_typer(cli_simulation.app)
 
 
 class BaseLaw(StrEnum):
@@ -70,20 +65,6 @@ class FitMethod(StrEnum):
     surfaces = "surfaces"
 
 
-class FmuKind(StrEnum):
-    """Kinds of FMUs that can be built."""
-
-    python = "python"
-    native = "native"
-
-
-class FmiVersion(StrEnum):
-    """Versions of FMI that native FMUs can be of."""
-
-    fmi2 = "2"
-    fmi3 = "3"
-
-
 class RecordFormat(StrEnum):
     """Formats of records that the virtual rig writes."""
 
@@ -95,17 +76,6 @@ class RecordFormat(StrEnum):
 CampaignFolder = Annotated[
     Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
 ]
-KindOption = Annotated[
-    FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
-]
-FmiOption = Annotated[FmiVersion | None, typer.Option(help="Native: version of FMI, 2 by default.")]
-PlatformsOption = Annotated[
-    str | None,
-    typer.Option(metavar="linux64,win64,darwin64", help="Native: this machine's by default; '' for sources alone."),
-]
-LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
-JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
-ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
 StrictOption = Annotated[bool, typer.Option("--strict", help="A run that can't be used is an error.")]
 EffectsOption = Annotated[
     str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")
@@ -150,7 +120,7 @@ def metrics(
         found, bare = metrics_found(tests)
     if output:
         write_folder(output, metric_files(bare))
-    _show(found, json, report, f"Loop metrics of {tests.name}", tests.notes)
+    show(found, json, report, f"Loop metrics of {tests.name}", tests.notes)
 
 
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
@@ -175,14 +145,14 @@ def identify(
     from pipeclamp_identification.findings import identified
 
     with told("identify") as tell:
-        ids, declarations = read_effects(_names(effects), declared or ())
+        ids, declarations = read_effects(names_in(effects), declared or ())
         tests = _read(campaign, strict, tell)
         file, sections = identified(
             tests, base=base.value, effects=ids, frozen=_values(freeze), method=method.value, declared=declarations,
             name=name or tests.name, command=_command(), date=None if reproducible else _now(),
             with_report=report is not None, progress=tell,
         )  # fmt: skip
-    _write(None, report, None, f"Law {file.name}", f"identified from {tests.name}", sections)
+    write(None, report, None, f"Law {file.name}", f"identified from {tests.name}", sections)
     write_whole(output, law_text(file))
     _print_law(file, output)
 
@@ -204,7 +174,7 @@ def compare(
         tests = _read(campaign, strict, tell)
         found = compared(file, tests, with_report=report is not None)
     effects = ", ".join(file.effects) or "none"
-    _show(found, json, report, f"Law {file.name} against {tests.name}", f"base {file.base}, effects: {effects}")
+    show(found, json, report, f"Law {file.name} against {tests.name}", f"base {file.base}, effects: {effects}")
 
 
 @app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
@@ -249,7 +219,7 @@ def diagnose(
         write_whole(auto, law_text(file))
         for line in settled.words():
             console.print(line, highlight=False)
-    _show(found, json, report, f"Diagnosis of {file.name}", tests.name)
+    show(found, json, report, f"Diagnosis of {file.name}", tests.name)
 
 
 @app.command(epilog="Example: pipeclamp remove law2.json memory my_campaign -o law.json")
@@ -300,7 +270,7 @@ def effects(declared: DeclaredOption = None) -> None:
         (effect.name, effect.part, effect.looks_like, ", ".join(effect.imitated_by), effect.told_apart_by)
         for effect in catalogue
     ]
-    _print_table(Table(("id", "part", "looks like, when missing", "imitated by", "told apart by"), rows))
+    print_table(Table(("id", "part", "looks like, when missing", "imitated by", "told apart by"), rows))
 
 
 @app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
@@ -352,166 +322,13 @@ def rig(
             temperature_error=temperature_error,
             seed=seed,
         )
-        ids, declarations = read_effects(_names(effects), declared or ())
+        ids, declarations = read_effects(names_in(effects), declared or ())
         truth, conditions = virtual.truth_law(open_law(law), ids, _values(set_values), declarations)
         count = virtual.write_campaign(
             output, virtual.virtual_runs(truth, plan, conditions), name=output.name, notes=f"Virtual rig: {_command()}",
             format=format.value, progress=tell,
         )  # fmt: skip
     console.print(f"{output}: {count} runs")
-
-
-@app.command("build-fmu", epilog="Example: pipeclamp build-fmu law.json -o clamp.fmu")
-def build_fmu(
-    law: LawArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="CLAMP.fmu", help="The FMU to write.")],
-    kind: KindOption = FmuKind.python,
-    fmi: FmiOption = None,
-    platforms: PlatformsOption = None,
-) -> None:
-    """Package a law as an FMU with A, f and T parameters."""
-    from pipeclamp.bundled import open_law
-    from pipeclamp_fmu.build import build_clamp, build_native_clamp
-
-    with told("build-fmu"):
-        made = "FMI 2.0 co-simulation, python"
-        if kind is FmuKind.native:
-            built = build_native_clamp(open_law(law), output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
-            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
-        else:
-            _refuse_native_options(fmi, platforms)
-            build_clamp(open_law(law), output)
-    console.print(f"{output}: {made}")
-
-
-@app.command("set-parameters", epilog="Example: pipeclamp set-parameters clamp.fmu law2.json")
-def set_parameters(
-    fmu: Annotated[Path, typer.Argument(metavar="CLAMP.fmu", help="An FMU made by build-fmu.")],
-    law: LawArgument,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="CLAMP2.fmu", help="The FMU to write; the same by default.")
-    ] = None,
-) -> None:
-    """Put another law's parameters into a finished clamp FMU, without a compiler."""
-    from pipeclamp.bundled import open_law
-    from pipeclamp_fmu import set_parameters as setting
-
-    with told("set-parameters"):
-        file = open_law(law)
-        setting.set_parameters(fmu, file, output or fmu)
-    console.print(f"{output or fmu}: parameters of {file.name}")
-
-
-@app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
-def build_pipe(
-    pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="PIPE.fmu", help="The FMU to write.")],
-    kind: KindOption = FmuKind.python,
-    fmi: FmiOption = None,
-    platforms: PlatformsOption = None,
-) -> None:
-    """Package a pipe as an FMU with a port for each of its clamps."""
-    from pipeclamp.pipe import reduce
-    from pipeclamp.pipe_description import read_pipe
-    from pipeclamp_fmu.build import build_native_pipe, build_pipe
-
-    with told("build-pipe"):
-        reduced = reduce(read_pipe(pipe))
-        made = "FMI 2.0 co-simulation, python"
-        if kind is FmuKind.native:
-            built = build_native_pipe(reduced, output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
-            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
-        else:
-            _refuse_native_options(fmi, platforms)
-            build_pipe(reduced, output)
-    for line in reduced.summary().splitlines():
-        console.print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
-    console.print(f"{output}: {made}")
-
-
-@app.command(epilog="Example: pipeclamp cosim system.toml -o result.csv --report result.html")
-def cosim(
-    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="RESULT.csv", help="The result to write.")],
-    report: ReportOption = None,
-) -> None:
-    """Couple a pipe FMU with clamp FMUs and run them."""
-    from pipeclamp_identification.cosim import run_system
-    from pipeclamp_identification.cosim_report import cosim_sections
-    from pipeclamp_identification.cosim_result import write_result
-
-    with told("cosim") as tell:
-        result = run_system(system, lambda share: tell(f"{share:.0%}"))
-        sections = cosim_sections(result)
-    if report:
-        _write(None, report, None, f"Co-simulation {system.stem}", "pipe and clamps", sections)
-    write_result(result, output)
-    for line in sections[0].paragraphs:
-        shown, style = (errors, "bold red") if line.startswith("NOT TO BE TRUSTED") else (console, None)
-        shown.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
-    console.print(str(output))
-
-
-@app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
-def response(
-    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="RESPONSE.csv", help="The curves to write.")],
-    report: ReportOption = None,
-) -> None:
-    """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
-    from pipeclamp_identification.frequency_response import run_response, write_response
-    from pipeclamp_identification.response_report import response_sections
-
-    with told("response") as tell:
-        found = run_response(system, tell)
-        sections = response_sections(found)
-    if report:
-        _write(None, report, None, f"Frequency response {system.stem}", "pipe and clamps", sections)
-    write_response(found, output)
-    for line in sections[0].paragraphs:
-        console.print(line, highlight=False)
-    console.print(str(output))
-
-
-@app.command("system", epilog="Example: pipeclamp system system.toml -o system.ssp --kind native")
-def system_structure(
-    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="SYSTEM.ssp", help="The SSP to write.")],
-    kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
-) -> None:
-    """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
-    from pipeclamp_identification.cosim import NATIVE, PYTHON
-    from pipeclamp_identification.system_ssp import write_system
-
-    with told("system"):
-        write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE)
-    console.print(f"{output}: SSP 1.0, {kind.value}")
-
-
-@app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")
-def sweep(
-    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The system and what is varied in it.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="STUDY.parquet", help="The table to write.")],
-    jobs: Annotated[int, typer.Option(help="Processes; -1 for all cores.")] = -1,
-    dask: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler that takes the cases.")] = None,
-    report: ReportOption = None,
-) -> None:
-    """Vary a system over thousands of cases; after a kill the same command goes on."""
-    from pipeclamp_identification.study import read_study
-    from pipeclamp_identification.study_report import study_sections
-    from pipeclamp_identification.study_run import run_study
-
-    read = read_study(study)
-    columns = (TextColumn("sweep"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as shown:
-        task = shown.add_task("sweep", total=read.description.count)
-        frame = run_study(read, output, jobs, dask, lambda done, _: shown.update(task, completed=done))
-    sections = study_sections(read, frame)
-    if report:
-        _write(None, report, None, f"Study {study.stem}", read.description.notes, sections)
-    for line in sections[0].paragraphs:
-        console.print(line, highlight=False, markup=False)
-    console.print(str(output))
 
 
 @app.command(epilog="Example: pipeclamp demo my_demo")
@@ -531,18 +348,6 @@ def schema() -> None:
     from pipeclamp.parameter_file import schema_text
 
     sys.stdout.write(schema_text())
-
-
-@contextmanager
-def told(title: str) -> Iterator[Tell]:
-    """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
-    from pipeclamp.one_thread import one_thread
-
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    shown = Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
-    with one_thread(), shown as progress:
-        task = progress.add_task(title)
-        yield lambda what: progress.update(task, description=f"{title}: {what}")
 
 
 def _read(folder: Path, strict: bool, tell: Tell) -> Campaign | MetricCampaign:
@@ -579,51 +384,14 @@ def _change(
         date = None if reproducible else _now()
         changed = change(file, campaign=tests, command=_command(), date=date, progress=tell)
     write_whole(output, law_text(changed.after))
-    _print_table(addition_table(changed))
+    print_table(addition_table(changed))
     _print_law(changed.after, output)
-
-
-def _show(found: Findings, json_path: Path | None, report: Path | None, title: str, subtitle: str) -> None:
-    """Write a command's findings where wanted, and print them."""
-    _write(json_path, report, found.answer, title, subtitle, found.sections)
-    for table in found.tables:
-        _print_table(table)
-    for line in found.lines:
-        console.print(line, highlight=False, markup=False)
-
-
-def _write(
-    json_path: Path | None,
-    report: Path | None,
-    answer: dict[str, Any] | None,
-    title: str,
-    subtitle: str,
-    sections: Sequence[Section],
-) -> None:
-    if json_path:
-        write_whole(json_path, json.dumps(answer, indent=1, allow_nan=False) + "\n")
-    if report:
-        from pipeclamp_identification.report import write_report
-
-        write_report(report, title, subtitle, sections)
-
-
-def _print_table(table: Table) -> None:
-    from pipeclamp_identification.report import cell
-
-    shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic")
-    for index, head in enumerate(table.header):
-        numeric = any(isinstance(row[index], float) for row in table.rows)
-        shown.add_column(head, justify="right" if numeric else "left", overflow="fold")
-    for row in table.rows:
-        shown.add_row(*(cell(value) for value in row))
-    console.print(shown, highlight=False)
 
 
 def _print_law(file: Any, output: Path) -> None:
     from pipeclamp_identification.identify_report import coefficient_table
 
-    _print_table(coefficient_table(file))
+    print_table(coefficient_table(file))
     for entry in file.correlations:
         pair = " and ".join(entry.pair)
         console.print(f"{pair} can hardly be told apart (correlation {entry.value:.3f})", highlight=False)
@@ -634,28 +402,9 @@ def _print_law(file: Any, output: Path) -> None:
     console.print(str(output), highlight=False)
 
 
-def _refuse_native_options(fmi: FmiVersion | None, platforms: str | None) -> None:
-    if platforms is not None or fmi is not None:
-        raise UserError(
-            "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
-        )
-
-
-def _platforms(text: str | None) -> tuple[str, ...] | None:
-    return None if text is None else _names(text)
-
-
-def _libraries(built: Built) -> str:
-    return ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(",") if name.strip())
-
-
 def _values(text: str) -> dict[str, float]:
     values = {}
-    for entry in _names(text):
+    for entry in names_in(text):
         name, equals, number = entry.partition("=")
         if not equals:
             raise UserError(f"got {entry!r}; expected name=value, for example k1_T=0")
@@ -665,7 +414,7 @@ def _values(text: str) -> dict[str, float]:
 
 def _numbers(text: str, where: str) -> tuple[float, ...]:
     try:
-        numbers = tuple(float(entry) for entry in _names(text))
+        numbers = tuple(float(entry) for entry in names_in(text))
     except ValueError as error:
         raise UserError(f"{where}: got {text!r}; expected numbers separated by commas") from error
     if not numbers or not all(math.isfinite(number) for number in numbers):

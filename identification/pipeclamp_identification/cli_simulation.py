@@ -1,0 +1,210 @@
+"""The command line's part for simulation: FMUs, pipes, coupled systems; nothing is computed here."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from pipeclamp.errors import UserError
+from pipeclamp_identification.terminal import LawArgument, ReportOption, console, errors, names_in, told, write
+
+if TYPE_CHECKING:
+    from pipeclamp_fmu.native_fmu import Built
+
+app = typer.Typer()
+
+
+class FmuKind(StrEnum):
+    """Kinds of FMUs that can be built."""
+
+    python = "python"
+    native = "native"
+
+
+class FmiVersion(StrEnum):
+    """Versions of FMI that native FMUs can be of."""
+
+    fmi2 = "2"
+    fmi3 = "3"
+
+
+KindOption = Annotated[
+    FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
+]
+FmiOption = Annotated[FmiVersion | None, typer.Option(help="Native: version of FMI, 2 by default.")]
+PlatformsOption = Annotated[
+    str | None,
+    typer.Option(metavar="linux64,win64,darwin64", help="Native: this machine's by default; '' for sources alone."),
+]
+
+
+@app.command("build-fmu", epilog="Example: pipeclamp build-fmu law.json -o clamp.fmu")
+def build_fmu(
+    law: LawArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="CLAMP.fmu", help="The FMU to write.")],
+    kind: KindOption = FmuKind.python,
+    fmi: FmiOption = None,
+    platforms: PlatformsOption = None,
+) -> None:
+    """Package a law as an FMU with A, f and T parameters."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp_fmu.build import build_clamp, build_native_clamp
+
+    with told("build-fmu"):
+        made = "FMI 2.0 co-simulation, python"
+        if kind is FmuKind.native:
+            built = build_native_clamp(open_law(law), output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
+            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
+        else:
+            _refuse_native_options(fmi, platforms)
+            build_clamp(open_law(law), output)
+    console.print(f"{output}: {made}")
+
+
+@app.command("set-parameters", epilog="Example: pipeclamp set-parameters clamp.fmu law2.json")
+def set_parameters(
+    fmu: Annotated[Path, typer.Argument(metavar="CLAMP.fmu", help="An FMU made by build-fmu.")],
+    law: LawArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="CLAMP2.fmu", help="The FMU to write; the same by default.")
+    ] = None,
+) -> None:
+    """Put another law's parameters into a finished clamp FMU, without a compiler."""
+    from pipeclamp.bundled import open_law
+    from pipeclamp_fmu import set_parameters as setting
+
+    with told("set-parameters"):
+        file = open_law(law)
+        setting.set_parameters(fmu, file, output or fmu)
+    console.print(f"{output or fmu}: parameters of {file.name}")
+
+
+@app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
+def build_pipe(
+    pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="PIPE.fmu", help="The FMU to write.")],
+    kind: KindOption = FmuKind.python,
+    fmi: FmiOption = None,
+    platforms: PlatformsOption = None,
+) -> None:
+    """Package a pipe as an FMU with a port for each of its clamps."""
+    from pipeclamp.pipe import reduce
+    from pipeclamp.pipe_description import read_pipe
+    from pipeclamp_fmu.build import build_native_pipe, build_pipe
+
+    with told("build-pipe"):
+        reduced = reduce(read_pipe(pipe))
+        made = "FMI 2.0 co-simulation, python"
+        if kind is FmuKind.native:
+            built = build_native_pipe(reduced, output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
+            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
+        else:
+            _refuse_native_options(fmi, platforms)
+            build_pipe(reduced, output)
+    for line in reduced.summary().splitlines():
+        console.print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
+    console.print(f"{output}: {made}")
+
+
+@app.command(epilog="Example: pipeclamp cosim system.toml -o result.csv --report result.html")
+def cosim(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="RESULT.csv", help="The result to write.")],
+    report: ReportOption = None,
+) -> None:
+    """Couple a pipe FMU with clamp FMUs and run them."""
+    from pipeclamp_identification.cosim import run_system
+    from pipeclamp_identification.cosim_report import cosim_sections
+    from pipeclamp_identification.cosim_result import write_result
+
+    with told("cosim") as tell:
+        result = run_system(system, lambda share: tell(f"{share:.0%}"))
+        sections = cosim_sections(result)
+    if report:
+        write(None, report, None, f"Co-simulation {system.stem}", "pipe and clamps", sections)
+    write_result(result, output)
+    for line in sections[0].paragraphs:
+        shown, style = (errors, "bold red") if line.startswith("NOT TO BE TRUSTED") else (console, None)
+        shown.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
+    console.print(str(output))
+
+
+@app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
+def response(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="RESPONSE.csv", help="The curves to write.")],
+    report: ReportOption = None,
+) -> None:
+    """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
+    from pipeclamp_identification.frequency_response import run_response, write_response
+    from pipeclamp_identification.response_report import response_sections
+
+    with told("response") as tell:
+        found = run_response(system, tell)
+        sections = response_sections(found)
+    if report:
+        write(None, report, None, f"Frequency response {system.stem}", "pipe and clamps", sections)
+    write_response(found, output)
+    for line in sections[0].paragraphs:
+        console.print(line, highlight=False)
+    console.print(str(output))
+
+
+@app.command("system", epilog="Example: pipeclamp system system.toml -o system.ssp --kind native")
+def system_structure(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="SYSTEM.ssp", help="The SSP to write.")],
+    kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
+) -> None:
+    """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
+    from pipeclamp_identification.cosim import NATIVE, PYTHON
+    from pipeclamp_identification.system_ssp import write_system
+
+    with told("system"):
+        write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE)
+    console.print(f"{output}: SSP 1.0, {kind.value}")
+
+
+@app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")
+def sweep(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The system and what is varied in it.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="STUDY.parquet", help="The table to write.")],
+    jobs: Annotated[int, typer.Option(help="Processes; -1 for all cores.")] = -1,
+    dask: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler that takes the cases.")] = None,
+    report: ReportOption = None,
+) -> None:
+    """Vary a system over thousands of cases; after a kill the same command goes on."""
+    from pipeclamp_identification.study import read_study
+    from pipeclamp_identification.study_report import study_sections
+    from pipeclamp_identification.study_run import run_study
+
+    read = read_study(study)
+    columns = (TextColumn("sweep"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as shown:
+        task = shown.add_task("sweep", total=read.description.count)
+        frame = run_study(read, output, jobs, dask, lambda done, _: shown.update(task, completed=done))
+    sections = study_sections(read, frame)
+    if report:
+        write(None, report, None, f"Study {study.stem}", read.description.notes, sections)
+    for line in sections[0].paragraphs:
+        console.print(line, highlight=False, markup=False)
+    console.print(str(output))
+
+
+def _refuse_native_options(fmi: FmiVersion | None, platforms: str | None) -> None:
+    if platforms is not None or fmi is not None:
+        raise UserError(
+            "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
+        )
+
+
+def _platforms(text: str | None) -> tuple[str, ...] | None:
+    return None if text is None else names_in(text)
+
+
+def _libraries(built: Built) -> str:
+    return ", ".join(built.platforms) or "sources alone: the importing tool compiles them"

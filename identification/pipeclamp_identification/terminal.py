@@ -1,0 +1,87 @@
+"""What the commands share: common options, what is shown while they run, how they print and write."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table as RichTable
+
+from pipeclamp.files import write_whole
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.findings import Findings
+    from pipeclamp_identification.fit import Progress as Tell
+    from pipeclamp_identification.report import Section, Table
+
+WIDE = 150
+console = Console(width=None if sys.stdout.isatty() else WIDE)
+errors = Console(stderr=True)
+
+
+LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
+JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
+ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
+
+
+@contextmanager
+def told(title: str) -> Iterator[Tell]:
+    """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
+    from pipeclamp.one_thread import one_thread
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    shown = Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
+    with one_thread(), shown as progress:
+        task = progress.add_task(title)
+        yield lambda what: progress.update(task, description=f"{title}: {what}")
+
+
+def show(found: Findings, json_path: Path | None, report: Path | None, title: str, subtitle: str) -> None:
+    """Write a command's findings where wanted, and print them."""
+    write(json_path, report, found.answer, title, subtitle, found.sections)
+    for table in found.tables:
+        print_table(table)
+    for line in found.lines:
+        console.print(line, highlight=False, markup=False)
+
+
+def write(
+    json_path: Path | None,
+    report: Path | None,
+    answer: dict[str, Any] | None,
+    title: str,
+    subtitle: str,
+    sections: Sequence[Section],
+) -> None:
+    """Write an answer and a report where they are wanted."""
+    if json_path:
+        write_whole(json_path, json.dumps(answer, indent=1, allow_nan=False) + "\n")
+    if report:
+        from pipeclamp_identification.report import write_report
+
+        write_report(report, title, subtitle, sections)
+
+
+def print_table(table: Table) -> None:
+    """Print a table."""
+    from pipeclamp_identification.report import cell
+
+    shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic")
+    for index, head in enumerate(table.header):
+        numeric = any(isinstance(row[index], float) for row in table.rows)
+        shown.add_column(head, justify="right" if numeric else "left", overflow="fold")
+    for row in table.rows:
+        shown.add_row(*(cell(value) for value in row))
+    console.print(shown, highlight=False)
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """Give the names that commas separate."""
+    return tuple(name.strip() for name in text.split(",") if name.strip())
