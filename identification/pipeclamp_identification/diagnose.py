@@ -38,9 +38,9 @@ CLOSE = 0.1
 """A rival stays in the answer's set when resampling the conditions makes it the best in this share of the draws."""
 DRAWS = 2000
 SCREENED = 8
-"""Candidates that are weighed again, and, of those with memory, that are fitted at all, at most."""
+"""Candidates that the screen lets through to a full fit, at most."""
 WORTH_FITTING = 0.01
-"""A candidate with memory is fitted when one step promises this share of what the best promises."""
+"""A candidate passes the screen when one step promises this share of what the best promises."""
 PAIRED = 3
 """Best candidates that are tried together with a second effect, where one alone doesn't explain."""
 FEWEST_RUNS = 4
@@ -124,8 +124,7 @@ def diagnose(structure: Structure, loops: Loops, *, jobs: int = 1, progress: Pro
     if candidates and not candidates[0].objections:
         tell("evidence weighed by the best law's own residuals")
         problem, law = _weighed_again(problem, law, candidates[0])
-        again = judge_each([_as_it_is(judged) for judged in candidates[:SCREENED]], problem, jobs, tell)
-        candidates = [*_ranked(again), *candidates[SCREENED:]]
+        candidates = _ranked(judge_each([_as_it_is(judged) for judged in candidates], problem, jobs, tell))
     return _verdict(structure, problem, law, candidates, screened_out, tolerance, jobs, tell)
 
 
@@ -168,13 +167,7 @@ def _candidates(
     top = promises[0].gain if promises else 0.0
     ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:SCREENED]
     worth = max(WORTH_FITTING * top, 1e-300)
-
-    def is_chosen(promise: Promise) -> bool:
-        # A step says little where the valley is curved; what has no memory is fitted in no time.
-        remembers = bool(structure.effect(promise.name).states)
-        return promise.adds_freedom and (not remembers or (effect_id(promise.name) in ids and promise.gain >= worth))
-
-    chosen = [promise for promise in promises if is_chosen(promise)]
+    chosen = [promise for promise in promises if effect_id(promise.name) in ids and promise.gain >= worth]
     left = {promise.name: promise.gain / top if top > 0 else 0.0 for promise in promises if promise not in chosen}
     contenders = [Contender((promise.name,), with_effect(structure, promise.name), promise.start) for promise in chosen]
     judged = _ranked(judge_each(contenders, problem, jobs, tell))

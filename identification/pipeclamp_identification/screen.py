@@ -57,7 +57,6 @@ class Promise:
         start: the start's values, all of the law's parameters.
         steps: the law with the effect at each of its starts, linearised.
         starts: those starts.
-        adds_freedom: whether the data could determine any of its parameters.
     """
 
     name: str
@@ -65,7 +64,6 @@ class Promise:
     start: Mapping[str, float]
     steps: Sequence[Linearised]
     starts: Sequence[Mapping[str, float]]
-    adds_freedom: bool
 
 
 def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> Promise | None:
@@ -80,8 +78,7 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
     steps = [linearised(larger, problem.observations, point) for point in points]
     costs = [step.cost_after_one_step() for step in steps]
     best = int(np.argmin(costs))
-    adds_freedom = not set(steps[best].free) <= set(law.result.equations.names)
-    return Promise(name, law.result.cost - costs[best], points[best], steps, points, adds_freedom)
+    return Promise(name, law.result.cost - costs[best], points[best], steps, points)
 
 
 def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], Promise]:
