@@ -19,9 +19,6 @@ COEFFICIENT = "law."
 MEMORY = "memory."
 """What the names of the variables begin with that hold the clamp's memory."""
 
-MEMBERS = {"s": ("flange.s", "signal"), "v": ("flange.v", "signal"), "f": ("flange.f", "inflow")}
-"""The flange's variables by member, each with its kind: f is the force that flows into the clamp."""
-
 
 @dataclass(frozen=True)
 class Entry:

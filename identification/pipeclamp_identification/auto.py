@@ -14,6 +14,7 @@ from pipeclamp_identification.fit import Progress
 from pipeclamp_identification.metric_campaign import MetricCampaign
 from pipeclamp_identification.metric_diagnosis_report import MetricAnswer, metric_answer_for
 from pipeclamp_identification.next_test import Limits
+from pipeclamp_identification.screen import effect_id
 
 MOST_EFFECTS = 8
 
@@ -95,4 +96,4 @@ def named(answer: Answer | MetricAnswer) -> str:
     wanted = diagnosis.effects[0]
     found = [*([diagnosis.pair] if diagnosis.pair else []), *diagnosis.candidates]
     names = [name for judged in found for name in judged.effects]
-    return next((name for name in names if name == wanted or name.split(":")[0] == wanted), wanted)
+    return next((name for name in names if effect_id(name) == wanted), wanted)

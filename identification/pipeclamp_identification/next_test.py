@@ -15,6 +15,7 @@ from pipeclamp.response import Motion, Response, respond
 from pipeclamp_identification.diagnose import Diagnosis
 from pipeclamp_identification.observations import SAMPLES, harmonics_of
 from pipeclamp_identification.problem import Judged
+from pipeclamp_identification.screen import effect_id
 
 CELSIUS = 273.15
 HARMONICS = 12
@@ -140,9 +141,7 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
 
 def _of(name: str, diagnosis: Diagnosis) -> Judged:
     """Give the best candidate of an id."""
-    return next(
-        candidate for candidate in diagnosis.candidates if candidate.effects[0].split(":")[0] == name.split(":")[0]
-    )
+    return next(candidate for candidate in diagnosis.candidates if effect_id(candidate.effects[0]) == effect_id(name))
 
 
 def _motions(grid: Array, profile: str, diagnosis: Diagnosis) -> Motion:

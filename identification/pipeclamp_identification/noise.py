@@ -99,10 +99,6 @@ class NoiseModel:
         elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping
         return np.asarray(self.variance + elastic**2 + damping**2)
 
-    def scatter(self) -> float:
-        """Give the scatter between runs in one number."""
-        return self.stiffness_scatter + self.damping_scatter
-
     def whitener(self, discrepancy: float = 0.0) -> Array:
         """Give the matrices that make each run's residuals independent with variance one, shape (R, m, m).
 
@@ -118,10 +114,9 @@ class NoiseModel:
         return np.asarray(np.linalg.solve(lower, np.broadcast_to(np.eye(size), covariance.shape)))
 
     def share_trends(self, loops: Loops) -> Array:
-        """Give stiffness and damping that follow each condition by itself, N, whitened, shape (c, 2, R, m)."""
+        """Give stiffness and damping that follow each condition by itself, N, shape (c, 2, R, m)."""
         directions = np.stack([self.elastic, self.damping])
-        followed = trends(loops).T[:, None, :, None] * directions
-        return np.asarray(np.einsum("rij,cdrj->cdri", self.whitener(), followed))
+        return np.asarray(trends(loops).T[:, None, :, None] * directions)
 
 
 def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:

@@ -74,7 +74,7 @@ class Problem:
     @cached_property
     def share_trends(self) -> Array:
         """Stiffness and damping that follow one condition each, against the noise, shape (c, 2, R, m)."""
-        return self.noise.share_trends(self.loops)
+        return np.asarray(np.einsum("rij,cdrj->cdri", self.against_noise.whitener, self.noise.share_trends(self.loops)))
 
 
 @dataclass(frozen=True)
