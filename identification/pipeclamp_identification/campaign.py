@@ -16,7 +16,7 @@ from pipeclamp_identification.clipping import check_clipping
 from pipeclamp_identification.cycles import Cycles, find_cycles
 from pipeclamp_identification.description import CampaignDescription, read_description
 from pipeclamp_identification.records import Record, UnusableRecord, check_samples, read_record
-from pipeclamp_identification.runs_table import RunRow, read_runs_table
+from pipeclamp_identification.runs_table import RunRow, RunsTable, read_runs_table
 from pipeclamp_identification.smoothing import Smoothing, find_smoothing
 
 # threads that read records: more than most machines' cores for it, because each also waits for the disk
@@ -85,6 +85,11 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
             f"{folder}: holds metrics without records; expected records of the loops (metrics, identify, compare, "
             "diagnose, add and remove can do with metrics)"
         )
+    return campaign_of(folder, description, table, strict)
+
+
+def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable, strict: bool) -> Campaign:
+    """Read the records of a campaign whose description and table have been read, as `read_campaign` does."""
     with ThreadPoolExecutor(max_workers=READERS) as readers:
         # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
         records = list(readers.map(partial(_read_run, folder, description), table.rows))

@@ -88,7 +88,7 @@ def read_tests(folder: Path, strict: bool = False) -> Campaign | MetricCampaign:
     description = read_description(folder)
     table = read_runs_table(folder, description)
     if not table.without_records:
-        return of_records.read_campaign(folder, strict)
+        return of_records.campaign_of(folder, description, table, strict)
     return _metric_campaign(folder, description, table, strict)
 
 
