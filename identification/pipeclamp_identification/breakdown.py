@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -400,3 +401,20 @@ def _parts(
         Part(label, float(one), float(other) if known else None, float(even), len(sums))
         for label, one, other, even in zip(labels, error, scatter, force, strict=True)
     )
+
+
+def parts_json(parts: Breakdown) -> list[dict[str, Any]]:
+    """Give a breakdown for `--json`; what isn't known is None."""
+
+    def entry(part: Part) -> dict[str, Any]:
+        return {
+            "part": part.label,
+            "nrmse": part.nrmse,
+            "noise_nrmse": part.noise_nrmse,
+            "share": parts.share(part),
+            "noise_share": parts.noise_share(part),
+            "even_share": parts.even_share(part),
+            "runs": part.runs,
+        }
+
+    return [entry(part) for part in parts.parts]

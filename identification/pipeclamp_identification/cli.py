@@ -159,16 +159,37 @@ def identify(
 
 @app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
 def compare(
-    law: LawArgument,
-    campaign: CampaignFolder,
+    law: Annotated[
+        str,
+        typer.Argument(metavar="LAW|SYSTEM.toml", help="Law file, name of a bundled law, or a coupled system."),
+    ],
+    campaign: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CAMPAIGN|MEASURED",
+            help="For a law: folder with campaign.toml and runs.csv, or a bundled campaign. For a system: folder with "
+            "measurement.toml, what was measured on the pipe.",
+        ),
+    ],
     json: JsonOption = None,
     report: ReportOption = None,
     strict: StrictOption = False,
 ) -> None:
-    """Hold a law against measurements: how much it errs, and where."""
+    """Hold a law, or a pipe with its clamps, against measurements: how much it errs, and where."""
     from pipeclamp.bundled import open_law
-    from pipeclamp_identification.findings import compared
+    from pipeclamp_identification.findings import compared, compared_on_pipe
+    from pipeclamp_identification.pipe_measurement import is_system
 
+    if is_system(Path(law)):
+        from pipeclamp_identification.pipe_comparison import compare_pipe
+
+        with told("compare") as tell:
+            tell(f"hold {law} against {campaign}")
+            on_pipe = compare_pipe(Path(law), campaign)
+            found = compared_on_pipe(on_pipe, with_report=report is not None)
+        title = f"{on_pipe.system.name} against {on_pipe.measurement.description.name}"
+        show(found, json, report, title, on_pipe.measurement.description.notes or "pipe and clamps")
+        return
     with told("compare") as tell:
         file = open_law(law)
         tests = _read(campaign, strict, tell)

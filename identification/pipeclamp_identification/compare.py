@@ -10,7 +10,7 @@ from typing import Any
 from pipeclamp.law import Law
 from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp_identification import breakdown
-from pipeclamp_identification.breakdown import PLACES, Breakdown, Condition, Part, phase_edges, place_of
+from pipeclamp_identification.breakdown import PLACES, Condition, parts_json, phase_edges, place_of
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.concentration import (
     cycles_sentence,
@@ -137,7 +137,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
 def _where_json(comparison: Comparison) -> dict[str, Any]:
     sums = comparison.sums
     drift, densest = breakdown.drift(sums), region(sums, comparison.varied)
-    phases = _parts_json(breakdown.along_loop(sums))
+    phases = parts_json(breakdown.along_loop(sums))
     for index, phase in enumerate(phases):
         place, branch = place_of(index)
         phase["from_deg"], phase["to_deg"] = phase_edges(index)
@@ -146,10 +146,10 @@ def _where_json(comparison: Comparison) -> dict[str, Any]:
         "words": where_words(comparison),
         "region": densest and {"words": list(densest.words), "share": densest.share, "even_share": densest.even},
         "phases": phases,
-        "places": _parts_json(breakdown.by_place(sums)),
-        "branches": _parts_json(breakdown.by_branch(sums)),
-        "harmonics": _parts_json(breakdown.by_harmonic(sums)),
-        "cycles": _parts_json(breakdown.along_cycles(sums)),
+        "places": parts_json(breakdown.by_place(sums)),
+        "branches": parts_json(breakdown.by_branch(sums)),
+        "harmonics": parts_json(breakdown.by_harmonic(sums)),
+        "cycles": parts_json(breakdown.along_cycles(sums)),
         "drift": drift
         and {
             "in_phase": drift.in_phase,
@@ -157,21 +157,6 @@ def _where_json(comparison: Comparison) -> dict[str, Any]:
             "standard_error": drift.standard_error,
         },
         "conditions": {
-            condition.key: _parts_json(breakdown.by_condition(sums, condition)) for condition in comparison.varied
+            condition.key: parts_json(breakdown.by_condition(sums, condition)) for condition in comparison.varied
         },
     }
-
-
-def _parts_json(parts: Breakdown) -> list[dict[str, Any]]:
-    def entry(part: Part) -> dict[str, Any]:
-        return {
-            "part": part.label,
-            "nrmse": part.nrmse,
-            "noise_nrmse": part.noise_nrmse,
-            "share": parts.share(part),
-            "noise_share": parts.noise_share(part),
-            "even_share": parts.even_share(part),
-            "runs": part.runs,
-        }
-
-    return [entry(part) for part in parts.parts]

@@ -145,7 +145,7 @@ def loops_section(comparison: Comparison) -> Section:
 def _along_loop_section(comparison: Comparison) -> Section:
     phases = breakdown.along_loop(comparison.sums)
     middles = [sum(phase_edges(index)) / 2 for index in range(PHASE_BINS)]
-    bars = _bars("all runs, share of the rms force", "phase / deg after the largest displacement", phases)
+    bars = bars_of("all runs, share of the rms force", "phase / deg after the largest displacement", phases)
     row = comparison.worst_first()[0]
     _, measured = loop_of_run(comparison.loops, row)
     run = comparison.runs[row]
@@ -162,13 +162,13 @@ def _along_loop_section(comparison: Comparison) -> Section:
         "On unloading the displacement falls from its largest value, on loading it rises again. Just after and just "
         "before a reversal are the 30 degrees on either side of it, with the last 13 % of the displacement."
     )
-    tables = [_parts_table(breakdown.by_branch(comparison.sums)), _parts_table(breakdown.by_place(comparison.sums))]
+    tables = [parts_table(breakdown.by_branch(comparison.sums)), parts_table(breakdown.by_place(comparison.sums))]
     return Section("Along the loop", [words, EVEN], tables, [picture])
 
 
 def _harmonics_section(comparison: Comparison) -> Section:
     harmonics = breakdown.by_harmonic(comparison.sums)
-    table = _parts_table(harmonics, even=False, most=HARMONICS_SHOWN)
+    table = parts_table(harmonics, even=False, most=HARMONICS_SHOWN)
     levels = [_harmonic_levels(comparison, harmonics, quadrature) for quadrature in (False, True)]
     picture = harmonics_picture(levels, "By harmonic, rms over all runs, percent of the rms force")
     words = (
@@ -208,21 +208,22 @@ def _cycles_section(comparison: Comparison) -> Section:
             f"{100 * drift.in_phase:+.2g} % in phase and {100 * drift.in_quadrature:+.2g} % in quadrature of its first "
             f"harmonic, standard error {100 * drift.standard_error:.1g} %."
         )
-    bars = _bars("all runs, share of the rms force", cycles.by, cycles, short=True)
+    bars = bars_of("all runs, share of the rms force", cycles.by, cycles, short=True)
     measured, computed = breakdown.amplitude_along_cycles(comparison.sums, comparison.loops)
     picture = cycles_picture(bars, 100 * measured, 100 * computed, "Along cycles")
-    return Section("Along cycles", words, [_parts_table(cycles)], [picture])
+    return Section("Along cycles", words, [parts_table(cycles)], [picture])
 
 
 def _conditions_sections(comparison: Comparison) -> list[Section]:
     broken = [breakdown.by_condition(comparison.sums, condition) for condition in comparison.varied]
     if not broken:
         return []
-    picture = error_bars([_bars("", parts.by, parts) for parts in broken], "By condition, percent of the rms force")
-    return [Section("By condition", [EVEN], [_parts_table(parts, runs=True) for parts in broken], [picture])]
+    picture = error_bars([bars_of("", parts.by, parts) for parts in broken], "By condition, percent of the rms force")
+    return [Section("By condition", [EVEN], [parts_table(parts, runs=True) for parts in broken], [picture])]
 
 
-def _bars(title: str, axis: str, parts: Breakdown, *, short: bool = False) -> ErrorBars:
+def bars_of(title: str, axis: str, parts: Breakdown, *, short: bool = False) -> ErrorBars:
+    """Give a breakdown as bars; `short` leaves the word cycle out of its labels."""
     labels = [part.label for part in parts.parts]
     if short:
         labels = [label.removeprefix("cycles ").removeprefix("cycle ") for label in labels]
@@ -235,7 +236,7 @@ def _percent(share: float | None) -> float | None:
     return None if share is None else 100 * share
 
 
-def _parts_table(parts: Breakdown, *, even: bool = True, runs: bool = False, most: int | None = None) -> Table:
+def parts_table(parts: Breakdown, *, even: bool = True, runs: bool = False, most: int | None = None) -> Table:
     """Give parts as a table, worst first."""
     header = [parts.by, "error / %", "scatter / %", "share of squared error / %", "share beyond scatter / %"]
     header += ["share if even / %"] if even else []

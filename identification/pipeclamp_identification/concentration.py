@@ -71,8 +71,14 @@ class Region:
 
 
 @dataclass(frozen=True)
-class _Factor:
-    """A way to confine a region: which of its sets, in words, and which runs and phases it keeps."""
+class Factor:
+    """A way to confine a region.
+
+    Attributes:
+        name: what it confines; a region takes one factor of each name.
+        words: how.
+        runs, phases: which runs, and which parts of each, it keeps: 1, else 0; (R,), (parts,).
+    """
 
     name: str
     words: str
@@ -81,16 +87,26 @@ class _Factor:
 
 
 def region(sums: Sequence[RunSums], conditions: Sequence[Condition]) -> Region | None:
-    """Find where the error beyond scatter sits; None where it is spread evenly, or there is none.
+    """Find where the error beyond scatter sits; None where it is spread evenly, or there is none."""
+    if is_scatter(along_loop(sums)):
+        return None
+    excess, force = excess_table(sums)
+    return densest(excess, force, [*_place_factors(len(sums)), *condition_factors(conditions, len(sums), PHASE_BINS)])
+
+
+def densest(excess: Array, even: Array, factors: Sequence[Factor]) -> Region | None:
+    """Find the region in which an error is densest; None where it is spread evenly.
 
     Restrictions are added one by one, each the one after which the region's share of the error diverges most from the
     share of an even spread (Kullback-Leibler), as a scan statistic has it (Kulldorff, 1997).
+
+    Args:
+        excess: squared error beyond scatter, (R, parts).
+        even: what it would be if it were spread evenly, up to a factor, (R, parts).
+        factors: what may confine the region.
     """
-    if _is_scatter(along_loop(sums)):
-        return None
-    excess, force = (table / np.sum(table) for table in excess_table(sums))
-    factors = [*_place_factors(len(sums)), *_condition_factors(len(sums), conditions)]
-    chosen: list[_Factor] = []
+    excess, force = excess / np.sum(excess), even / np.sum(even)
+    chosen: list[Factor] = []
     best = 0.0
     while len(chosen) < FACTORS:
         free = [factor for factor in factors if factor.name not in {one.name for one in chosen}]
@@ -102,16 +118,17 @@ def region(sums: Sequence[RunSums], conditions: Sequence[Condition]) -> Region |
         best = reached
     if not chosen:
         return None
-    share, even = _inside(chosen, excess, force)
-    return Region(tuple(factor.words for factor in sorted(chosen, key=factors.index)), min(share, 1.0), even)
+    share, spread = _inside(chosen, excess, force)
+    in_order = [factor for factor in factors if any(factor is one for one in chosen)]
+    return Region(tuple(factor.words for factor in in_order), min(share, 1.0), spread)
 
 
-def _is_scatter(parts: Breakdown) -> bool:
-    """Tell whether what the law leaves is scatter, or nothing: then there is no place to look for more."""
+def is_scatter(parts: Breakdown) -> bool:
+    """Tell whether the error is scatter, or nothing: then there is no place to look for more."""
     return parts.squared_error <= 0.0 or parts.excess <= MOSTLY_SCATTER * parts.squared_error
 
 
-def _inside(factors: Sequence[_Factor], excess: Array, force: Array) -> tuple[float, float]:
+def _inside(factors: Sequence[Factor], excess: Array, force: Array) -> tuple[float, float]:
     """Give the shares of the error and of the evenly spread force that lie in a region."""
     runs = np.prod([factor.runs for factor in factors], axis=0)
     phases = np.prod([factor.phases for factor in factors], axis=0)
@@ -127,20 +144,21 @@ def _divergence(share: float, even: float) -> float:
     return inside * math.log(inside / even) + outside
 
 
-def _place_factors(runs: int) -> Iterator[_Factor]:
+def _place_factors(runs: int) -> Iterator[Factor]:
     places = np.array([place_of(index) for index in range(PHASE_BINS)])
     everywhere = np.ones(runs)
     for members, words in PLACE_SETS:
-        yield _Factor("place", words, everywhere, np.isin(places[:, 0], members).astype(np.float64))
+        yield Factor("place", words, everywhere, np.isin(places[:, 0], members).astype(np.float64))
     for branch, words in enumerate(BRANCHES):
-        yield _Factor("branch", f"on {words}", everywhere, (places[:, 1] == branch).astype(np.float64))
+        yield Factor("branch", f"on {words}", everywhere, (places[:, 1] == branch).astype(np.float64))
     positive = np.cos(np.radians([sum(phase_edges(index)) / 2 for index in range(PHASE_BINS)])) > 0
-    yield _Factor("side", "at positive displacement", everywhere, positive.astype(np.float64))
-    yield _Factor("side", "at negative displacement", everywhere, (~positive).astype(np.float64))
+    yield Factor("side", "at positive displacement", everywhere, positive.astype(np.float64))
+    yield Factor("side", "at negative displacement", everywhere, (~positive).astype(np.float64))
 
 
-def _condition_factors(runs: int, conditions: Sequence[Condition]) -> Iterator[_Factor]:
-    always = np.ones(PHASE_BINS)
+def condition_factors(conditions: Sequence[Condition], runs: int, parts: int) -> Iterator[Factor]:
+    """Give the intervals of each condition, as factors over so many runs of so many parts."""
+    always = np.ones(parts)
     for condition in conditions:
         known = [level for level in condition.levels if level.known]
         for first in range(len(known)):
@@ -148,7 +166,7 @@ def _condition_factors(runs: int, conditions: Sequence[Condition]) -> Iterator[_
                 if last - first + 1 < len(condition.levels):
                     inside = np.zeros(runs)
                     inside[np.concatenate([level.rows for level in known[first : last + 1]])] = 1.0
-                    yield _Factor(condition.key, _interval_words(condition, known, first, last), inside, always)
+                    yield Factor(condition.key, _interval_words(condition, known, first, last), inside, always)
 
 
 def _interval_words(condition: Condition, levels: Sequence[Level], first: int, last: int) -> str:
@@ -165,20 +183,20 @@ def _interval_words(condition: Condition, levels: Sequence[Level], first: int, l
     return f"at {name} from {low} to {high}{unit}"
 
 
-def region_sentence(found: Region | None, whole: Breakdown) -> str:
-    """Say where the error sits."""
+def region_sentence(found: Region | None, whole: Breakdown, model: str = "law") -> str:
+    """Say where the error of a law, or of another model, sits."""
     scatter_known = any(part.squared_scatter is not None for part in whole.parts)
     beyond = "of the squared error that is not scatter" if scatter_known else "of the squared error"
-    if _is_scatter(whole):
-        return "What the law leaves is scatter, nearly all of it: there is no place to look for more."
+    if is_scatter(whole):
+        return f"What the {model} leaves is scatter, nearly all of it: there is no place to look for more."
     if found is None:
-        return f"No place or condition holds much more than its share {beyond}: look at its harmonics."
+        return f"No place or condition holds much more than its share {beyond}."
     return f"{found.share:.0%} {beyond} sits {', '.join(found.words)}; spread evenly, it would be {found.even:.0%}."
 
 
 def harmonic_sentence(harmonics: Breakdown) -> str | None:
     """Say which harmonics the error lies in; None where it is scatter."""
-    if _is_scatter(harmonics):
+    if is_scatter(harmonics):
         return None
     named: list[str] = []
     held = 0.0
@@ -202,7 +220,7 @@ def _meaning(label: str) -> str:
 def cycles_sentence(sums: Sequence[RunSums]) -> str | None:
     """Say whether the records' first or last cycles hold most of the error; None where they don't, or it is scatter."""
     cycles, edges = along_cycles(sums), cycle_edges(sums)
-    if _is_scatter(cycles):
+    if is_scatter(cycles):
         return None
     share, even = (np.cumsum([of(part) for part in cycles.parts]) for of in (cycles.excess_share, cycles.even_share))
     choices = [

@@ -29,6 +29,7 @@ class ConditionsMap:
         A, f, panels: names of the levels, I of the amplitude (mm), J of the frequency (Hz) and P of the further one.
         error: percent, nan where there is no test, shape (P, I, J).
         scatter: percent, nan where it isn't known, same shape.
+        rows: what stands in the amplitude's place, with its unit, where that is something else.
     """
 
     A: Sequence[str]
@@ -36,6 +37,7 @@ class ConditionsMap:
     panels: Sequence[str]
     error: Array
     scatter: Array
+    rows: str = "A / mm"
 
 
 def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
@@ -59,7 +61,8 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
             go.Heatmap(
                 z=conditions.error[panel], x=_ticks(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
                 text=_cell_texts(conditions.error[panel], conditions.scatter[panel]), texttemplate="%{text}",
-                hovertemplate="A %{y} mm, f %{x} Hz: %{z:.4g} %<extra></extra>", hoverongaps=False,
+                hovertemplate=f"{conditions.rows} %{{y}}, f / Hz %{{x}}: %{{z:.4g}} %<extra></extra>",
+                hoverongaps=False,
             ),
             **place,
         )  # fmt: skip
@@ -71,7 +74,7 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
         line={"color": INK, "width": 3}, **places[worst],
     )  # fmt: skip
     figure.update_xaxes(type="category", tickangle=0).update_yaxes(type="category").update_yaxes(
-        title_text="A / mm", col=1
+        title_text=conditions.rows, col=1
     )
     cell = 56 if classes else 48
     figure = styled(figure, title, height=80 + height * rows, least_width=170 + cell * columns * across)

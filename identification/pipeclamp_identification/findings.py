@@ -22,6 +22,10 @@ from pipeclamp_identification.metric_diagnosis_report import MetricAnswer
 from pipeclamp_identification.metric_writing import as_metrics, metric_rows, metric_table
 from pipeclamp_identification.metrics_report import metrics_sections
 from pipeclamp_identification.metrics_summary import metrics_json
+from pipeclamp_identification.pipe_comparison import PipeComparison
+from pipeclamp_identification.pipe_comparison_report import pipe_comparison_sections, probe_table
+from pipeclamp_identification.pipe_where import how_much, pipe_comparison_json
+from pipeclamp_identification.pipe_where import where_words as where_on_pipe
 from pipeclamp_identification.report import Section, Table
 
 SHOWN = 8
@@ -117,6 +121,16 @@ def compared(file: LawFile, tests: Campaign | MetricCampaign, *, with_report: bo
         comparison_report.comparison_sections(comparison) if with_report else [],
         [comparison_report.worst_table(comparison, most=SHOWN)],
         [*comparison_report.how_much(comparison), *where_words(comparison)],
+    )
+
+
+def compared_on_pipe(comparison: PipeComparison, *, with_report: bool) -> Findings:
+    """Give how a coupled model stands against what was measured on the pipe."""
+    return Findings(
+        pipe_comparison_json(comparison),
+        pipe_comparison_sections(comparison) if with_report else [],
+        [probe_table(comparison)],
+        [*how_much(comparison), *where_on_pipe(comparison)],
     )
 
 

@@ -227,11 +227,10 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
     )
 
 
-def steady_system(
-    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, level: float,
-    harmonics: int, where: str,
-) -> SteadySystem:  # fmt: skip
-    """Give a described system as harmonic balance needs it; `where` is named in errors.
+def steady_clamps(
+    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, where: str
+) -> list[tuple[int, SteadyClamp]]:
+    """Give the clamps of a system and which of the pipe's each is; arguments as of `steady_system`.
 
     Raises:
         UserError: a clamp is at no place of the pipe, or is an FMU.
@@ -241,6 +240,19 @@ def steady_system(
         if source.at not in pipe.clamp_names:
             raise UserError(f"{where}: clamps: {unknown(source.at, list(pipe.clamp_names), 'clamp')}")
         clamps.append((pipe.clamp_names.index(source.at), steady_clamp(source, folder, temperature, where)))
+    return clamps
+
+
+def steady_system(
+    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, level: float,
+    harmonics: int, where: str,
+) -> SteadySystem:  # fmt: skip
+    """Give a described system as harmonic balance needs it; `where` is named in errors.
+
+    Raises:
+        UserError: a clamp is at no place of the pipe, or is an FMU.
+    """
+    clamps = steady_clamps(description, pipe, folder, temperature, where)
     excitation = description.excitation
     return SteadySystem(pipe, clamps, lambda frequency: level * sine_amplitude(excitation, frequency), harmonics)
 

@@ -62,6 +62,37 @@ class SteadyState:
         return self.growth < 0
 
 
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """Where a curve passes a frequency, by interpolation between two of its states.
+
+    Attributes:
+        clamps, probes: as of `SteadyState`.
+        stable: whether both states are.
+    """
+
+    clamps: Complex
+    probes: Complex
+    stable: bool
+
+
+def passages(states: Sequence[SteadyState], frequency: float) -> list[Passage]:
+    """Give where a curve passes a frequency (Hz), in the order in which it does."""
+    found = []
+    for before, after in pairwise(states):
+        if (before.frequency - frequency) * (after.frequency - frequency) > 0 or before.frequency == after.frequency:
+            continue
+        share = (frequency - before.frequency) / (after.frequency - before.frequency)
+        found.append(
+            Passage(
+                before.clamps + share * (after.clamps - before.clamps),
+                before.probes + share * (after.probes - before.probes),
+                before.stable and after.stable,
+            )
+        )
+    return found
+
+
 def half_range(harmonics: Complex) -> Array:
     """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
     waves = np.exp(2j * pi * np.outer(np.arange(harmonics.shape[1]), np.arange(SAMPLES)) / SAMPLES)
@@ -106,23 +137,24 @@ class SteadySystem:
         """How many real unknowns there are."""
         return len(self._clamps) * (2 * self._orders.size - 1)
 
-    def _responses(self, frequency: float) -> Complex:
-        """Give G in mm per unit of (excitation, force into each clamp), (points, inputs, H + 1)."""
-        points = 2j * pi * frequency * self._orders
+    def responses(self, frequency: Array) -> Complex:
+        """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1)."""
+        points = 2j * pi * np.outer(frequency, self._orders)
         if not self._has_mean:
-            points[0] = 1e-3 * points[1]
-        found = MM * np.asarray(self._model(points, squeeze=False), dtype=np.complex128)
+            points[:, 0] = 1e-3 * points[:, 1]
+        found = MM * np.asarray(self._model(points.ravel(), squeeze=False), dtype=np.complex128)
+        found = np.moveaxis(found.reshape(*found.shape[:2], *points.shape), 2, 0)
         if not self._has_mean:
-            found[:, :, 0] = 0.0
+            found[..., 0] = 0.0
         return found
 
-    def _unpacked(self, unknowns: Array) -> Complex:
+    def unpacked(self, unknowns: Array) -> Complex:
         """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""
         H, count = self._orders.size - 1, len(self._clamps)
         parts = unknowns.reshape(len(unknowns), count, 2 * H + 1)
         return np.concatenate([parts[:, :, :1] + 0j, parts[:, :, 1 : H + 1] + 1j * parts[:, :, H + 1 :]], axis=2)
 
-    def _packed(self, harmonics: Complex) -> Array:
+    def packed(self, harmonics: Complex) -> Array:
         """Give unknowns (rows, m) of harmonics (rows, clamps, H + 1)."""
         parts = [harmonics[:, :, :1].real, harmonics[:, :, 1:].real, harmonics[:, :, 1:].imag]
         return np.concatenate(parts, axis=2).reshape(len(harmonics), self.size)
@@ -132,30 +164,45 @@ class SteadySystem:
         forces = [clamp.forces(motion[:, index], frequency) for index, clamp in enumerate(self._clamps)]
         return np.stack(forces, axis=1)
 
-    def _residual(self, motion: Complex, forces: Complex, frequency: float, level: float) -> Array:
-        responses = self._responses(frequency)
+    def moved(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Complex:
+        """Give the motion of clamps and probes under a sine and the forces of the clamps' motion.
+
+        Args:
+            unknowns: of the clamps' motion, (rows, m).
+            frequency: Hz, (rows,).
+            drive: the sine's amplitude, m/s2 or N, (rows,).
+            responses: `responses(frequency)`.
+
+        Returns:
+            harmonics, mm, (rows, points, H + 1), the clamps first; where they are balanced the clamps' motion again.
+        """
+        inputs = np.zeros((len(unknowns), len(self._clamps) + 1, self._orders.size), dtype=np.complex128)
+        inputs[:, 0, 1] = -1j * drive
+        if self._clamps:
+            inputs[:, 1:] = self._forces(self.unpacked(unknowns), frequency)
+        return np.asarray(np.einsum("rijh,rjh->rih", responses, inputs))
+
+    def residuals(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Array:
+        """Give by how much the clamps' motion isn't balanced, mm, (rows, m); arguments as of `moved`."""
         count = len(self._clamps)
-        pushed = np.zeros_like(motion)
-        pushed[:, :, 1] = -1j * level * self._excitation(frequency) * responses[:count, 0, 1]
-        pushed += np.einsum("ijh,rjh->rih", responses[:count, 1:], forces)
-        return self._packed(motion - pushed)
+        return unknowns - self.packed(self.moved(unknowns, frequency, drive, responses[:, :count]))
 
     def _linearised(self, unknowns: Array, frequency: float, level: float) -> tuple[Array, Array, Array]:
         """Give the residual and its derivatives by the unknowns and by the frequency."""
-        size = self._size(unknowns)
+        size = self.sizes(unknowns[None])[0]
         nudge, faster = NUDGE * size, frequency * (1 + NUDGE)
         moved = np.vstack([unknowns, unknowns + nudge * np.eye(self.size), unknowns])
-        frequencies = np.full(self.size + 2, frequency)
-        frequencies[-1] = faster
-        motion = self._unpacked(moved)
-        forces = self._forces(motion, frequencies)
-        residuals = self._residual(motion[:-1], forces[:-1], frequency, level)
-        at_faster = self._residual(motion[-1:], forces[-1:], faster, level)[0]
+        two = np.array([frequency, faster])
+        drives = level * np.array([self._excitation(frequency), self._excitation(faster)])
+        which = np.zeros(self.size + 2, dtype=np.intp)
+        which[-1] = 1
+        residuals = self.residuals(moved, two[which], drives[which], self.responses(two)[which])
         residual = residuals[0]
-        return residual, ((residuals[1:] - residual) / nudge).T, (at_faster - residual) / (faster - frequency)
+        return residual, ((residuals[1:-1] - residual) / nudge).T, (residuals[-1] - residual) / (faster - frequency)
 
-    def _size(self, unknowns: Array) -> float:
-        return max(SMALLEST, float(np.abs(unknowns).max(initial=0.0)))
+    def sizes(self, unknowns: Array) -> Array:
+        """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
+        return np.asarray(np.maximum(SMALLEST, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
 
     def _over_frequency(self, level: float) -> Callable[[Array, float], tuple[Array, Array, Array]]:
         def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
@@ -167,9 +214,9 @@ class SteadySystem:
         def equation(unknowns: Array, level: float) -> tuple[Array, Array, Array]:
             found = self._linearised(unknowns, frequency, level)
             pushed = np.zeros((1, len(self._clamps), self._orders.size), dtype=np.complex128)
-            responses = self._responses(frequency)[: len(self._clamps), 0, 1]
+            responses = self.responses(np.array([frequency]))[0, : len(self._clamps), 0, 1]
             pushed[0, :, 1] = -1j * self._excitation(frequency) * responses
-            return found[0], found[1], -self._packed(pushed)[0]
+            return found[0], found[1], -self.packed(pushed)[0]
 
         return equation
 
@@ -182,7 +229,7 @@ class SteadySystem:
         """Find the unknowns at a frequency by letting the excitation grow from nothing."""
         if not self._clamps:
             return np.zeros(0)
-        linear = self._excitation(frequency) * float(np.abs(self._responses(frequency)[:, 0, 1]).max())
+        linear = self._excitation(frequency) * float(np.abs(self.responses(np.array([frequency]))[0, :, 0, 1]).max())
         at_rest = solve(self._over_level(frequency), np.zeros(self.size), 0.0, SMALLEST)
         if at_rest is None:
             return None
@@ -199,22 +246,16 @@ class SteadySystem:
             return []
         if not self._clamps:
             return [self._state(start, frequency) for frequency in np.linspace(first, last, 200).tolist()]
-        path = follow(self._over_frequency(1.0), Point(first, start), last, self._size(start))
+        path = follow(self._over_frequency(1.0), Point(first, start), last, float(self.sizes(start[None])[0]))
         return [self._state(point.unknowns, point.parameter) for point in path]
 
     def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
         """Give the states at a frequency (Hz) at which a curve passes it."""
         found = []
-        for before, after in pairwise(states):
-            if (before.frequency - frequency) * (
-                after.frequency - frequency
-            ) > 0 or before.frequency == after.frequency:
-                continue
-            share = (frequency - before.frequency) / (after.frequency - before.frequency)
-            guess = self._packed((before.clamps + share * (after.clamps - before.clamps))[None])[0]
-            unknowns = (
-                guess if not guess.size else solve(self._over_frequency(1.0), guess, frequency, self._size(guess))
-            )
+        for passage in passages(states, frequency):
+            guess = self.packed(passage.clamps[None])[0]
+            size = float(self.sizes(guess[None])[0])
+            unknowns = guess if not guess.size else solve(self._over_frequency(1.0), guess, frequency, size)
             if unknowns is not None:
                 found.append(self._state(unknowns, frequency))
         return found
@@ -222,19 +263,18 @@ class SteadySystem:
     def _state(self, unknowns: Array, frequency: float) -> SteadyState:
         """Evaluate a solution and its stability."""
         count, H = len(self._clamps), self._orders.size - 1
-        inputs = np.zeros((count + 1, H + 1), dtype=np.complex128)
-        inputs[0, 1] = -1j * self._excitation(frequency)
-        motion = self._unpacked(unknowns[None])
-        slopes = None
+        motion = self.unpacked(unknowns[None])
+        forces, slopes = np.zeros((0, H + 1), dtype=np.complex128), None
         if count:
-            inputs[1:], *slopes = self._forces_and_slopes(motion, frequency)
-        moved = np.einsum("ijh,jh->ih", self._responses(frequency), inputs)
+            forces, *slopes = self._forces_and_slopes(motion, frequency)
+        at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
+        moved = self.moved(unknowns[None], at, drive, self.responses(at))[0]
         conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
         return SteadyState(
             frequency=frequency,
             clamps=moved[:count],
             probes=moved[count:],
-            forces=inputs[1:],
+            forces=forces,
             conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
             growth=self._growth(slopes, 2 * pi * frequency),
         )

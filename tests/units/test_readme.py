@@ -15,11 +15,12 @@ from pipeclamp.toml_file import parse_table
 from pipeclamp_fmu import clamp_slave
 from pipeclamp_identification.cli import app
 from pipeclamp_identification.description import CampaignDescription
+from pipeclamp_identification.pipe_measurement import MeasurementDescription
 from pipeclamp_identification.system import SystemDescription
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-EFFECT, CAMPAIGN, PIPE, SYSTEM = re.findall(r"```toml\n(.*?)```", TEXT, re.S)
+EFFECT, CAMPAIGN, PIPE, SYSTEM, MEASUREMENT = re.findall(r"```toml\n(.*?)```", TEXT, re.S)
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 
 
@@ -35,6 +36,8 @@ def test_the_examples_are_read():
         assert parse_pipe(text, "README").clamps[0].name == "clamp1"
     for text in (SYSTEM, with_optional_lines(SYSTEM)):
         assert parse_table(text, SystemDescription, "README").run.scheme == "iterated"
+    for text in (MEASUREMENT, with_optional_lines(MEASUREMENT)):
+        assert parse_table(text, MeasurementDescription, "README").probes[0].name == "midspan"
     assert "added_mass_kg_m = 2.0\n" in with_optional_lines(PIPE)
 
 

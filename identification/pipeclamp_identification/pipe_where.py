@@ -1,0 +1,173 @@
+"""Where a coupled model fails on the pipe, in an engineer's sentences and for --json."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp_identification.breakdown import parts_json
+from pipeclamp_identification.concentration import is_scatter, region_sentence
+from pipeclamp_identification.levels import number_levels
+from pipeclamp_identification.pipe_comparison import PipeComparison
+from pipeclamp_identification.pipe_measurement import DRIVES, QUANTITIES
+from pipeclamp_identification.pipe_model import SAME_LEVEL, temperatures
+
+Rows = NDArray[np.intp]
+
+PEAK_MOVED = 0.005
+"""A peak that is moved by less, as a share, isn't worth a sentence."""
+
+
+def where_words(comparison: PipeComparison) -> list[str]:
+    """Say in sentences where the error sits: region, amplitude or phase, resonances, what was left out."""
+    kinds = comparison.by_kind()
+    words = [region_sentence(comparison.region(), comparison.by_probe(), "model")]
+    if not is_scatter(kinds):
+        amplitude, phase = (kinds.share(part) for part in kinds.parts)
+        words.append(f"{amplitude:.0%} of it is wrong in amplitude, {phase:.0%} in phase.")
+    words += _peak_words(comparison)
+    words += _branch_words(comparison)
+    words += _range_words(comparison)
+    return words
+
+
+def _peak_words(comparison: PipeComparison) -> Iterator[str]:
+    """Say how the highest measured peak of each level stands against the model's."""
+    steady = comparison.measurement.steady
+    levels = number_levels(steady.level, relative=SAME_LEVEL)
+    for temperature, rows in temperatures(steady):
+        for level in levels:
+            own = np.intersect1d(rows, level.rows)
+            own = own[np.argsort(steady.frequency[own], kind="stable")]
+            for column, name in enumerate(comparison.probes):
+                found = _peaks(comparison, own, column)
+                if found is None:
+                    continue
+                (f_measured, measured), (f_model, model) = found
+                if abs(f_model / f_measured - 1) < PEAK_MOVED and abs(model / measured - 1) < 10 * PEAK_MOVED:
+                    continue
+                at = "" if temperature is None else f", {temperature:g} °C"
+                of = f"{level.label} {DRIVES[steady.drive_unit].unit}{at}"
+                yield (
+                    f"At {name}, {of}: the model peaks at {f_model:.4g} Hz instead of {f_measured:.4g} Hz "
+                    f"({f_model / f_measured - 1:+.1%}), {abs(model / measured - 1):.0%} too "
+                    f"{'high' if model > measured else 'low'}."
+                )
+
+
+def _peaks(
+    comparison: PipeComparison, rows: Rows, column: int
+) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """Give frequency (Hz) and height of the measured and of the computed peak; None where one lies at an end."""
+    rows = rows[comparison.compared[rows, column]]
+    if rows.size < 5:
+        return None
+    steady = comparison.measurement.steady
+    found = []
+    for response in (steady.response, comparison.prediction.response):
+        heights = np.abs(response[rows, column]) * steady.drive[rows]
+        highest = int(heights.argmax())
+        if highest in (0, rows.size - 1):
+            return None
+        found.append((float(steady.frequency[rows[highest]]), float(heights[highest])))
+    return found[0], found[1]
+
+
+def _branch_words(comparison: PipeComparison) -> Iterator[str]:
+    steady, prediction = comparison.measurement.steady, comparison.prediction
+    several = np.flatnonzero(prediction.branches > 1)
+    if several.size:
+        said = np.count_nonzero(steady.sweep[several])
+        taken = "the one that the sweep's direction leads to" if said else "the one nearest to what was measured"
+        if 0 < said < several.size:
+            taken = "the one that the sweep's direction leads to, else the one nearest to what was measured"
+        f = steady.frequency[several]
+        yield (
+            f"At {sines(several.size)} ({f.min():.4g} to {f.max():.4g} Hz) the model has several stable motions; "
+            f"compared is {taken}."
+        )
+    lost = np.flatnonzero(~np.isfinite(prediction.response).any(axis=1))
+    if lost.size:
+        yield f"At {sines(lost.size)} no steady motion of the model was found: left out."
+
+
+def _range_words(comparison: PipeComparison) -> Iterator[str]:
+    """Say where clamps move outside the range of their laws."""
+    for index, name in enumerate(comparison.model.clamp_names):
+        moved = np.abs(comparison.prediction.clamps[:, index])
+        law = next(iter(comparison.model.clamps.values()))[index][1]
+        low, high = law.range_A
+        outside = np.count_nonzero((moved < low) | (moved > high))
+        if outside:
+            yield (
+                f"At {outside} of {sines(moved.size)} clamp {name} moves outside the {low:.3g} to {high:.3g} mm in "
+                f"which its law was identified: by {np.nanmin(moved):.3g} to {np.nanmax(moved):.3g} mm."
+            )
+
+
+def sines(count: int) -> str:
+    """Give a number of sines in words."""
+    return f"{count} sine{'s' if count != 1 else ''}"
+
+
+def how_much(comparison: PipeComparison) -> list[str]:
+    """Say how much the model errs, and what of it is scatter."""
+    count, probes = comparison.squared_measured.shape
+    words = (
+        f"The coupled model errs by {comparison.nrmse:.2%} of the rms of what was measured, "
+        f"over {sines(count)} and {probes} probe{'s' if probes > 1 else ''}"
+    )
+    if comparison.noise_nrmse is None:
+        return [f"{words}; no scatter is known: no sine was repeated."]
+    return [f"{words}; {comparison.noise_nrmse:.2%} is scatter, which no model can explain."]
+
+
+def pipe_comparison_json(comparison: PipeComparison) -> dict[str, Any]:
+    """Give the answer of `compare --json` on a pipe; what isn't known is None."""
+    found = comparison.region()
+    return {
+        "nrmse": comparison.nrmse,
+        "noise_nrmse": comparison.noise_nrmse,
+        "probes": [
+            {
+                "probe": probe.name,
+                "quantity": QUANTITIES[probe.order],
+                "nrmse": part.nrmse,
+                "noise_nrmse": part.noise_nrmse,
+            }
+            for probe, part in zip(comparison.measurement.description.probes, comparison.by_probe().parts, strict=True)
+        ],
+        "sines": _sines_json(comparison),
+        "where": {
+            "words": where_words(comparison),
+            "region": found and {"words": list(found.words), "share": found.share, "even_share": found.even},
+            "kinds": parts_json(comparison.by_kind()),
+            "probes": parts_json(comparison.by_probe()),
+            "conditions": {
+                condition.key: parts_json(comparison.by_condition(condition)) for condition in comparison.conditions
+            },
+        },
+    }
+
+
+def _sines_json(comparison: PipeComparison) -> list[dict[str, Any]]:
+    steady = comparison.measurement.steady
+
+    def known(value: float) -> float | None:
+        return value if math.isfinite(value) else None
+
+    return [
+        {
+            "file": steady.source[row],
+            "frequency_Hz": float(steady.frequency[row]),
+            steady.drive_unit: float(steady.level[row]),
+            "temperature_C": known(float(steady.temperature[row])),
+            "nrmse": comparison.part("", np.array([row])).nrmse,
+            "stable_motions": int(comparison.prediction.branches[row]),
+        }
+        for row in range(steady.frequency.size)
+    ]

@@ -1,0 +1,212 @@
+"""A coupled model against a measurement of itself errs by nothing, and by what was changed where it was changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeclamp.errors import UserError
+from pipeclamp_identification.pipe_comparison import PipeComparison, compare_pipe
+from pipeclamp_identification.pipe_comparison_report import pipe_comparison_sections
+from pipeclamp_identification.pipe_where import how_much, pipe_comparison_json, where_words
+from pipeclamp_identification.report import render
+
+PIPE = """
+name = "cantilever"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 3.0
+material = "316L"
+[ends]
+left = "clamped"
+right = "free"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[damping]
+ratio = 0.01
+[modes]
+up_to_Hz = 100
+"""
+SYSTEM = """
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "clamp1"
+law = "law.json"
+temperature_C = 20.0
+amplitude_mm = 1.0
+frequency_Hz = 9.0
+[excitation]
+kind = "sine"
+acceleration_m_s2 = 0.5
+frequency_Hz = 9.0
+[run]
+stop_s = 1.0
+step_s = 0.001
+"""
+MEASUREMENT = """
+name = "test"
+[[probes]]
+name = "tip"
+position_m = 3.0
+unit = "m/s2"
+[[probes]]
+name = "middle"
+position_m = 1.5
+unit = "mm"
+[[responses]]
+file = "sines.csv"
+"""
+FREQUENCIES = np.linspace(6.0, 12.0, 13)
+
+
+@pytest.fixture
+def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
+    write_law(tmp_path / "law.json", {"k10": 4.0, "k30": 4.0, "c0": 0.02, "alpha0": 1.0})
+    (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
+    (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
+    return tmp_path
+
+
+def sweep(bench: Path, levels=(0.05, 0.2), turn: complex = 1.0, sweep: str = "", frequencies=FREQUENCIES) -> Path:
+    """Write what the model itself says, the tip's response turned by a factor."""
+    folder = bench / "measured"
+    folder.mkdir(exist_ok=True)
+    (folder / "measurement.toml").write_text(MEASUREMENT + sweep, encoding="utf-8")
+    head = "frequency_Hz,acceleration_m_s2,tip_real,tip_imag,middle_real,middle_imag\n"
+    sines = [(f, level) for level in levels for f in frequencies]
+    blank = head + "".join(f"{f},{level},1,0,1,0\n" for f, level in sines)
+    (folder / "sines.csv").write_text(blank, encoding="utf-8")
+    found = compare_pipe(bench / "system.toml", folder).prediction.response
+    f, level = np.array(sines).T
+    tip, middle = turn * found[:, 0] * level, found[:, 1] * level / 1e-3
+    table = np.column_stack([f, level, tip.real, tip.imag, middle.real, middle.imag])
+    rows = [",".join(map(repr, row)) for row in table.tolist()]
+    (folder / "sines.csv").write_text(head + "\n".join(rows) + "\n", encoding="utf-8")
+    return folder
+
+
+def compared(bench: Path, folder: Path) -> PipeComparison:
+    return compare_pipe(bench / "system.toml", folder)
+
+
+def test_a_measurement_of_the_model_itself(bench):
+    found = compared(bench, sweep(bench))
+    assert found.nrmse < 1e-6
+    assert found.noise_nrmse is None
+    assert "no scatter is known" in how_much(found)[0]
+
+
+def test_a_sensor_that_is_out_of_calibration_errs_in_amplitude_at_its_place(bench):
+    found = compared(bench, sweep(bench, turn=1.1))
+    tip, middle = found.by_probe().parts
+    assert tip.nrmse == pytest.approx(0.1 / 1.1)
+    assert middle.nrmse == pytest.approx(0.0, abs=1e-6)
+    assert found.by_kind().share(found.by_kind().parts[0]) == pytest.approx(1.0)
+    assert set(found.region().words) == {"at probe tip", "in amplitude"}
+
+
+def test_a_delay_errs_in_phase(bench):
+    found = compared(bench, sweep(bench, turn=np.exp(-0.1j)))
+    assert found.by_kind().share(found.by_kind().parts[1]) > 0.99
+    assert any("100% in phase" in words for words in where_words(found))
+
+
+def test_every_breakdown_adds_up_and_the_report_is_drawn(bench):
+    folder = sweep(bench)
+    (bench / "pipe.toml").write_text(PIPE.replace("ratio = 0.01", "ratio = 0.03"), encoding="utf-8")
+    found = compared(bench, folder)
+    answer = pipe_comparison_json(found)
+    assert answer["nrmse"] > 0.1
+    parts = [answer["where"]["kinds"], answer["where"]["probes"], *answer["where"]["conditions"].values()]
+    assert set(answer["where"]["conditions"]) == {"frequency_Hz", "acceleration_m_s2"}
+    for one in parts:
+        assert sum(part["share"] for part in one) == pytest.approx(1.0)
+    assert len(answer["sines"]) == 26
+    assert any("too low" in words for words in where_words(found))
+    page = render("test", "", pipe_comparison_sections(found))
+    assert "Response at tip" in page
+
+
+def test_repeats_show_scatter(bench):
+    folder = sweep(bench)
+    file = folder / "sines.csv"
+    head, *rows = file.read_text(encoding="utf-8").splitlines()
+    cells = [[float(cell) for cell in row.split(",")] for row in rows]
+    louder = [",".join(map(str, [*row[:2], *(1.02 * value for value in row[2:])])) for row in cells]
+    file.write_text("\n".join([head, *rows, *louder]) + "\n", encoding="utf-8")
+    found = compared(bench, folder)
+    # 0 and 2 % of error, of which the deviation from their mean is scatter
+    assert found.noise_nrmse == pytest.approx(0.02 / np.sqrt(2), rel=0.02)
+    assert found.nrmse == pytest.approx(0.02 / np.sqrt(2), rel=0.02)
+    assert "is scatter, nearly all of it" in where_words(found)[0]
+
+
+@pytest.mark.parametrize(("direction", "higher"), [("up", True), ("down", False)])
+def test_a_sweep_stays_on_its_branch(bench, direction, higher):
+    """The clamp hardens: a sweep up stays on the upper branch, a sweep down on the lower one."""
+    fold = np.linspace(6.0, 12.0, 25)
+    found = compared(bench, sweep(bench, (0.5,), sweep=f'sweep = "{direction}"\n', frequencies=fold))
+    several = found.prediction.branches > 1
+    assert several.any()
+    assert any("direction" in words for words in where_words(found))
+    back = "down" if higher else "up"
+    other = compared(bench, sweep(bench, (0.5,), frequencies=fold, sweep=f'sweep = "{back}"\n'))
+    mine, theirs = (np.abs(one.prediction.clamps[several, 0]) for one in (found, other))
+    assert np.all(mine > 1.2 * theirs) if higher else np.all(1.2 * mine < theirs)
+
+
+def test_without_a_direction_the_nearest_branch_is_compared(bench):
+    fold = np.linspace(6.0, 12.0, 25)
+    folder = sweep(bench, (0.5,), frequencies=fold, sweep='sweep = "down"\n')
+    (folder / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
+    found = compared(bench, folder)
+    assert found.nrmse < 1e-6
+    assert any("nearest to what was measured" in words for words in where_words(found))
+
+
+def test_amplitudes_alone_are_compared_as_amplitudes(bench):
+    folder = sweep(bench)
+    file = folder / "sines.csv"
+    _, *rows = file.read_text(encoding="utf-8").splitlines()
+    cells = [[float(cell) for cell in row.split(",")] for row in rows]
+    table = [f"{f},{level},{np.hypot(a, b)},{np.hypot(c, d)}" for f, level, a, b, c, d in cells]
+    head = "frequency_Hz,acceleration_m_s2,tip_amplitude,middle_amplitude"
+    file.write_text("\n".join([head, *table]) + "\n", encoding="utf-8")
+    assert compared(bench, folder).nrmse < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("position_m = 3.0", "position_m = 30.0", "at most the pipe's length_m = 3"),
+        ("position_m = 3.0\n", "", "has no position_m"),
+    ],
+)
+def test_a_probe_that_isnt_on_the_pipe(bench, old, new, said):
+    folder = sweep(bench)
+    file = folder / "measurement.toml"
+    file.write_text(MEASUREMENT.replace(old, new), encoding="utf-8")
+    with pytest.raises(UserError, match=said):
+        compared(bench, folder)
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "said"),
+    [
+        ("pipe.toml", "[damping]", '[excitation]\nkind = "force"\nposition_m = 1.0\n[damping]', "excited by force"),
+        ("pipe.toml", "up_to_Hz = 100", "up_to_Hz = 8", "goes up to 12 Hz"),
+        ("system.toml", 'file = "pipe.toml"', 'fmu = "pipe.fmu"', "not an FMU"),
+    ],
+)
+def test_a_system_that_the_measurement_doesnt_belong_to(bench, file, old, new, said):
+    folder = sweep(bench)
+    path = bench / file
+    path.write_text(path.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    with pytest.raises(UserError, match=said):
+        compared(bench, folder)
