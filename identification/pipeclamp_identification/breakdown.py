@@ -250,7 +250,8 @@ def by_harmonic(sums: Sequence[RunSums]) -> Breakdown:
     for order in range(1, HARMONICS + 1):
         labels += [f"harmonic {order} in phase", f"harmonic {order} in quadrature"]
     labels.append("higher harmonics, or not periodic")
-    rest, scatter_in_rest = whole - np.sum(in_harmonics), max(noise - np.sum(scatter_in_harmonics), 0.0)
+    rest = max(whole - float(np.sum(in_harmonics)), 0.0)  # round-off may make it negative
+    scatter_in_rest = max(noise - np.sum(scatter_in_harmonics), 0.0)
     force = np.full(len(labels), sum(run.squared_force for run in sums))
     return Breakdown(
         "harmonic",

@@ -23,6 +23,7 @@ from pipeclamp_identification.harmonics import (
     evaluate,
     unit_phasor,
 )
+from pipeclamp_identification.reversals import Bridged, bridged
 from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 from pipeclamp_identification.smoothing import gain
 
@@ -91,6 +92,8 @@ class Loops:
     """R arrays (cycles, H + 1) N, turned likewise."""
     phases: tuple[Array, ...] = ()
     """R arrays (samples,) rad: where in the cycle each steady sample lies; none for rows that are single cycles."""
+    at_reversals: tuple[Bridged, ...] = ()
+    """R entries: the samples at reversals, which stand for the mean over their interval; none for single cycles."""
     force_average: float = 0.0
     """Share of the period over which the force was averaged before it was recorded."""
 
@@ -115,6 +118,7 @@ class _RunLoop:
     force_rms_N: float
     samples: int
     phase: Array
+    at_reversals: Bridged
 
 
 def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
@@ -153,6 +157,7 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
         displacement_per_cycle=tuple(loop.displacement_per_cycle for loop in loops),
         force_per_cycle=tuple(loop.force_per_cycle for loop in loops),
         phases=tuple(loop.phase for loop in loops),
+        at_reversals=tuple(loop.at_reversals for loop in loops),
         force_average=campaign.smoothing.force,
     )
 
@@ -249,10 +254,14 @@ def _run_loop(run: Run, harmonics: int, average: float) -> _RunLoop:
     # the clamp saw the displacement before it was averaged; what an average leaves little of isn't brought back
     left = gain(average, np.arange(count + 1))
     fitted[0] *= np.where(left > LEAST_GAIN, 1 / np.maximum(left, LEAST_GAIN), 0.0)
-    mean_displacement, mean_force = np.mean(fitted, axis=1)
     own_phase = phase + np.repeat(lag - 2 * np.pi * np.arange(cycles.count), np.diff(bounds))
+    residual = force - evaluate(np.mean(fitted[1], axis=0), own_phase)
+    at_reversals = bridged(np.mean(fitted[0], axis=0), own_phase, len(y) / cycles.count, count)
+    change = at_reversals.change(residual[at_reversals.places])
+    residual[at_reversals.sample] += change
+    fitted[1] += _sums(change, own_phase, at_reversals.sample, bounds, count)
+    mean_displacement, mean_force = np.mean(fitted, axis=1)
     order = np.argsort(own_phase, kind="stable")
-    residual = force - evaluate(mean_force, own_phase)
     noise, spread = _noise(own_phase[order], residual[order])
     drift = _drift(fitted[1], phase / (2 * np.pi), own_phase)
     scatter, spread = (noise, spread) if drift is None else _noise(own_phase[order], (residual - drift)[order])
@@ -277,7 +286,17 @@ def _run_loop(run: Run, harmonics: int, average: float) -> _RunLoop:
         force_rms_N=force_rms,
         samples=len(y),
         phase=own_phase,
+        at_reversals=at_reversals,
     )
+
+
+def _sums(change: Array, phase: Array, sample: IntArray, bounds: IntArray, count: int) -> ComplexArray:
+    """Give the harmonics, (cycles, count + 1), that a change of single samples makes in each cycle."""
+    cycle = np.searchsorted(bounds, sample, side="right") - 1
+    harmonics = np.zeros((len(bounds) - 1, count + 1), dtype=np.complex128)
+    np.add.at(harmonics, cycle, change[:, None] * np.exp(-1j * np.outer(phase[sample], np.arange(count + 1))))
+    harmonics[:, 1:] *= 2.0
+    return np.asarray(harmonics / np.diff(bounds)[:, None])
 
 
 def _padded(values: ComplexArray, harmonics: int) -> ComplexArray:

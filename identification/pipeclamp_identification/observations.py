@@ -17,6 +17,7 @@ from pipeclamp.one_thread import one_thread
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response
 from pipeclamp_identification.loops import Loops, displacement_on_grid, on_grid
+from pipeclamp_identification.reversals import Bridged
 from pipeclamp_identification.smoothing import averaged
 
 FEW_SAMPLES = 400
@@ -65,7 +66,7 @@ def harmonics_of(samples: Array, count: int) -> Array:
     return harmonics
 
 
-def sampled_transform(phase: Array, samples: int, count: int) -> Array:
+def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: int) -> Array:
     """Give the matrix that turns a force on the grid into harmonics as a record's own sampling would show them.
 
     A force with a step at its reversals has harmonics far beyond those that are kept; where a record has few samples a
@@ -73,6 +74,7 @@ def sampled_transform(phase: Array, samples: int, count: int) -> Array:
 
     Args:
         phase: of each sample within the cycle, rad, shape (N,).
+        at_reversals: the samples that were bridged in the record.
         samples: points of the grid, n.
         count: highest harmonic.
 
@@ -91,7 +93,11 @@ def sampled_transform(phase: Array, samples: int, count: int) -> Array:
     weights = np.concatenate([1 - share, share])
     rows = np.tile(np.arange(len(phase)), 2)
     interpolation = sparse.csr_array((weights, (points, rows)), shape=(samples, len(phase)))
-    return np.asarray(np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T)
+    transform = np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T
+    near = at_reversals.places.ravel()
+    left_over = (interpolation[:, near].toarray() - transform @ basis[near].T).reshape(samples, 3, -1)
+    sums = np.where(np.arange(basis.shape[1]) > 0, 2.0, 1.0) * basis[at_reversals.sample] / len(phase)
+    return np.asarray(transform + at_reversals.change(left_over) @ sums)
 
 
 def _transforms(loops: Loops) -> Array | None:
@@ -105,7 +111,9 @@ def _transforms(loops: Loops) -> Array | None:
     with one_thread():
         for row in np.flatnonzero(few):
             carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
-            own[row, :, : 2 * carried + 1] = sampled_transform(loops.phases[row], SAMPLES, carried)
+            own[row, :, : 2 * carried + 1] = sampled_transform(
+                loops.phases[row], loops.at_reversals[row], SAMPLES, carried
+            )
     # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
     return averaged(own, loops.force_average, axis=1)
 

@@ -11,11 +11,13 @@ import numpy.typing as npt
 
 from pipeclamp.errors import UserError
 from pipeclamp.law import Equations, Law, compose
-from pipeclamp.realise.arrays import Array, ArrayRealisation, realise
-from pipeclamp.symbols import CONDITION
+from pipeclamp.realise.arrays import FAST_ARGUMENTS, Array, ArrayRealisation, Compiled, realise
+from pipeclamp.symbols import CONDITION, v
 
 SETTLING_CYCLES = 20
 SETTLED = 1e-9
+VELOCITY = FAST_ARGUMENTS.index(v)
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,9 @@ def respond(
 ) -> Response:
     """Give the force on motions. States start at rest; on periodic motions they are brought to their periodic values.
 
+    Where a periodic motion reverses, force may step between two samples. The sample whose interval holds the reversal
+    then stands for the mean over its interval, so that harmonics see the step where it is.
+
     Args:
         equations: the composed law.
         parameters: values in the order of the equations' parameters.
@@ -143,12 +148,15 @@ def respond(
         if not motion.periodic:
             y_previous[:, 0] = 0.0
         arguments = [motion.y, motion.v, motion.a, y_previous, motion.h, *states, *coefficients, *values, *smoothing]
-        force = np.broadcast_to(compiled.force(*arguments)[0], (rows, samples))
+        shape = (rows, samples)
+        turning = _turning(motion)
+        force = _with_means(compiled.force, arguments, turning, shape)[0]
         if not derivatives:
             return _late(compiled, values, motion, Response(force, None, adrift))
         jacobian = np.zeros((len(values), rows, samples))
         state_count, coefficient_count = len(states), len(coefficients)
-        for column, slope in zip(compiled.force_slope_index, compiled.force_slopes(*arguments), strict=True):
+        force_slopes = _with_means(compiled.force_slopes, arguments, turning, shape)
+        for column, slope in zip(compiled.force_slope_index, force_slopes, strict=True):
             if column < state_count:
                 jacobian[list(march.moving)] += slope * state_slopes[column]
             elif column < state_count + coefficient_count:
@@ -158,6 +166,63 @@ def respond(
             else:
                 jacobian[column - state_count - coefficient_count] += slope
     return _late(compiled, values, motion, Response(force, jacobian, adrift))
+
+
+@dataclass(frozen=True)
+class _Turning:
+    """Samples in whose interval, or next to it, the velocity changes its sign.
+
+    Attributes:
+        row, sample: where they are, shape (K,).
+        v: velocities of the interval in mm/s, shape (K, q).
+        weight: of each in the mean over the interval, shape (K, q).
+        share: by which the mean stands in the place of the sample, shape (K,).
+    """
+
+    row: npt.NDArray[np.intp]
+    sample: npt.NDArray[np.intp]
+    v: Array
+    weight: Array
+    share: Array
+
+
+def _turning(motion: Motion) -> _Turning:
+    """Give the samples of periodic motions whose interval, half a step to each side, holds a reversal.
+
+    Beyond the interval the mean fades out over another half step, so that force stays continuous in the motion.
+    """
+    reach = np.abs(motion.a) * motion.h / 2
+    row, sample = np.nonzero((np.abs(motion.v) < 2 * reach) & motion.periodic)
+    middle, half = motion.v[row, sample], reach[row, sample]
+    # From the interval's one end to the reversal, if it is inside, and from there to the other end; v grows evenly.
+    ends = np.stack([middle - half, np.clip(0.0, middle - half, middle + half), middle + half], axis=1)
+    length = np.diff(ends)[:, :, None]
+    v = (ends[:, :-1, None] + length * (1 + NODES) / 2).reshape(len(row), 2 * len(NODES))
+    weight = (length * WEIGHTS / 2).reshape(v.shape) / (2 * half[:, None])
+    return _Turning(row, sample, v, weight, np.clip(2 - np.abs(middle) / half, 0.0, 1.0))
+
+
+def _with_means(
+    function: Compiled, arguments: Sequence[Array], turning: _Turning, shape: tuple[int, int]
+) -> list[Array]:
+    """Evaluate force or slopes at all samples; where the motion turns, their mean over the sample's interval.
+
+    Only the velocity is taken to change within an interval: all else stands nearly still at a reversal.
+
+    Args:
+        function: of the fast arguments.
+        arguments: their values, of shape (R, n) or what broadcasts to it.
+        turning: where the motion turns.
+        shape: (R, n).
+    """
+    results = [np.array(np.broadcast_to(value, shape), dtype=np.float64) for value in function(*arguments)]
+    if len(turning.row):
+        there = [np.broadcast_to(value, shape)[turning.row, turning.sample][:, None] for value in arguments]
+        there[VELOCITY] = turning.v
+        for result, values in zip(results, function(*there), strict=True):
+            own = result[turning.row, turning.sample]
+            result[turning.row, turning.sample] += turning.share * (np.sum(turning.weight * values, axis=1) - own)
+    return results
 
 
 def _column_shape(value: npt.ArrayLike, rows: int) -> tuple[int, int]:
