@@ -10,17 +10,24 @@ from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import Interval, LawFile, law_of
 from pipeclamp.pipe import ReducedPipe
-from pipeclamp.realise.c import CONDITIONS_FIRST, c_source, conditions_of, parameters_of
-from pipeclamp.realise.scalar import clamp_equations, python_source
+from pipeclamp.realise.c import c_source
+from pipeclamp.realise.scalar import python_source
+from pipeclamp.realise.stepping import (
+    CONDITIONS_FIRST,
+    clamp_equations,
+    conditions_of,
+    parameter_symbols,
+    parameter_values,
+)
 from pipeclamp.realise.text import equation_lines
-from pipeclamp_fmu.clamp import ClampModel, FurtherCondition, clamp_content
+from pipeclamp_fmu.clamp import ClampModel, Entry, FurtherCondition, clamp_content
 from pipeclamp_fmu.compile import default_platforms
 from pipeclamp_fmu.excitation import Samples, excitation_content
-from pipeclamp_fmu.native_clamp import Entry, NativeLaw, native_clamp
+from pipeclamp_fmu.native_clamp import native_clamp
 from pipeclamp_fmu.native_excitation import native_excitation
 from pipeclamp_fmu.native_fmu import Built, NativeContent, write_native_fmu
 from pipeclamp_fmu.native_pipe import native_pipe
-from pipeclamp_fmu.packing import write_fmu
+from pipeclamp_fmu.packing import Content, write_fmu
 from pipeclamp_fmu.passivity import require_dissipation
 from pipeclamp_fmu.pipe import pipe_content
 
@@ -55,9 +62,7 @@ def build_clamp(file: LawFile, output: Path) -> str:
         UserError: the law would create energy over some closed cycle in its range, depends on a condition that isn't in
             that range, or the FMU can't be written.
     """
-    model = clamp_model(file)
-    require_dissipation(model.name, model.source, *model.ranges)
-    return write_fmu(clamp_content(model, version()), output)
+    return write_fmu(python_clamp_content(file), output)
 
 
 def build_native_clamp(file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None) -> Built:
@@ -76,6 +81,17 @@ def build_native_clamp(file: LawFile, output: Path, fmi: int = 2, platforms: Seq
     return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
 
 
+def python_clamp_content(file: LawFile) -> Content:
+    """Give all that goes into a law's Python FMU.
+
+    Raises:
+        UserError: as `build_clamp`.
+    """
+    model = clamp_model(file)
+    require_passive(model)
+    return clamp_content(model, version())
+
+
 def native_clamp_content(file: LawFile) -> NativeContent:
     """Give all that goes into a law's native FMU.
 
@@ -83,16 +99,21 @@ def native_clamp_content(file: LawFile) -> NativeContent:
         UserError: as `build_clamp`.
     """
     model = clamp_model(file)
-    require_dissipation(model.name, model.source, *model.ranges)
-    law = law_of(file)
-    equations = clamp_equations(law)
-    values = [*law.vector(equations), law.v_r, law.y_r]
-    described = {entry.name: (entry.unit, entry.meaning) for entry in equations.parameters} | SMOOTHING
-    coefficients = [
-        Entry(name, *described[name], value) for name, value in zip(parameters_of(equations), values, strict=True)
-    ]
-    states = [Entry(str(state.symbol), state.unit, state.meaning) for state in equations.states]
-    return native_clamp(model, NativeLaw(c_source(law.structure), tuple(coefficients), tuple(states)), version())
+    require_passive(model)
+    structure = law_of(file).structure
+    states = [Entry(str(state.symbol), state.unit, state.meaning) for state in clamp_equations(structure).states]
+    return native_clamp(model, c_source(structure), states, version())
+
+
+def require_passive(model: ClampModel) -> None:
+    """Refuse a law that would create energy over some closed cycle in its range.
+
+    Raises:
+        UserError: it would.
+    """
+    require_dissipation(
+        model.name, model.law, model.range_A, model.range_f, model.range_T, *(entry.interval for entry in model.further)
+    )
 
 
 def build_pipe(pipe: ReducedPipe, output: Path) -> str:
@@ -167,11 +188,16 @@ def clamp_model(file: LawFile) -> ClampModel:
         UserError: the law's range lacks a condition that the law depends on.
     """
     law = law_of(file)
-    equations = clamp_equations(law)
+    equations = clamp_equations(law.structure)
+    described = {entry.name: (entry.unit, entry.meaning) for entry in equations.parameters} | SMOOTHING
+    names = [str(symbol) for symbol in parameter_symbols(equations)]
     entries = [(name, file.coefficients[name]) for name in equations.names]
     return ClampModel(
         name=file.name,
-        source=python_source(law),
+        source=python_source(law.structure),
+        coefficients=tuple(
+            Entry(name, *described[name], value) for name, value in zip(names, parameter_values(law), strict=True)
+        ),
         range_A=_ends(file.range["A"]),
         range_f=_ends(file.range["f"]),
         range_T=_ends(file.range["T"]),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 
@@ -15,9 +15,11 @@ from pipeclamp_fmu.icon import loop_icon
 from pipeclamp_fmu.model_description import ModelText, Quantity
 from pipeclamp_fmu.one_module import with_inlined
 from pipeclamp_fmu.packing import Content
-from pipeclamp_fmu.passivity import Interval, loaded
+from pipeclamp_fmu.passivity import Interval, ScalarLaw, loaded
 from pipeclamp_fmu.reference import reference_files
 from pipeclamp_fmu.steady_loop import SAMPLES, steady_loop
+from pipeclamp_fmu.values_file import values_text
+from pipeclamp_fmu.variables import Range, Variable, Variables, numbers_of
 
 MARGIN = 10.0
 """min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
@@ -59,12 +61,23 @@ class FurtherCondition:
 
 
 @dataclass(frozen=True)
+class Entry:
+    """A coefficient of the law or a state of its memory, with the coefficient's value."""
+
+    name: str
+    unit: str
+    meaning: str
+    value: float = 0.0
+
+
+@dataclass(frozen=True)
 class ClampModel:
     """A law as the clamp FMU needs it.
 
     Attributes:
         name: the law's name.
         source: its generated source, see `pipeclamp.realise.scalar.python_source`.
+        coefficients: in the order in which the source takes them.
         range_A: amplitudes that its data hold, mm.
         range_f: frequencies, Hz.
         range_T: temperatures, K.
@@ -77,6 +90,7 @@ class ClampModel:
 
     name: str
     source: str
+    coefficients: tuple[Entry, ...]
     range_A: Interval
     range_f: Interval
     range_T: Interval
@@ -88,9 +102,24 @@ class ClampModel:
     fit: FitQuality | None = None
 
     @property
-    def ranges(self) -> tuple[Interval, ...]:
+    def ranges(self) -> tuple[Range, ...]:
         """The ranges of all conditions, in the law's units."""
-        return (self.range_A, self.range_f, self.range_T, *(entry.interval for entry in self.further))
+        return (
+            Range(*self.range_A, "mm"),
+            Range(*self.range_f, "Hz"),
+            Range(*self.range_T, "K"),
+            *(Range(*entry.interval, entry.law_unit) for entry in self.further),
+        )
+
+    @property
+    def law(self) -> ScalarLaw:
+        """The law, ready to be called."""
+        return loaded(self.source, [entry.value for entry in self.coefficients])
+
+    @property
+    def condition_names(self) -> tuple[str, ...]:
+        """The names of the parameters that state conditions, in the order in which the source takes them."""
+        return ("A", "f", "T", *(entry.name for entry in self.further))
 
     @property
     def counted(self) -> int:
@@ -104,24 +133,24 @@ def source_text(module: str) -> str:
 
 
 def clamp_module(model: ClampModel) -> str:
-    """Give the slave's one module: values, law, slave."""
-    further = tuple((entry.name, entry.scale, entry.interval, entry.positive, entry.start) for entry in model.further)
+    """Give the slave's one module: equations and slave; no value of the law is in it."""
+    further = tuple((entry.name, entry.law_unit, entry.scale, entry.positive) for entry in model.further)
     law = "\n".join(
         [
-            f"LAW_NAME = {model.name!r}",
-            f"RANGE_A = {model.range_A!r}",
-            f"RANGE_f = {model.range_f!r}",
-            f"RANGE_T = {model.range_T!r}",
             f"FURTHER = {further!r}",
             f"COUNTED = {model.counted}",
+            f"COEFFICIENTS = {tuple(entry.name for entry in model.coefficients)!r}",
             "",
             model.source,
         ]
     )
-    return with_inlined(
-        source_text("clamp_slave"),
-        {"pipeclamp_fmu.plain_slave": source_text("plain_slave"), "pipeclamp_fmu.stand_in_law": law},
-    )
+    parts = {f"pipeclamp_fmu.{name}": source_text(name) for name in ("plain_slave", "values_file")}
+    return with_inlined(source_text("clamp_slave"), {**parts, "pipeclamp_fmu.stand_in_law": law})
+
+
+def middle(interval: Interval) -> float:
+    """Give the middle of a range."""
+    return (interval[0] + interval[1]) / 2
 
 
 def usual(value: float) -> float:
@@ -131,8 +160,8 @@ def usual(value: float) -> float:
 
 def quantities(model: ClampModel) -> Mapping[str, Quantity]:
     """Give what an importer should know of the clamp's variables."""
-    law = loaded(model.source)
-    A, f, T = (clamp_slave.middle(interval) for interval in (model.range_A, model.range_f, model.range_T))
+    law = model.law
+    A, f, T = map(middle, (model.range_A, model.range_f, model.range_T))
     start = tuple(value for _, value in law.states)
     middles = tuple(entry.scale * entry.start for entry in model.further)
     force = usual(law.step(law.coefficients(A, f, T, *middles), start, 0.0, A, 0.0, 1 / (4 * f))[0])
@@ -197,25 +226,68 @@ def clamp_text(model: ClampModel, version: str) -> ModelText:
     )
 
 
-def clamp_extras(model: ClampModel) -> tuple[bytes, dict[str, bytes]]:
+COEFFICIENT = "coefficient of the law: "
+"""What the descriptions of the law's coefficients begin with."""
+
+
+def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Variables:
+    """Give the clamp's variables, but for those that show its memory."""
+    starts: dict[str, float | bool] = {
+        "flange.s": 0.0,
+        "flange.v": 0.0,
+        "T_in": middle(model.range_T),
+        "A": middle(model.range_A) / clamp_slave.MM,
+        "f": middle(model.range_f),
+        "T": middle(model.range_T),
+        **{entry.name: entry.start for entry in model.further},
+        **dict.fromkeys(clamp_slave.BOOLEAN_PARAMETERS, False),
+    }
+
+    def known(names: Iterable[str]) -> tuple[Variable, ...]:
+        return tuple(Variable(name, described[name], starts.get(name)) for name in names)
+
+    coefficients = [
+        Variable(
+            f"{clamp_slave.LAW}{entry.name}",
+            Quantity(f"{COEFFICIENT}{entry.meaning}", entry.unit.replace("-", "")),
+            entry.value,
+        )
+        for entry in model.coefficients
+    ]
+    return Variables(
+        inputs=known(clamp_slave.INPUTS),
+        parameters=known(model.condition_names),
+        outputs=known(clamp_slave.OUTPUTS),
+        locals=(),
+        fixed=tuple(coefficients),
+        boolean_parameters=known(clamp_slave.BOOLEAN_PARAMETERS),
+        boolean_outputs=known(clamp_slave.BOOLEAN_OUTPUTS),
+        signals=clamp_slave.T_IN,
+    )
+
+
+def clamp_extras(model: ClampModel, variables: Variables) -> tuple[bytes, dict[str, bytes]]:
     """Give the clamp's icon and the reference results that travel inside its FMU."""
-    loop = steady_loop(clamp_module(model))
+    loop = steady_loop(clamp_module(model), values_text("", model.name, numbers_of(variables, model.ranges)))
     return loop_icon(loop.s[SAMPLES:], loop.force[SAMPLES:]), reference_files(loop)
 
 
 def clamp_content(model: ClampModel, version: str) -> Content:
     """Give all that goes into the clamp's Python FMU."""
     described = quantities(model)
-    icon, references = clamp_extras(model)
+    variables = clamp_variables(model, described)
+    icon, references = clamp_extras(model, variables)
     return Content(
         kind="clamp",
         source=clamp_module(model),
         class_name=clamp_slave.ClampSlave.__name__,
         text=clamp_text(model, version),
-        quantities=described,
-        initial_inputs=(*clamp_slave.INPUTS, *clamp_slave.PARAMETERS, *clamp_slave.BOOLEAN_PARAMETERS),
+        quantities={variable.name: variable.quantity for variable in variables.all},
+        initial_inputs=tuple(variable.name for variable in variables.settable),
         documentation=clamp_documentation(model, described, PYTHON_USE),
         further={"model.png": icon, **references},
+        name=model.name,
+        numbers=numbers_of(variables, model.ranges),
     )
 
 
@@ -232,12 +304,6 @@ def clamp_documentation(model: ClampModel, described: Mapping[str, Quantity], us
 
 
 def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[Section]:
-    ranges = (
-        ("A", model.range_A, "mm"),
-        ("f", model.range_f, "Hz"),
-        ("T", model.range_T, "K"),
-        *((entry.name, entry.interval, entry.law_unit) for entry in model.further),
-    )
     return [
         Section(
             "Equations",
@@ -254,7 +320,10 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
             ),
             (),
             ("quantity", "from", "to", "unit"),
-            [(name, f"{low:g}", f"{high:g}", unit) for name, (low, high), unit in ranges],
+            [
+                (name, f"{entry.minimum:g}", f"{entry.maximum:g}", entry.unit)
+                for name, entry in zip(model.condition_names, model.ranges, strict=True)
+            ],
         ),
         Section(
             "Variables",
@@ -285,8 +354,14 @@ COUNTING = (
     "A_used. A step is taken at the cycles that were seen when it began."
 )
 
+COEFFICIENTS = (
+    "The coefficients law.* are in the law's own units and can be set before and in initialization; "
+    "`pipeclamp set-parameters` puts another law's into the FMU."
+)
+
 PYTHON_USE = (
     "flange.s and flange.v are the values at the end of a step; from the last communication point to them the motion "
     "is straight. A master that steps all models in parallel therefore sees the force one step late.",
+    COEFFICIENTS,
     "States are saved, restored and serialised exactly. Standard library of Python only.",
 )

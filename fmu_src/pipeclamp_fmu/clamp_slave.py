@@ -1,7 +1,8 @@
 """The clamp as an FMI 2.0 co-simulation slave on the standard library alone.
 
-The builder makes one module of this file, `plain_slave` and a generated law in place of `stand_in_law`, and gives the
-class a name of its own, since all Python FMUs of a process share one interpreter.
+The builder makes one module of this file, `plain_slave`, `values_file` and a generated law in place of `stand_in_law`,
+and gives the class a name of its own, since all Python FMUs of a process share one interpreter. The law's numbers are
+not in the module: each instance reads those in its FMU's resources.
 
 Inputs are the values at the end of the step; between two communication points the motion is straight.
 """
@@ -14,30 +15,26 @@ from typing import Any
 from pythonfmu.enums import Fmi2Status
 
 from pipeclamp_fmu.plain_slave import Fmi2Slave
-from pipeclamp_fmu.stand_in_law import (
-    COUNTED,
-    FURTHER,
-    LAW_NAME,
-    RANGE_A,
-    RANGE_T,
-    STATES,
-    RANGE_f,
-    coefficients,
-    step,
-)
+from pipeclamp_fmu.stand_in_law import COEFFICIENTS, COUNTED, FURTHER, STATES, coefficients, step
+from pipeclamp_fmu.values_file import read_values
 
 MM = 1000.0
 """mm in a metre: the law is in mm, the FMU's boundary in m."""
 
+LAW = "law."
+"""What the names of the law's coefficients begin with."""
+
 INPUTS = ("flange.s", "flange.v", "T_in")
-PARAMETERS = ("A", "f", "T", *(name for name, *_ in FURTHER))
+PARAMETERS = ("A", "f", "T", *[name for name, *_ in FURTHER])
 OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated")
+FIXED = tuple([f"{LAW}{name}" for name in COEFFICIENTS])
 S, V, T_IN, A, F, T = range(6)
 FIRST_FURTHER = T + 1
 FORCE, A_USED, F_USED, T_USED, DISSIPATED = range(FIRST_FURTHER + len(FURTHER), FIRST_FURTHER + len(FURTHER) + 5)
-POSITIVE = tuple(place for place, (_, _, _, positive, _) in enumerate(FURTHER, FIRST_FURTHER) if positive)
-SCALES = tuple(scale for _, scale, _, _, _ in FURTHER)
-RANGES = (RANGE_A, RANGE_f, RANGE_T, *(interval for _, _, interval, _, _ in FURTHER))
+FIRST_FIXED = FORCE + len(OUTPUTS)
+POSITIVE = tuple([place for place, (_, _, _, positive) in enumerate(FURTHER, FIRST_FURTHER) if positive])
+UNITS = (" mm", " Hz", " K", *[unit and f" {unit}" for _, unit, _, _ in FURTHER])
+SCALES = tuple([scale for _, _, scale, _ in FURTHER])
 
 BOOLEAN_PARAMETERS = ("useTemperatureInput", "track")
 BOOLEAN_OUTPUTS = ("inRange",)
@@ -49,36 +46,32 @@ AVERAGING = 1.5
 SLACK = 1e-9
 """Share by which a value may pass the end of its range: rounding of units, not more."""
 
-FARTHEST = RANGE_A[1] * (1 + SLACK)
-"""Farthest displacement that the law's data hold, mm."""
-
 HUGE = 1e30
 """A value beyond it is a mistake, whatever the unit; below it, powers that laws take of it don't overflow."""
 
-AT_REST = tuple(start for _, start in STATES)
+AT_REST = tuple([start for _, start in STATES])
 """The law's memory before anything has moved."""
+
+AT_START: Motion = ((), 0.0, 0.0, 0.0, 0.0, AT_REST)
+"""The motion of a clamp that has not been started."""
 
 NO_VALUE = (ArithmeticError, TypeError, ValueError)
 """What a law raises where it has no value, far outside its range."""
 
 NO_VALUE_THERE = "the law has no value there"
 
+Interval = tuple[float, float]
 Motion = tuple[Any, float, float, float, float, tuple[float, ...]]
 Conditions = tuple[float, float, float, tuple[float, ...], tuple[float, ...] | None]
 
 
-def middle(interval: tuple[float, float]) -> float:
-    """Give the middle of a range."""
-    return (interval[0] + interval[1]) / 2
-
-
-def within(value: float, interval: tuple[float, float]) -> bool:
+def within(value: float, interval: Interval) -> bool:
     """Tell whether the value lies in the range, but for rounding."""
     low, high = interval
     return low - SLACK * abs(low) <= value <= high + SLACK * abs(high)
 
 
-def held(value: float, interval: tuple[float, float]) -> float:
+def held(value: float, interval: Interval) -> float:
     """Give the nearest value in the range."""
     return min(max(value, interval[0]), interval[1])
 
@@ -106,31 +99,36 @@ def track_motion(averages: tuple[float, ...], share: float, y: float, v: float) 
     )
 
 
-def amplitude_and_frequency(averages: tuple[float, ...], frequency: float) -> tuple[float, float]:
+def amplitude_and_frequency(averages: tuple[float, ...], frequency: float, smallest: float) -> tuple[float, float]:
     """Give A (mm) and f (Hz) of the sinusoid that has these averages; without motion the frequency stays.
+
+    Motion is what is not many times smaller than the law's smallest amplitude (mm).
 
     A = sqrt(2 var), 2 pi f = sqrt(<v^2>/var), var = <y^2> - <y>^2. All three averages are filtered alike, so that the
     ripple of the mean under an offset cancels in var.
     """
     _, mean, _, square, _, speed = averages
     variance = square - mean * mean
-    if variance <= (SLACK * RANGE_A[0]) ** 2:
+    if variance <= (SLACK * smallest) ** 2:
         return 0.0, frequency
     return math.sqrt(2 * variance), math.sqrt(speed / variance) / (2 * math.pi)
 
 
-def in_use(conditions: Conditions) -> tuple[float, ...]:
+def in_use(conditions: Conditions, ranges: tuple[Interval, ...]) -> tuple[float, ...]:
     """Give A, f, T and further conditions for the law: as set, or as tracked but held inside the law's range."""
     amplitude, frequency, temperature, further, averages = conditions
     if averages is None:
         return amplitude, frequency, temperature, *further
-    return held(amplitude, RANGE_A), held(frequency, RANGE_f), temperature, *further
+    return held(amplitude, ranges[0]), held(frequency, ranges[1]), temperature, *further
 
 
 class ClampSlave(Fmi2Slave):
     """A pipe clamp: force from displacement, velocity and temperature.
 
     Attributes:
+        _law: the law's name, for messages.
+        _ranges: where its data lie: A (mm), f (Hz), T (K), further conditions.
+        _farthest: farthest displacement that they hold, mm.
         _motion: coefficients, y, v, force, stored energy and memory at the last communication point, as the law has
             them (mm, N, s).
         _conditions: A (mm), f (Hz), T (K) of the motion, before they are held inside the range; further conditions; the
@@ -142,16 +140,18 @@ class ClampSlave(Fmi2Slave):
     KEPT = ("_motion", "_conditions", "_counted", "_inside")
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(INPUTS, PARAMETERS, OUTPUTS, BOOLEAN_PARAMETERS, BOOLEAN_OUTPUTS, kwargs)
-        self._reals[A], self._reals[F] = middle(RANGE_A) / MM, middle(RANGE_f)
-        self._reals[T] = self._reals[T_IN] = middle(RANGE_T)
+        super().__init__(INPUTS, PARAMETERS, OUTPUTS, BOOLEAN_PARAMETERS, BOOLEAN_OUTPUTS, kwargs, FIXED)
+        ends = ("minimum", "maximum") * len(PARAMETERS)
+        self._law, numbers = read_values(str(self.resources), (*INPUTS, *PARAMETERS, *FIXED, *ends))
+        first_end = FORCE + len(FIXED)
+        self._ranges: tuple[Interval, ...] = tuple(zip(numbers[first_end::2], numbers[first_end + 1 :: 2], strict=True))
+        self._farthest = self._ranges[0][1] * (1 + SLACK)
+        self._reals[:FORCE], self._reals[FIRST_FIXED:] = numbers[:FORCE], numbers[FORCE:first_end]
         self._signals = T_IN  # a new temperature is a new condition, as a new parameter is
-        self._motion: Motion = ((), 0.0, 0.0, 0.0, 0.0, AT_REST)
-        starts = tuple(start for _, _, _, _, start in FURTHER)
-        self._reals[FIRST_FURTHER:FORCE] = starts
-        self._conditions: Conditions = (middle(RANGE_A), middle(RANGE_f), middle(RANGE_T), starts, None)
+        self._motion: Motion = AT_START
         self._counted = 0.0
-        self._inside = True
+        self._conditions: Conditions = (*self._scaled(T), None)
+        self._inside = self._flags[IN_RANGE] = True
         self._warned = False  # not part of a saved state: what was said stays said
 
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -182,7 +182,7 @@ class ClampSlave(Fmi2Slave):
         self._motion = (k, y, v, force, energy, memory)
         if COUNTED >= 0:
             self._counted += abs(y - y_before) / (4.0 * MM * reals[A_USED])
-        self._flags[IN_RANGE] = inside = self._inside and -FARTHEST <= y <= FARTHEST
+        self._flags[IN_RANGE] = inside = self._inside and abs(y) <= self._farthest
         if not (inside or self._warned):
             self._warn(y)
         return True
@@ -203,6 +203,11 @@ class ClampSlave(Fmi2Slave):
         for index in POSITIVE:
             if reals[index] <= 0.0:
                 return f"{names[index]} is {reals[index]:g}; expected a value above 0"
+        return self._scaled(temperature)
+
+    def _scaled(self, temperature: int) -> tuple[float, float, float, tuple[float, ...]]:
+        """Give A (mm), f (Hz), T (K) and further conditions as they are set, the temperature from a variable."""
+        reals = self._reals
         further = [scale * value for scale, value in zip(SCALES, reals[FIRST_FURTHER:FORCE], strict=True)]
         if COUNTED >= 0:
             further[COUNTED] += self._counted
@@ -218,34 +223,38 @@ class ClampSlave(Fmi2Slave):
         conditions: Conditions = (*settings, None)
         if self._flags[TRACK]:
             averages = self._conditions[4] or start_tracking(*settings[:2])
-            periods = step_size * held(self._conditions[1], RANGE_f)
+            smallest, frequency = self._ranges[0][0], self._conditions[1]
+            periods = step_size * held(frequency, self._ranges[1])
             averages = track_motion(averages, -math.expm1(-periods / AVERAGING), y, v)
-            conditions = (*amplitude_and_frequency(averages, self._conditions[1]), *settings[2:], averages)
-        try:
-            return conditions, self._under(conditions)
-        except NO_VALUE:
-            return f"the law has no value at A = {conditions[0]:g} mm, f = {conditions[1]:g} Hz"
+            conditions = (*amplitude_and_frequency(averages, frequency, smallest), *settings[2:], averages)
+        motion = self._under(conditions, self._motion)
+        return motion if isinstance(motion, str) else (conditions, motion)
 
-    def _under(self, conditions: Conditions) -> Motion:
-        """Give the motion as it stands under other conditions.
+    def _under(self, conditions: Conditions, motion: Motion) -> Motion | str:
+        """Give a motion as it stands under other conditions, or say that the law has no value there.
 
         Force and stored energy at the old place are those of the new coefficients, so that what a change of
         conditions does to the stored energy is not taken for dissipation.
         """
-        k, y, v, _, _, memory = self._motion
-        after = coefficients(*in_use(conditions))
-        if after == k:
-            return self._motion
-        force, energy, _ = step(after, memory, y, y, v, 0.0)
-        return (after, y, v, force, energy, memory)
+        k, y, v, _, _, memory = motion
+        try:
+            after = coefficients(self._reals[FIRST_FIXED:], *in_use(conditions, self._ranges))
+            if after == k:
+                return motion
+            force, energy, _ = step(after, memory, y, y, v, 0.0)
+            if all(map(math.isfinite, (*after, force, energy))):
+                return (after, y, v, force, energy, memory)
+        except NO_VALUE:
+            pass
+        return f"the law has no value at A = {conditions[0]:g} mm, f = {conditions[1]:g} Hz"
 
     def _take(self, conditions: Conditions) -> None:
         """Keep the conditions and show what is used of them."""
         reals = self._reals
-        amplitude, reals[F_USED], reals[T_USED], *_ = in_use(conditions)
+        amplitude, reals[F_USED], reals[T_USED], *_ = in_use(conditions, self._ranges)
         reals[A_USED] = amplitude / MM
         self._conditions = conditions
-        self._inside = all(map(within, (*conditions[:3], *conditions[3]), RANGES))
+        self._inside = all(map(within, (*conditions[:3], *conditions[3]), self._ranges))
         self._settled = conditions[4] is None and COUNTED < 0  # else the next step is under other conditions
 
     def _evaluate_start(self) -> None:
@@ -255,32 +264,26 @@ class ClampSlave(Fmi2Slave):
             self.log(f"start values: {settings}", Fmi2Status.error)
             return
         conditions: Conditions = (*settings, start_tracking(*settings[:2]) if self._flags[TRACK] else None)
-        reals = self._reals
-        y, v = MM * reals[S], MM * reals[V]
-        self._motion = ((), y, v, 0.0, 0.0, AT_REST)
-        try:
-            self._motion = self._under(conditions)
-        except NO_VALUE:
-            self.log(f"start values: {NO_VALUE_THERE}", Fmi2Status.error)
+        y, v = MM * self._reals[S], MM * self._reals[V]
+        motion = self._under(conditions, ((), y, v, 0.0, 0.0, AT_REST))
+        if isinstance(motion, str):
+            self.log(f"start values: {motion}", Fmi2Status.error)
             return
+        self._motion = motion
         self._take(conditions)
-        reals[FORCE] = self._motion[3]
-        self._flags[IN_RANGE] = self._inside and -FARTHEST <= y <= FARTHEST
+        self._reals[FORCE] = motion[3]
+        self._flags[IN_RANGE] = self._inside and abs(y) <= self._farthest
 
     def _warn(self, y: float) -> None:
         """Say once where the law is used beyond its data."""
         self._warned = True
         amplitude, frequency, temperature, further, _ = self._conditions
-        quantities = (
-            ("A", amplitude, RANGE_A, "mm"),
-            ("f", frequency, RANGE_f, "Hz"),
-            ("T", temperature, RANGE_T, "K"),
-            *((name, value, interval, "") for (name, _, interval, _, _), value in zip(FURTHER, further, strict=True)),
-            ("|flange.s|", abs(y), (0.0, RANGE_A[1]), "mm"),
-        )
+        names, units = (*PARAMETERS, "|flange.s|"), (*UNITS, UNITS[0])
+        values = (amplitude, frequency, temperature, *further, abs(y))
+        intervals = (*self._ranges, (0.0, self._ranges[0][1]))
         outside = [
-            f"{name} = {value:.6g} {unit} is outside {interval[0]:g} to {interval[1]:g} {unit}".rstrip()
-            for name, value, interval, unit in quantities
-            if not within(value, interval)
+            f"{name} = {value:.6g}{unit} is outside {low:g} to {high:g}{unit}"
+            for name, value, (low, high), unit in zip(names, values, intervals, units, strict=True)
+            if not within(value, (low, high))
         ]
-        self.log(f"law {LAW_NAME} is used beyond its range: {'; '.join(outside)}", Fmi2Status.warning)
+        self.log(f"law {self._law} is used beyond its range: {'; '.join(outside)}", Fmi2Status.warning)

@@ -102,25 +102,30 @@ class ModelText:
 
 
 def completed(
-    written: bytes, guid: str, text: ModelText, quantities: Mapping[str, Quantity], initial_inputs: tuple[str, ...]
-) -> bytes:
+    root: Element,
+    guid: str,
+    text: ModelText,
+    quantities: Mapping[str, Quantity],
+    initial_inputs: tuple[str, ...],
+    starts: Mapping[str, float],
+) -> Element:
     """Complete pythonfmu's model description.
 
     Args:
-        written: `modelDescription.xml` as pythonfmu wrote it.
+        root: the description as pythonfmu gives it; it is changed.
         guid: identifies this content.
         text: what is said of the whole.
         quantities: what is said of each variable, by name.
         initial_inputs: names of the variables that outputs depend on at initialisation. After that, outputs are those
             of the last step, so no output depends on an input that is set at the same instant.
+        starts: start values by name, which pythonfmu writes to 16 digits only.
 
     Returns:
-        the XML, without a date, so that the same content gives the same bytes.
+        it, without a date, so that the same content gives the same bytes.
 
     Raises:
         ValueError: `quantities` doesn't hold exactly the model's variables.
     """
-    root = ElementTree.fromstring(written)
     root.attrib.pop("generationDateAndTime", None)
     tool = root.get("generationTool", "")
     root.attrib |= {
@@ -138,13 +143,15 @@ def completed(
         quantity = quantities[variable.get("name", "")]
         variable.set("description", quantity.description)
         variable[0].attrib |= number_attributes(quantity)
+        if variable.get("name") in starts:
+            variable[0].set("start", repr(starts[variable.get("name", "")]))
     root.insert(1, unit_definitions(quantities.values()))
     root.insert(list(root).index(root.find("ModelVariables")), default_experiment(text))  # type: ignore[arg-type]
     structure = root.find("ModelStructure")
     if structure is not None:
         root.remove(structure)
     root.append(_structure(variables, [str(names.index(name) + 1) for name in initial_inputs]))
-    return xml_bytes(root)
+    return root
 
 
 def xml_bytes(root: Element) -> bytes:

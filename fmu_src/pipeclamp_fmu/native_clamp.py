@@ -1,61 +1,53 @@
-"""What a clamp's native FMU is made of: the same variables as the Python FMU's, and the law's coefficients."""
+"""What a clamp's native FMU is made of: the variables of the Python FMU, and those that show its memory."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from pipeclamp_fmu import clamp_slave
-from pipeclamp_fmu.clamp import ClampModel, clamp_documentation, clamp_extras, clamp_text, quantities
+from pipeclamp_fmu.clamp import (
+    COEFFICIENTS,
+    ClampModel,
+    Entry,
+    clamp_documentation,
+    clamp_extras,
+    clamp_text,
+    clamp_variables,
+    quantities,
+)
 from pipeclamp_fmu.model_description import Quantity
 from pipeclamp_fmu.native_description import FLANGE, Terminal
 from pipeclamp_fmu.native_fmu import NativeContent
-from pipeclamp_fmu.native_sources import NativeModel, Range
-from pipeclamp_fmu.variables import Variable, Variables
-
-COEFFICIENT = "law."
-"""What the names of the law's coefficients begin with."""
+from pipeclamp_fmu.native_sources import NativeModel
+from pipeclamp_fmu.variables import Variable
 
 MEMORY = "memory."
 """What the names of the variables begin with that hold the clamp's memory."""
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A coefficient of the law or a state of its memory, with the coefficient's value."""
+def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], version: str) -> NativeContent:
+    """Give all that goes into the clamp's native FMU.
 
-    name: str
-    unit: str
-    meaning: str
-    value: float = 0.0
-
-
-@dataclass(frozen=True)
-class NativeLaw:
-    """A law in C, see `pipeclamp.realise.c.c_source`, with its coefficients in the order of its parameters."""
-
-    source: str
-    coefficients: tuple[Entry, ...]
-    states: tuple[Entry, ...]
-
-
-def native_clamp(model: ClampModel, law: NativeLaw, version: str) -> NativeContent:
-    """Give all that goes into the clamp's native FMU."""
+    Args:
+        model: the law.
+        source: the law in C, see `pipeclamp.realise.c.c_source`.
+        states: of its memory.
+        version: of this program.
+    """
     described = quantities(model)
-    icon, references = clamp_extras(model)
-    variables = _variables(model, law, described)
-    indicator = f"{MEMORY}v" if law.states else ""
-    ranges = [
-        Range(*interval, unit)
-        for interval, unit in zip(
-            model.ranges, ("mm", "Hz", "K", *(entry.law_unit for entry in model.further)), strict=True
-        )
-    ]
+    variables = clamp_variables(model, described)
+    icon, references = clamp_extras(model, variables)
     return NativeContent(
         kind="clamp",
         text=clamp_text(model, version),
         model=NativeModel(
-            model.name, ("clamp.c", "clamp.h"), {"law.h": _header(model, law.source)}, variables, ranges, indicator
+            model.name,
+            ("clamp.c", "clamp.h"),
+            {"law.h": _header(model, source)},
+            replace(variables, locals=_memory(described, states)),
+            model.ranges,
+            f"{MEMORY}v" if states else "",
         ),
         terminals=(
             Terminal(
@@ -90,45 +82,14 @@ def _header(model: ClampModel, source: str) -> str:
     )
 
 
-def _variables(model: ClampModel, law: NativeLaw, described: Mapping[str, Quantity]) -> Variables:
-    starts: dict[str, float | bool] = {
-        "flange.s": 0.0,
-        "flange.v": 0.0,
-        "T_in": clamp_slave.middle(model.range_T),
-        "A": clamp_slave.middle(model.range_A) / clamp_slave.MM,
-        "f": clamp_slave.middle(model.range_f),
-        "T": clamp_slave.middle(model.range_T),
-        **{entry.name: entry.start for entry in model.further},
-        **dict.fromkeys(clamp_slave.BOOLEAN_PARAMETERS, False),
-    }
-
-    def known(names: tuple[str, ...]) -> tuple[Variable, ...]:
-        return tuple(Variable(name, described[name], starts.get(name)) for name in names)
-
+def _memory(described: Mapping[str, Quantity], states: Sequence[Entry]) -> tuple[Variable, ...]:
+    """Give the variables that show the clamp's memory."""
     s, v = (replace(described[f"flange.{letter}"], minimum=None, maximum=None) for letter in "sv")
     kept = "at the end of the last step (model exchange: at the present time)"
-    memory = [
+    return (
         Variable(f"{MEMORY}s", replace(s, description=f"displacement {kept}")),
         Variable(f"{MEMORY}v", replace(v, description=f"velocity {kept}; where it changes sign, memory turns round")),
-        *(Variable(f"{MEMORY}{state.name}", Quantity(f"{state.meaning} {kept}", state.unit)) for state in law.states),
-    ]
-    coefficients = [
-        Variable(
-            f"{COEFFICIENT}{entry.name}",
-            Quantity(f"coefficient of the law: {entry.meaning}", entry.unit.replace("-", "")),
-            entry.value,
-        )
-        for entry in law.coefficients
-    ]
-    return Variables(
-        inputs=known(clamp_slave.INPUTS),
-        parameters=known((*clamp_slave.PARAMETERS, *(entry.name for entry in model.further))),
-        outputs=known(clamp_slave.OUTPUTS),
-        locals=tuple(memory),
-        fixed=tuple(coefficients),
-        boolean_parameters=known(clamp_slave.BOOLEAN_PARAMETERS),
-        boolean_outputs=known(clamp_slave.BOOLEAN_OUTPUTS),
-        signals=clamp_slave.T_IN,
+        *(Variable(f"{MEMORY}{state.name}", Quantity(f"{state.meaning} {kept}", state.unit)) for state in states),
     )
 
 
@@ -142,7 +103,6 @@ NATIVE_USE = (
     "displacement that is linear over a step.",
     "Directional derivatives of the outputs by inputs and tunable parameters are exact; with memory they are those of "
     "going on in the last step's direction.",
-    "The coefficients law.* are in the law's own units and can be set before and in initialization; "
-    "`pipeclamp set-parameters` puts another law's into the FMU.",
+    COEFFICIENTS,
     "States are saved, restored and serialised exactly. Standard C library only; the sources are inside.",
 )

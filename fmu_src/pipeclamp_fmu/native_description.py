@@ -72,13 +72,7 @@ class Description:
 
         In co-simulation alone they are those of the last step, and depend on no input that is set at the same instant.
         """
-        known = self.variables
-        return list(known.inputs) if self.exchange else [], [
-            *known.inputs,
-            *known.parameters,
-            *known.fixed,
-            *known.boolean_parameters,
-        ]
+        return list(self.variables.inputs) if self.exchange else [], list(self.variables.settable)
 
 
 def model_description(description: Description, fmi: int) -> bytes:

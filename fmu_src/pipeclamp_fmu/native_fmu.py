@@ -16,9 +16,11 @@ from pipeclamp_fmu.native_description import (
     model_description,
     terminals_and_icons,
 )
-from pipeclamp_fmu.native_sources import NativeModel, c_sources, values_text
+from pipeclamp_fmu.native_sources import NativeModel, c_sources
 from pipeclamp_fmu.one_module import content_hash
 from pipeclamp_fmu.packing import zipped
+from pipeclamp_fmu.values_file import FILE_NAME, values_text
+from pipeclamp_fmu.variables import numbers_of
 
 
 @dataclass(frozen=True)
@@ -81,27 +83,29 @@ def write_native_fmu(content: NativeContent, output: Path, fmi: int, platforms: 
 
 def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str, bytes]:
     """Give the files that depend on values, not on structure alone: they can be replaced without a compiler."""
+    model = content.model
+    numbers = numbers_of(model.variables, model.ranges)
     token = content_hash(
         identifier,
         repr(content.text),
-        values_text(content.model, ""),
-        repr(content.model.variables),
+        values_text("", model.name, numbers),
+        repr(model.variables),
         content.documentation,
     )
     description = Description(
         identifier,
         token,
         content.text,
-        content.model.variables,
-        content.model.indicator,
-        content.model.exchange,
-        content.model.derivatives,
+        model.variables,
+        model.indicator,
+        model.exchange,
+        model.derivatives,
         content.terminals,
         f"pipeclamp {content.text.version}",
     )
     files = {
         "modelDescription.xml": model_description(description, fmi),
-        "resources/values.txt": values_text(content.model, token).encode("utf-8"),
+        f"resources/{FILE_NAME}": values_text(token, model.name, numbers).encode("utf-8"),
         "sources/buildDescription.xml": build_description(identifier, fmi),
         "documentation/index.html": content.documentation.encode("utf-8"),
         **content.further,

@@ -1,29 +1,19 @@
-"""The C sources and the file of values of a native FMU: templates from `native/`, and what is generated for a model."""
+"""The C sources of a native FMU: templates from `native/`, and what is generated for a model."""
 
 from __future__ import annotations
 
 import json
-import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 
 from pipeclamp_fmu.one_module import content_hash
-from pipeclamp_fmu.variables import Variable, Variables
+from pipeclamp_fmu.variables import Range, Variables
 
 SHARED_SOURCES = ("fmu.c", "export.h", "model.h", "values.h", "values.c", "instance.h", "instance.c")
 """The sources that every native FMU has."""
 
 FMI_SOURCES: Mapping[int, tuple[str, ...]] = {2: ("fmi2.h", "fmi2.c"), 3: ("fmi3.h", "fmi3.c")}
-
-
-@dataclass(frozen=True)
-class Range:
-    """Where a quantity lay in the data, in the law's unit."""
-
-    minimum: float
-    maximum: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -121,22 +111,3 @@ def _nominals(variables: Variables) -> str:
 def _names(array: str, names: Sequence[str]) -> str:
     listed = ",\n    ".join(json.dumps(name) for name in names or [""])
     return f"static const char *const {array}[] = {{\n    {listed}\n}};"
-
-
-def values_text(model: NativeModel, token: str) -> str:
-    """Give `resources/values.txt`, in the order in which values.c reads it."""
-    variables = model.variables
-    lines = [f"token {token}", f"name {' '.join(model.name.split())}"]
-    lines += [_line(entry.name, entry) for entry in (*variables.inputs, *variables.parameters, *variables.fixed)]
-    for entry in model.ranges:
-        lines += [_number("minimum", entry.minimum, entry.unit), _number("maximum", entry.maximum, entry.unit)]
-    return "\n".join(lines) + "\n"
-
-
-def _line(name: str, variable: Variable) -> str:
-    return _number(name, float(variable.start or 0.0), variable.quantity.unit)
-
-
-def _number(name: str, value: float, unit: str) -> str:
-    """Give a line: name, the number's bits, and for people the number."""
-    return f"{name} {struct.pack('>d', value).hex()} {value!r} {unit}".rstrip()

@@ -6,17 +6,20 @@ import io
 import sys
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element
 
 import pythonfmu
 from pythonfmu import FmuBuilder
 
 from pipeclamp.files import write_whole
-from pipeclamp_fmu.model_description import ModelText, Quantity, completed
+from pipeclamp_fmu.model_description import ModelText, Quantity, completed, xml_bytes
 from pipeclamp_fmu.one_module import content_hash
+from pipeclamp_fmu.values_file import FILE_NAME, values_text
 
 OPTIONS = {
     "needsExecutionTool": "false",
@@ -43,6 +46,8 @@ class Content:
         initial_inputs: the variables that outputs depend on at initialisation.
         documentation: `documentation/index.html`.
         further: further files by name.
+        name: the name that messages use.
+        numbers: what the slave reads of its file of values, see `values_text`; nothing where it has none.
     """
 
     kind: str
@@ -53,41 +58,88 @@ class Content:
     initial_inputs: tuple[str, ...]
     documentation: str
     further: Mapping[str, bytes] = field(default_factory=dict)
+    name: str = ""
+    numbers: Sequence[tuple[str, float, str]] = ()
+
+    @property
+    def identifier(self) -> str:
+        """The name of module, class and library: unique for the program."""
+        return f"{self.kind}_{content_hash(self.source, str(pythonfmu.__version__))[:16]}"
+
+    @property
+    def starts(self) -> dict[str, float]:
+        """The start values that the slave reads, by variable."""
+        return {name: value for name, value, _ in self.numbers if name in self.quantities}
+
+    @property
+    def module(self) -> str:
+        """The slave's module, its class under the identifier."""
+        return self.source.replace(self.class_name, self.identifier)
 
 
 def write_fmu(content: Content, output: Path) -> str:
     """Write an FMU, whole or not at all.
 
     Returns:
-        its model identifier, which is unique for its content.
+        its model identifier, which is unique for its program.
 
     Raises:
         UserError: the file can't be written.
     """
-    digest = content_hash(
-        content.source,
-        repr(content.text),
-        repr(sorted(content.quantities.items())),
-        content.documentation,
-        str(pythonfmu.__version__),
-    )
-    identifier = f"{content.kind}_{digest[:16]}"
-    files = _packed_by_pythonfmu(identifier, content.source.replace(content.class_name, identifier))
-    files["modelDescription.xml"] = completed(
-        files["modelDescription.xml"], digest, content.text, content.quantities, content.initial_inputs
-    )
-    files["documentation/index.html"] = content.documentation.encode("utf-8")
-    files |= content.further
-    write_whole(output, zipped(files))
-    return identifier
+    write_whole(output, zipped(_packed_by_pythonfmu(content) | python_files(content)))
+    return content.identifier
 
 
-def _packed_by_pythonfmu(identifier: str, source: str) -> dict[str, bytes]:
-    """Let pythonfmu make an FMU of the source and give its files by name."""
-    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder, _restored_imports(identifier):
-        script = Path(folder) / f"{identifier}.py"
-        script.write_text(source, encoding="utf-8", newline="\n")
-        packed = FmuBuilder.build_FMU(script, Path(folder) / f"{identifier}.fmu", **OPTIONS)
+def module_file(content: Content) -> str:
+    """Give the name of the slave's module inside its FMU."""
+    return f"resources/{content.identifier}.py"
+
+
+def python_files(content: Content) -> dict[str, bytes]:
+    """Give the files that depend on values, not on the program alone."""
+    named = values_text("", content.name, content.numbers)
+    token = content_hash(
+        content.identifier, repr(content.text), repr(sorted(content.quantities.items())), content.documentation, named
+    )
+    files = {
+        "modelDescription.xml": xml_bytes(
+            completed(
+                _described(content), token, content.text, content.quantities, content.initial_inputs, content.starts
+            )
+        ),
+        "documentation/index.html": content.documentation.encode("utf-8"),
+        **content.further,
+    }
+    if content.numbers:
+        files[f"resources/{FILE_NAME}"] = values_text(token, content.name, content.numbers).encode("utf-8")
+    return files
+
+
+def instance_of(module: str, class_name: str, values: str) -> Any:
+    """Make an instance of a slave of a module, with a file of values, as an importer does."""
+    scope: dict[str, Any] = {"__name__": class_name}
+    exec(module, scope)
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder:
+        Path(folder, FILE_NAME).write_text(values, encoding="utf-8", newline="\n")
+        return scope[class_name](instance_name=class_name, resources=folder)
+
+
+def _described(content: Content) -> Element:
+    """Give the model description as pythonfmu writes it."""
+    slave = instance_of(content.module, content.identifier, values_text("", content.name, content.numbers))
+    description: Element = slave.to_xml(OPTIONS)
+    return description
+
+
+def _packed_by_pythonfmu(content: Content) -> dict[str, bytes]:
+    """Let pythonfmu make an FMU of the slave and give its files by name."""
+    name = content.identifier
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder, _restored_imports(name):
+        script, values = Path(folder) / f"{name}.py", Path(folder) / FILE_NAME
+        script.write_text(content.module, encoding="utf-8", newline="\n")
+        values.write_text(values_text("", content.name, content.numbers), encoding="utf-8", newline="\n")
+        beside = [values] if content.numbers else []
+        packed = FmuBuilder.build_FMU(script, Path(folder) / f"{name}.fmu", project_files=beside)
         with zipfile.ZipFile(packed) as archive:
             return {name: archive.read(name) for name in archive.namelist()}
 

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from pipeclamp.errors import UserError
@@ -27,18 +28,18 @@ RESOLVED = 1e-5
 
 @dataclass(frozen=True)
 class ScalarLaw:
-    """A generated law, ready to be called; see `pipeclamp.realise.scalar.python_source`."""
+    """A generated law with its values, ready to be called; see `pipeclamp.realise.scalar.python_source`."""
 
     states: tuple[tuple[str, float], ...]
     coefficients: Callable[..., Any]
     step: Callable[..., tuple[float, float, tuple[float, ...]]]
 
 
-def loaded(source: str) -> ScalarLaw:
-    """Load a law's generated source, as the FMU does."""
+def loaded(source: str, values: Sequence[float]) -> ScalarLaw:
+    """Load a law's generated source with values for its parameters, as the FMU does."""
     scope: dict[str, Any] = {"math": math}
     exec(source, scope)
-    return ScalarLaw(scope["STATES"], scope["coefficients"], scope["step"])
+    return ScalarLaw(scope["STATES"], partial(scope["coefficients"], tuple(values)), scope["step"])
 
 
 @dataclass(frozen=True)
@@ -133,13 +134,13 @@ def conditions(
 
 
 def require_dissipation(
-    name: str, source: str, range_A: Interval, range_f: Interval, range_T: Interval, *further: Interval
+    name: str, law: ScalarLaw, range_A: Interval, range_f: Interval, range_T: Interval, *further: Interval
 ) -> None:
     """Refuse a law that gives energy over some closed cycle in its range.
 
     Args:
         name: the law's name, for the message.
-        source: its generated source.
+        law: the law.
         range_A: mm.
         range_f: Hz.
         range_T: K.
@@ -148,7 +149,6 @@ def require_dissipation(
     Raises:
         UserError: a cycle dissipates less than nothing, or the law has no finite value on it.
     """
-    law = loaded(source)
     worst: tuple[float, Cycle, tuple[float, ...], Balance] | None = None
     for where in conditions(range_A, range_f, range_T, *further):
         for cycle in CYCLES:

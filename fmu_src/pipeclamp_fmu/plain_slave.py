@@ -26,7 +26,7 @@ def tuples(value: Any) -> Any:
 
 
 class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
-    """A slave with Real inputs, parameters and outputs, then Boolean parameters and outputs.
+    """A slave with Real inputs, parameters, outputs and fixed parameters, then Boolean parameters and outputs.
 
     A value reference is a variable's position in that order. pythonfmu's own getters and setters cost more than a
     clamp's law; its saved states hold registered variables only, and not exactly. A subclass keeps what else changes
@@ -43,24 +43,25 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
         boolean_parameters: Names,
         boolean_outputs: Names,
         kwargs: dict[str, Any],
+        fixed: Names = (),
     ) -> None:
         super().__init__(**kwargs)
-        reals = ((inputs, "input"), (parameters, "parameter"), (outputs, "output"))
-        booleans = ((boolean_parameters, "parameter"), (boolean_outputs, "output"))
-        for kind, groups, changing in (
-            (Real, reals, Fmi2Variability.continuous),
-            (Boolean, booleans, Fmi2Variability.discrete),
+        for kind, names, causality, variability in (
+            (Real, inputs, "input", "continuous"),
+            (Real, parameters, "parameter", "tunable"),
+            (Real, outputs, "output", "continuous"),
+            (Real, fixed, "parameter", "fixed"),
+            (Boolean, boolean_parameters, "parameter", "tunable"),
+            (Boolean, boolean_outputs, "output", "discrete"),
         ):
-            for names, causality in groups:
-                variability = Fmi2Variability.tunable if causality == "parameter" else changing
-                for name in names:
-                    self.register_variable(
-                        kind(name, causality=Fmi2Causality[causality], variability=variability), nested=False
-                    )
-        self._reals = [0.0] * (len(inputs) + len(parameters) + len(outputs))
+            for name in names:
+                variable = kind(name, causality=Fmi2Causality[causality], variability=Fmi2Variability[variability])
+                self.register_variable(variable, nested=False)
+        self._reals = [0.0] * (len(inputs) + len(parameters) + len(outputs) + len(fixed))
         self._flags = [False] * (len(boolean_parameters) + len(boolean_outputs))
         self._signals = len(inputs)  # these many, the first, may change with every step and unsettle nothing
         self._settable = len(inputs) + len(parameters)
+        self._first_fixed = self._settable + len(outputs)
         self._settable_flags = len(boolean_parameters)
         self._settled = False  # no parameter has changed since the last step
         self._initialising = True
@@ -86,7 +87,7 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
         for vr, value in zip(vrs, values):  # noqa: B905 (equally long by the standard; `strict` costs time)
             if vr < signals:
                 reals[vr] = value
-            elif vr < self._settable:
+            elif vr < self._settable or (self._initialising and self._first_fixed <= vr < len(reals)):
                 if reals[vr] != value:
                     reals[vr] = value
                     self._settled = False
@@ -115,7 +116,9 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
 
     def _refuse_setting(self, vr: int) -> None:
         name = self.vars[vr].name if vr in self.vars else f"value reference {vr}"
-        self.log(f"{name} is no input or parameter of this type; the value is ignored", Fmi2Status.error)
+        fixed = self._first_fixed <= vr < len(self._reals)
+        reason = "fixed after initialization" if fixed else "no input or parameter of this type"
+        self.log(f"{name} is {reason}; the value is ignored", Fmi2Status.error)
 
     # --- Initialisation
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 from pipeclamp.parameter_file import LawFile
-from pipeclamp_fmu.build import build_clamp, native_clamp_content
+from pipeclamp_fmu.build import native_clamp_content, python_clamp_content
 from pipeclamp_fmu.native_fmu import native_files
 from pipeclamp_fmu.native_sources import c_sources
-from pipeclamp_fmu.packing import zipped
+from pipeclamp_fmu.packing import module_file, python_files, zipped
 
 GENERATED = ("sources/law.h", "sources/layout.h")
 """What says which equations and variables a native FMU has."""
@@ -22,10 +23,9 @@ PYTHON_CLAMP = re.compile(r"resources/clamp_[0-9a-f]{16}\.py")
 
 
 def set_parameters(fmu: Path, file: LawFile, output: Path) -> None:
-    """Put a law's parameters, range and documentation into a clamp FMU.
+    """Put a law's parameters, range and documentation into a clamp FMU, which keeps its program.
 
-    A native FMU keeps its libraries, so that the law must have the equations that they were compiled from. A Python FMU
-    takes any law.
+    So the law must have the equations that the FMU was built from.
 
     Args:
         fmu: an FMU built by this program, of either kind.
@@ -37,11 +37,18 @@ def set_parameters(fmu: Path, file: LawFile, output: Path) -> None:
     """
     files = _read(fmu)
     if set(GENERATED) <= files.keys():
-        write_whole(output, zipped(_native_with(fmu, files, file)))
+        replaced = _native_values(files, file)
     elif any(PYTHON_CLAMP.fullmatch(name) for name in files):
-        build_clamp(file, output)
+        replaced = _python_values(files, file)
     else:
         raise UserError(f"{fmu}: not a clamp FMU; expected one made by `pipeclamp build-fmu`")
+    if replaced is None:
+        raise UserError(
+            f"{fmu}: built for other equations than those of law {file.name!r} (base {file.base}, effects "
+            f"{', '.join(file.effects) or 'none'}), or by another version of this program; expected a law of the same "
+            "base and effects, else build anew: pipeclamp build-fmu"
+        )
+    write_whole(output, zipped(files | replaced))
 
 
 def _read(fmu: Path) -> dict[str, bytes]:
@@ -52,18 +59,19 @@ def _read(fmu: Path) -> dict[str, bytes]:
         raise UserError(f"{fmu}: not a readable FMU ({error}); expected one made by `pipeclamp build-fmu`") from error
 
 
-def _native_with(fmu: Path, files: dict[str, bytes], file: LawFile) -> dict[str, bytes]:
-    """Give the files of a native FMU with another law's values."""
+def _python_values(files: Mapping[str, bytes], file: LawFile) -> dict[str, bytes] | None:
+    """Give the files of a Python FMU that say a law's values, None where its program is another."""
+    content = python_clamp_content(file)
+    return python_files(content) if module_file(content) in files else None
+
+
+def _native_values(files: Mapping[str, bytes], file: LawFile) -> dict[str, bytes] | None:
+    """Give the files of a native FMU that say a law's values, None where its program is another."""
     description = ElementTree.fromstring(files["modelDescription.xml"])
     fmi = int(description.get("fmiVersion", "")[0])
     identifier = next(description.iter("CoSimulation")).get("modelIdentifier", "")
     content = native_clamp_content(file)
     sources = c_sources(content.model, fmi, identifier)
-    for name in GENERATED:
-        if files[name] != sources[name.removeprefix("sources/")].encode("utf-8"):
-            raise UserError(
-                f"{fmu}: compiled for other equations than those of law {file.name!r} (base {file.base}, effects "
-                f"{', '.join(file.effects) or 'none'}); expected a law of the same base and effects, else build anew: "
-                "pipeclamp build-fmu --kind native"
-            )
-    return files | native_files(content, identifier, fmi)
+    if any(files[name] != sources[name.removeprefix("sources/")].encode("utf-8") for name in GENERATED):
+        return None
+    return native_files(content, identifier, fmi)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from pipeclamp_fmu.clamp_slave import ClampSlave
+from pipeclamp_fmu.packing import instance_of
 
 SAMPLES = 200
 """Per cycle."""
@@ -33,25 +33,25 @@ class Loop:
     dissipated: tuple[float, ...]
 
 
-def steady_loop(module: str) -> Loop:
+def steady_loop(module: str, values: str) -> Loop:
     """Run a clamp's generated module along two cycles of its default amplitude and frequency.
 
     Args:
         module: see `pipeclamp_fmu.clamp.clamp_module`.
+        values: its file of values.
     """
-    scope: dict[str, Any] = {"__name__": "clamp"}
-    exec(module, scope)
-    slave = scope[ClampSlave.__name__](instance_name="reference")
+    slave = instance_of(module, ClampSlave.__name__, values)
     slave.exit_initialization_mode()
-    A, f = slave.get_real([scope["A"], scope["F"]])
+    places = {variable.name: reference for reference, variable in slave.vars.items()}
+    A, f = slave.get_real([places["A"], places["f"]])
     h, omega = 1 / (f * SAMPLES), 2 * math.pi * f
     rows = []
     for index in range(1, 2 * SAMPLES + 1):
         theta = 2 * math.pi * index / SAMPLES
         s = A / (1 + THIRD) * (math.sin(theta) + THIRD * math.sin(3 * theta))
         v = A / (1 + THIRD) * omega * (math.cos(theta) + 3 * THIRD * math.cos(3 * theta))
-        slave.set_real([scope["S"], scope["V"]], [s, v])
+        slave.set_real([places["flange.s"], places["flange.v"]], [s, v])
         slave.do_step((index - 1) * h, h)
-        rows.append((s, v, *slave.get_real([scope["FORCE"], scope["DISSIPATED"]])))
+        rows.append((s, v, *slave.get_real([places["flange.f"], places["energyDissipated"]])))
     motion, speed, force, dissipated = zip(*rows, strict=True)
     return Loop(h, motion, speed, force, dissipated)

@@ -1,4 +1,4 @@
-"""The variables of a native FMU, in the order in which its C sources hold them."""
+"""The variables of an FMU, in the order in which its program holds them."""
 
 from __future__ import annotations
 
@@ -21,6 +21,15 @@ class Variable:
     name: str
     quantity: Quantity
     start: float | bool | None = None
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where a quantity lay in the data, in the law's unit."""
+
+    minimum: float
+    maximum: float
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -69,6 +78,11 @@ class Variables:
         """All variables; a variable's value reference is its place here."""
         return (*self.reals, *self.booleans)
 
+    @property
+    def settable(self) -> tuple[Variable, ...]:
+        """The variables that outputs depend on at initialisation."""
+        return (*self.inputs, *self.parameters, *self.fixed, *self.boolean_parameters)
+
     def causality(self, variable: Variable) -> tuple[str, str]:
         """Give a variable's causality and variability."""
         discrete = variable in self.booleans
@@ -80,3 +94,12 @@ class Variables:
             (self.fixed, "parameter", "fixed"),
         )
         return next((causality, variability) for group, causality, variability in groups if variable in group)
+
+
+def numbers_of(variables: Variables, ranges: Sequence[Range]) -> list[tuple[str, float, str]]:
+    """Give what the file of values says: name, value and unit of each start value and each end of a range."""
+    started = (*variables.inputs, *variables.parameters, *variables.fixed)
+    numbers = [(entry.name, float(entry.start or 0.0), entry.quantity.unit) for entry in started]
+    for entry in ranges:
+        numbers += [("minimum", entry.minimum, entry.unit), ("maximum", entry.maximum, entry.unit)]
+    return numbers

@@ -15,8 +15,7 @@ from pipeclamp.files import write_whole
 from pipeclamp.parameter_file import law_of
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
-from pipeclamp.realise.c import CONDITIONS_FIRST, conditions_of
-from pipeclamp.realise.scalar import clamp_equations
+from pipeclamp.realise.stepping import CONDITIONS_FIRST, clamp_equations, conditions_of
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import clamp_model, condition_parameter
 from pipeclamp_identification.cosim import CELSIUS, finished, law_in, run_described
@@ -223,7 +222,9 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
         source.frequency_Hz if given else None,
         (file.range["A"].minimum, file.range["A"].maximum),
         (file.range["f"].minimum, file.range["f"].maximum),
-        dict(zip(conditions_of(clamp_equations(law))[len(CONDITIONS_FIRST) :], further.values(), strict=True)),
+        dict(
+            zip(conditions_of(clamp_equations(law.structure))[len(CONDITIONS_FIRST) :], further.values(), strict=True)
+        ),
     )
 
 

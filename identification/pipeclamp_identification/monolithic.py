@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from pipeclamp.law import Law
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp.realise.scalar import python_source
+from pipeclamp.realise.stepping import parameter_values
 from pipeclamp_fmu.passivity import loaded
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ class ClampEquations:
 
 def clamp_equations(law: Law, amplitude: float, frequency: float, temperature: float) -> ClampEquations:
     """Give a law's equations at an amplitude (mm), frequency (Hz) and temperature (K): those that its FMU runs."""
-    scalar = loaded(python_source(law))
+    scalar = loaded(python_source(law.structure), parameter_values(law))
     start = tuple(float(value) for _, value in scalar.states)
     return ClampEquations(start, scalar.coefficients(amplitude, frequency, temperature), scalar.step)
 

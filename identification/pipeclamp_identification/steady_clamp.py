@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp.law import Law
-from pipeclamp.realise.scalar import clamp_equations
+from pipeclamp.realise.stepping import clamp_equations
 from pipeclamp.response import Motion, respond
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ class SteadyClamp:
             slow,
             1 / (frequency[:, None] * SAMPLES),
         )
-        equations = clamp_equations(self.law)
+        equations = clamp_equations(self.law.structure)
         values = self.law.vector(equations)
         force = respond(equations, values, (self.law.v_r, self.law.y_r), cycle).force
         harmonics = 2 / SAMPLES * (force @ waves.conj().T)

@@ -31,6 +31,7 @@ RESERVED = {
     **{str(signal.symbol): f"is the {signal.meaning}" for signal in (*symbols.FAST, *symbols.SLOW)},
     **dict.fromkeys((*FIXED, *SCALES), "has a meaning already"),
     **dict.fromkeys((*FUNCTIONS, WHERE, *CONSTANTS), "is a word of expressions"),
+    "math": "is a word of the FMU's source",
 }
 
 

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,9 @@ from pipeclamp.declaration import read_declaration
 from pipeclamp.effect import Effect, Family
 from pipeclamp.law import BASES, Law, Structure, compose
 from pipeclamp.realise.arrays import realise
-from pipeclamp.realise.c import c_source, conditions_of
+from pipeclamp.realise.c import c_source
 from pipeclamp.realise.scalar import python_source
+from pipeclamp.realise.stepping import conditions_of, parameter_values, stepping
 from pipeclamp.response import Motion, respond, sinusoids
 
 ARGUMENTS = {"condition": "condition:current_A"}
@@ -59,20 +61,21 @@ def sines(A, f, T, samples=512):
     return replace(motion, slow={**motion.slow, **further})
 
 
-def executed(source):
-    """Run the text that goes into an FMU; nothing but math is there for it."""
+def executed(law):
+    """Run the text that goes into an FMU, with a law's values; nothing but math is there for it."""
     scope = {"math": math}
-    exec(source, scope)
+    exec(python_source(law.structure), scope)
+    scope["coefficients"] = partial(scope["coefficients"], parameter_values(law))
     return scope
 
 
 C_CALLS = """#include <math.h>
 {law}
 void call_coefficients(const double *p, const double *u, double *k) {{ law_coefficients(p, u, k); }}
-void call_step(const double *p, const double *k, const double *z, const double *m, double *result, double *z_new)
-{{ law_step(p, k, z, m[0], m[1], m[2], m[3], result, z_new); }}
-void call_slopes(const double *p, const double *u, const double *k, const double *z, const double *m, double *slope)
-{{ law_slopes(p, u, k, z, m[0], m[1], m[2], m[3], slope); }}
+void call_step(const double *k, const double *z, const double *m, double *result, double *z_new)
+{{ law_step(k, z, m[0], m[1], m[2], m[3], result, z_new); }}
+void call_slopes(const double *p, const double *u, const double *z, const double *m, double *slope)
+{{ law_slopes(p, u, z, m[0], m[1], m[2], m[3], slope); }}
 """
 
 
@@ -151,7 +154,7 @@ def test_realisations_agree(structure):
     """Arrays and scalar source give the same force, energy and states to 1e-12, over random states."""
     equations = compose(structure, ("base", "clamp"))
     law = Law(structure, sound_values(structure), *SMOOTHING)
-    realised = executed(python_source(law))
+    realised = executed(law)
     compiled = realise(equations)
     values = [law.values[name] for name in equations.names]
     rng = random.Random(1)
@@ -177,7 +180,7 @@ def test_c_agrees_with_the_scalar_source(structure, tmp_path):
     equations = compose(structure, ("base", "clamp"))
     law = Law(structure, sound_values(structure), *SMOOTHING)
     call = compiled_c(structure, tmp_path)
-    scalar = executed(python_source(law))
+    scalar = executed(law)
     p = [*law.vector(equations), *SMOOTHING]
     rng = random.Random(2)
     for _ in range(50):
@@ -186,9 +189,9 @@ def test_c_agrees_with_the_scalar_source(structure, tmp_path):
         z = [rng.uniform(-100, 100) for _ in equations.states]
         y_previous, y, v = rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-30, 30)
         motion = [y_previous, y, v, 0.001]
-        (k,) = call("coefficients", p, u, results=(len(equations.coefficients),))
+        (k,) = call("coefficients", p, u, results=(len(stepping(structure).held),))
         np.testing.assert_allclose(k, scalar["coefficients"](*u), rtol=1e-12)
-        result, after = call("step", p, k, z, motion, results=(2, len(z)))
+        result, after = call("step", k, z, motion, results=(2, len(z)))
         force, energy, expected = scalar["step"](tuple(k), tuple(z), *motion)
         np.testing.assert_allclose(after, expected, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(result, [force, energy], rtol=1e-12, atol=1e-10)
@@ -198,7 +201,7 @@ def test_c_agrees_with_the_scalar_source(structure, tmp_path):
             return np.array(scalar["step"](scalar["coefficients"](*u), tuple(z), y_previous, y, v, 0.001)[:2])
 
         place = np.array([y, v, *u])
-        (slopes,) = call("slopes", p, u, k, z, motion, results=(2 * len(place),))
+        (slopes,) = call("slopes", p, u, z, motion, results=(2 * len(place),))
         for index, width in enumerate(1e-6 * np.array([1.0, 10.0, *u])):
             aside = width * np.eye(len(place))[index]
             ahead, here, behind = (result_at(place + sign * aside) for sign in (1, 0, -1))
@@ -234,7 +237,7 @@ def test_derivatives_are_exact(structure):
 def test_stored_energy_is_the_forces_own(structure):
     """Along a slow straight move without slip, the work done is the energy stored plus what is dissipated, >= 0."""
     law = Law(structure, sound_values(structure), *SMOOTHING)
-    scope = executed(python_source(law))
+    scope = executed(law)
     k = scope["coefficients"](0.8, 3.0, 450.0, *(FURTHER[name] for name in scope["CONDITIONS"]))
     state = tuple(start for _, start in scope["STATES"])
     count, h = 4000, 1 / (3.0 * 4000)

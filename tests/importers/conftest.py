@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import stand_in as stand_in_numbers
 from fmpy.fmi1 import FMICallException
 
 from pipeclamp.bundled import open_law
@@ -17,7 +18,7 @@ from pipeclamp.parameter_file import CoefficientEntry, Interval, LawFile
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_native_pipe, build_pipe
-from pipeclamp_fmu.clamp import ClampModel, clamp_content, source_text
+from pipeclamp_fmu.clamp import ClampModel, Entry, clamp_content, source_text
 from pipeclamp_fmu.compile import system_compiler
 from pipeclamp_fmu.one_module import body_of
 from pipeclamp_fmu.packing import write_fmu
@@ -131,10 +132,9 @@ def stand_in() -> ClampModel:
     source = body_of(source_text("stand_in_law"))
     return ClampModel(
         "stand-in",
-        source[source.index("STATES") :],
-        (0.2, 1.0),
-        (1.0, 5.0),
-        (293.15, 573.15),
+        "from collections.abc import Sequence\n" + source[source.index("STATES") :],
+        tuple(Entry(name, "", name, value) for name, value in stand_in_numbers.VALUES.items()),
+        *stand_in_numbers.RANGES,
         ("F = k1*y < anything & more",),
         (("k1", "1200", "3", "N/mm", "stiffness"),),
     )
@@ -222,7 +222,7 @@ def fmus(
     folder = tmp_path_factory.mktemp("fmus")
     paths = {name: folder / f"{name}.fmu" for name in ("memory", "stiffer", "emwm2", "further", *PIPES)}
     write_fmu(clamp_content(stand_in, "0"), paths["memory"])
-    stiffer = replace(stand_in, source=stand_in.source.replace("1200.0", "2400.0"))
+    stiffer = replace(stand_in, source=stand_in.source.replace("(k10 *", "(2.0 * k10 *"))
     write_fmu(clamp_content(stiffer, "0"), paths["stiffer"])
     build_clamp(open_law("emwm2"), paths["emwm2"])
     build_clamp(law_with_further_conditions, paths["further"])

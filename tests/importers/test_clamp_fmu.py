@@ -1,17 +1,18 @@
 """The clamp FMU in fmpy, of Python and native: its force, its states, its guards, its range, its tracking."""
 
 import math
+from contextlib import suppress
 from dataclasses import replace
 
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from pipeclamp_fmu.build import clamp_model
+from pipeclamp_fmu.build import build_clamp, clamp_model
 from pipeclamp_fmu.clamp import clamp_content
 from pipeclamp_fmu.packing import write_fmu
-from pipeclamp_fmu.passivity import loaded
 
 H = 1e-3
 
@@ -37,7 +38,7 @@ def test_the_description_says_what_importers_need(fmus):
     description = fmpy.read_model_description(str(fmus["memory"]))
     for variable in description.modelVariables:
         assert variable.description
-        if variable.type == "Real":
+        if variable.type == "Real" and not variable.name.startswith("law."):
             assert None not in (variable.unit, variable.min, variable.max, variable.nominal), variable.name
             assert variable.start is None or float(variable.min) < float(variable.start) < float(variable.max)
         assert variable.displayUnit == {"m": "mm", "m/s": "mm/s", "K": "degC"}.get(variable.unit), variable.name
@@ -45,7 +46,7 @@ def test_the_description_says_what_importers_need(fmus):
     (celsius,) = units["K"].displayUnits
     assert (celsius.name, float(celsius.factor), float(celsius.offset)) == ("degC", 1.0, -273.15)
     assert all(unknown.dependencies == [] for unknown in description.outputs)
-    assert all(len(unknown.dependencies) == 8 for unknown in description.initialUnknowns)
+    assert all(len(unknown.dependencies) == 18 for unknown in description.initialUnknowns)
     ability = description.coSimulation
     assert not ability.needsExecutionTool
     assert ability.canGetAndSetFMUstate
@@ -54,7 +55,7 @@ def test_the_description_says_what_importers_need(fmus):
 
 def law_forces(model, A, f, T, motion):
     """Give the forces of the law's own source along a motion from rest, (s, v) in m and m/s."""
-    law = loaded(model.source)
+    law = model.law
     k, state, y_before, forces = law.coefficients(A, f, T), tuple(start for _, start in law.states), 0.0, []
     for s, v in motion:
         force, _, state = law.step(k, state, y_before, 1000.0 * s, 1000.0 * v, H)
@@ -103,7 +104,7 @@ def test_fmpy_simulates_it_and_the_energy_is_the_loop_area(memory):
 
 def test_at_the_start_the_force_is_that_of_the_inputs(drive, memory, model):
     clamp = drive(memory, {"flange.s": 3e-4, "flange.v": 0.01, "A": 3e-4})
-    law = loaded(model.source)
+    law = model.law
     y = 1000.0 * 3e-4
     k = law.coefficients(y, clamp.get("f_used"), clamp.get("T_used"))
     assert clamp.get("flange.f") == pytest.approx(law.step(k, (0.0,), y, y, 10.0, 0.0)[0], rel=1e-14)
@@ -162,6 +163,44 @@ def test_what_cannot_be_is_discarded_and_leaves_the_state_untouched(drive, memor
     clamp.set({name: good[name] for name in bad})
     assert shaken(clamp, 200, 400) == shaken(twin, 200, 400)
     assert clamp.all() == twin.all()
+
+
+def test_coefficients_are_fixed_parameters_alike_in_both_kinds(fmus, native_fmus, law_with_memory, tmp_path):
+    build_clamp(law_with_memory, tmp_path / "clamp.fmu")
+    described = [
+        [
+            (entry.name, entry.unit, entry.start, entry.variability, entry.causality, entry.description)
+            for entry in fmpy.read_model_description(str(path)).modelVariables
+            if entry.name.startswith("law.")
+        ]
+        for path in (tmp_path / "clamp.fmu", native_fmus[2])
+    ]
+    assert described[0] == described[1]
+    assert {entry[3] for entry in described[0]} == {"fixed"}
+    assert {entry[0].removeprefix("law.") for entry in described[0]} == {*law_with_memory.coefficients, "v_r", "y_r"}
+
+
+def test_a_coefficient_can_be_set_until_initialization_ends(drive, memory):
+    clamp, stiffer = drive(memory), drive(memory, {"law.k10": 2400.0})
+    assert (clamp.get("law.k10"), stiffer.get("law.k10")) == (1200.0, 2400.0)
+    forces = []
+    for each in (clamp, stiffer):
+        each.step(H, flange__s=1e-4)
+        forces.append(each.get("flange.f"))
+    assert forces[1] - forces[0] == pytest.approx(1200.0 * 0.6**-0.2 * 0.1)
+    with suppress(FMICallException):  # a native FMU says so by its status too
+        clamp.set({"law.k10": 2400.0})
+    assert "law.k10 is fixed after initialization; the value is ignored" in clamp.messages.errors[-1]
+    assert clamp.get("law.k10") == 1200.0
+    stiffer.slave.reset()
+    stiffer.start({})
+    assert stiffer.get("law.k10") == 1200.0
+
+
+def test_an_impossible_coefficient_discards_every_step_in_the_same_words(drive, memory):
+    clamp = drive(memory, {"law.k10": math.nan})
+    assert "start values: the law has no value at A = 0.6 mm, f = 3 Hz" in clamp.messages.errors[-1]
+    assert "discarded: the law has no value at A = 0.6 mm, f = 3 Hz" in clamp.discarded(H, flange__s=1e-4)
 
 
 def test_an_output_cannot_be_set(drive):
@@ -273,7 +312,9 @@ def test_two_laws_and_a_rebuilt_one_each_give_their_own_force(drive, shaken, sta
     path = tmp_path / "clamp.fmu"
     write_fmu(clamp_content(stand_in, "0"), path)
     before = drive(path)
-    softer = replace(stand_in, source=stand_in.source.replace("1200.0", "600.0"))
+    softer = replace(
+        stand_in, coefficients=(replace(stand_in.coefficients[0], value=600.0), *stand_in.coefficients[1:])
+    )
     write_fmu(clamp_content(softer, "0"), path)
     rebuilt, other = drive(path), drive("emwm2")
     forces = [shaken(clamp, 0, 50)[-1] for clamp in (before, rebuilt, other, drive("stiffer"), drive("memory"))]
@@ -306,10 +347,11 @@ def test_a_foreign_state_is_refused(drive, shaken, foreign):
 
 def test_wrong_value_references_do_no_harm(drive):
     clamp = drive("memory")
-    assert math.isnan(clamp.slave.getReal([11])[0])
+    last = clamp.fmu.variables["inRange"].reference
+    assert math.isnan(clamp.slave.getReal([last])[0])
     assert clamp.slave.getBoolean([0]) == [False]
     clamp.slave.setReal([99], [1.0])
-    clamp.slave.setBoolean([13], [False])
+    clamp.slave.setBoolean([last], [False])
     assert len(clamp.messages.errors) == 4
     clamp.step(H)
     assert clamp.get("inRange")

@@ -11,7 +11,6 @@ from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import write_law
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model
 from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_fmu.passivity import loaded
 from pipeclamp_identification.cosim import clamp_parameters, run_system
 from pipeclamp_identification.frequency_response import steady_clamp
 from pipeclamp_identification.system import read_system
@@ -47,7 +46,7 @@ def test_they_are_tunable_parameters_with_unit_start_and_range(further):
 
 def test_the_force_follows_them_and_the_cycles_are_counted(drive, further, law_with_further_conditions):
     clamp = drive(further, SET)
-    law = loaded(clamp_model(law_with_further_conditions).source)
+    law = clamp_model(law_with_further_conditions).law
     state, y_before, seen = (0.0,), 0.0, 20.0
     rho, current = 2.5, 1.5
     for n in range(3000):
@@ -176,7 +175,7 @@ def test_a_system_gives_its_clamps_conditions_by_column(system, tmp_path, law_wi
     assert (given["rho"], given["condition.current_A"], given["firstCycle"]) == (2500.0, 1.5, 190.0)
     steady = steady_clamp(source, tmp_path, None, "here")
     assert steady.further == {"N": 190.0, "rho": 2.5, "u_current_A": 1.5}
-    law = loaded(clamp_model(file).source)
+    law = clamp_model(file).law
     k = law.coefficients(0.5, 3.0, 350.15, 190.0, 2.5, 1.5)
     spring = law.step(k, (0.0,), 0.0, 1e-3, 0.0, 1.0)[0] / 1e-3
     moved = steady.forces(np.array([[0.0, 1e-3 + 0j]]), np.array([1e-4]))[0, 1].real / 1e-3

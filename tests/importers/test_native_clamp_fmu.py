@@ -198,16 +198,6 @@ def test_states_of_others_are_refused(drive, native_fmus, native):
     clamp.restore(state)
 
 
-def test_coefficients_are_parameters_of_the_fmu(drive, native_fmus):
-    clamp, stiffer = drive(native_fmus[2]), drive(native_fmus[2], {"law.k10": 2400.0})
-    assert clamp.get("law.k10") == 1200.0
-    forces = []
-    for each in (clamp, stiffer):
-        each.step(H, flange__s=1e-4)
-        forces.append(each.get("flange.f"))
-    assert forces[1] - forces[0] == pytest.approx(1200.0 * 0.6**-0.2 * 0.1)
-
-
 def test_every_unit_of_a_coefficient_is_defined(native_fmus):
     description = fmpy.read_model_description(str(native_fmus[2]))
     units = {unit.name: unit.baseUnit for unit in description.unitDefinitions}

@@ -54,15 +54,38 @@ def test_a_python_fmu_becomes_the_one_built_anew(law_with_memory, softer, tmp_pa
     build_clamp(softer, tmp_path / "anew.fmu")
     set_parameters(tmp_path / "clamp.fmu", softer, tmp_path / "clamp.fmu")
     assert (tmp_path / "clamp.fmu").read_bytes() == (tmp_path / "anew.fmu").read_bytes()
+    assert validate_fmu(str(tmp_path / "clamp.fmu")) == []
 
 
-def test_other_equations_are_refused_and_the_file_left_alone(native_fmus, law_with_memory, tmp_path):
-    shutil.copy(native_fmus[2], tmp_path / "clamp.fmu")
+def test_python_fmus_of_one_program_keep_their_own_values_in_one_process(drive, law_with_memory, softer, tmp_path):
+    """They share a module, as all Python FMUs of a process share one interpreter."""
+    build_clamp(law_with_memory, tmp_path / "before.fmu")
+    set_parameters(tmp_path / "before.fmu", softer, tmp_path / "after.fmu")
+    before, after = drive(tmp_path / "before.fmu"), drive(tmp_path / "after.fmu")
+    assert (before.get("law.k10"), after.get("law.k10")) == (1200.0, 700.123456789)
+    for clamp in (before, after):
+        clamp.step(1e-3, flange__s=1e-4)
+    difference = (1200.0 - 700.123456789) * 0.6**-0.2 * 0.1
+    assert before.get("flange.f") - after.get("flange.f") == pytest.approx(difference)
+    after.slave.reset()
+    after.start({"T": 640.0})
+    after.step(1e-3, flange__s=1e-4)
+    assert after.get("inRange")
+    assert after.get("law.k10") == 700.123456789
+
+
+@pytest.mark.parametrize("kind", ["python", "native"])
+def test_other_equations_are_refused_and_the_file_left_alone(native_fmus, law_with_memory, tmp_path, kind):
+    if kind == "python":
+        build_clamp(law_with_memory, tmp_path / "clamp.fmu")
+    else:
+        shutil.copy(native_fmus[2], tmp_path / "clamp.fmu")
+    content = (tmp_path / "clamp.fmu").read_bytes()
     kept = {name: entry for name, entry in law_with_memory.coefficients.items() if name not in ("k_s", "z_s")}
     other = law_with_memory.model_copy(update={"effects": ("damping_temperature",), "coefficients": kept})
     with pytest.raises(UserError, match=r"other equations.*same base and effects"):
         set_parameters(tmp_path / "clamp.fmu", other, tmp_path / "clamp.fmu")
-    assert (tmp_path / "clamp.fmu").read_bytes() == native_fmus[2].read_bytes()
+    assert (tmp_path / "clamp.fmu").read_bytes() == content
 
 
 def test_what_is_no_clamp_is_refused(fmus, law_with_memory, tmp_path):

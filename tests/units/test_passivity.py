@@ -12,7 +12,7 @@ RANGE = ((0.2, 1.0), (1.0, 5.0), (293.15, 573.15))
 LAW = """
 STATES = {states}
 
-def coefficients(A, f, T):
+def coefficients(p, A, f, T):
     return ({k},)
 
 def step(k, state, y_previous, y, v, h):
@@ -22,7 +22,7 @@ def step(k, state, y_previous, y, v, h):
 
 
 def law(body, k="2.0", states="()"):
-    return LAW.format(body=body, k=k, states=states)
+    return loaded(LAW.format(body=body, k=k, states=states), ())
 
 
 VISCOUS = law("return 900.0 * y + 50.0 * y**3 + c * v, 450.0 * y * y + 12.5 * y**4, ()")
@@ -30,14 +30,14 @@ VISCOUS = law("return 900.0 * y + 50.0 * y**3 + c * v, 450.0 * y * y + 12.5 * y*
 
 def test_the_dissipation_of_a_viscous_clamp_is_its_closed_form():
     A, f = 0.7, 3.0
-    result = balance(loaded(VISCOUS), CYCLES[0], (A, f, 300.0), 128)
+    result = balance(VISCOUS, CYCLES[0], (A, f, 300.0), 128)
     assert result.dissipated == pytest.approx(math.pi * 2.0 * 2 * math.pi * f * A * A, rel=1e-12)
 
 
 def test_the_dissipation_of_an_elastic_slip_element_is_its_parallelogram():
     k_s, z_s, A = 500.0, 60.0, 0.5
     body = f"z = min(max(state[0] + {k_s} * (y - y_previous), -{z_s}), {z_s}); return z, z * z / {2 * k_s}, (z,)"
-    result = balance(loaded(law(body, states="(('z', 0.0),)")), CYCLES[0], (A, 1.0, 300.0), 4096)
+    result = balance(law(body, states="(('z', 0.0),)"), CYCLES[0], (A, 1.0, 300.0), 4096)
     assert result.dissipated == pytest.approx(4 * z_s * (A - z_s / k_s), rel=1e-4)
 
 

@@ -119,19 +119,20 @@ static int put_under(Place *place, double k[], const Conditions *conditions, con
                      char reason[TEXT])
 {
     double used[LAW_CONDITIONS], unused[ROOM(LAW_STATES)], result[2];
-    int i, same = 1;
+    int i, same = 1, finite = 1;
     in_use(conditions, values, used);
     law_coefficients(parameters(model), used, k);
-    for (i = 0; i < LAW_COEFFICIENTS; i++) {
-        if (!isfinite(k[i])) {
-            snprintf(reason, TEXT, "the law has no value at A = %g mm, f = %g Hz", conditions->u[0], conditions->u[1]);
-            return 0;
-        }
+    for (i = 0; i < LAW_HELD; i++) {
+        finite = finite && isfinite(k[i]);
         same = same && k[i] == model->memory.k[i];
     }
     if (same)
         return 1;
-    law_step(parameters(model), k, place->z, place->y, place->y, place->v, 0.0, result, unused);
+    law_step(k, place->z, place->y, place->y, place->v, 0.0, result, unused);
+    if (!finite || !isfinite(result[0] + result[1])) {
+        snprintf(reason, TEXT, "the law has no value at A = %g mm, f = %g Hz", conditions->u[0], conditions->u[1]);
+        return 0;
+    }
     place->force = result[0];
     place->energy = result[1];
     return 1;
@@ -188,7 +189,7 @@ static int model_start(Model *model, const Values *values, char reason[TEXT])
     Memory *memory = &model->memory;
     Conditions conditions = {{0}, 0, {0}};
     Place place;
-    double k[ROOM(LAW_COEFFICIENTS)] = {0};
+    double k[ROOM(LAW_HELD)] = {0};
     if (!take_settings(model, conditions.u, reason))
         return 0;
     conditions.tracking = model->flag[TRACK];
@@ -236,7 +237,7 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
     Memory *memory = &model->memory;
     const double y = MM * model->real[S], v = MM * model->real[V];
     const int as_before = model->settled && fabs(y) < HUGE_NUMBER && fabs(v) < HUGE_NUMBER;
-    double result[2], z[ROOM(LAW_STATES)], new_k[ROOM(LAW_COEFFICIENTS)] = {0}, share = 0.0;
+    double result[2], z[ROOM(LAW_STATES)], new_k[ROOM(LAW_HELD)] = {0}, share = 0.0;
     Conditions conditions;
     Place prepared, *to;
     const Place *from = now(memory);
@@ -249,7 +250,7 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
         from = &prepared;
         k = new_k;
     }
-    law_step(parameters(model), k, from->z, from->y, y, v, h, result, z);
+    law_step(k, from->z, from->y, y, v, h, result, z);
     if (!isfinite(result[0] + result[1])) {
         snprintf(reason, TEXT, "the law has no value there");
         return 0;
@@ -326,8 +327,8 @@ static void model_jacobian(const Model *model, const Values *values, double jaco
     double used[LAW_CONDITIONS], law[2 * BY], old[2 * BY], tracker[2][2] = {{0, 0}, {0, 0}};
     int column, i;
     in_use(&memory->conditions, values, used);
-    law_slopes(parameters(model), used, memory->k, from->z, from->y, end->y, end->v, memory->h, law);
-    law_slopes(parameters(model), used, memory->k, from->z, from->y, from->y, from->v, 0.0, old);
+    law_slopes(parameters(model), used, from->z, from->y, end->y, end->v, memory->h, law);
+    law_slopes(parameters(model), used, from->z, from->y, from->y, from->v, 0.0, old);
     if (memory->conditions.tracking)
         tracker_slopes(memory, values, tracker);
     memset(jacobian, 0, OUTPUTS * FIRST_OUTPUT * sizeof(double));
@@ -377,11 +378,12 @@ static int model_beyond_range(const Model *model, const Values *values, char tex
         const double value = i < RANGES ? memory->conditions.u[i] : fabs(now(memory)->y);
         const double *range = i < RANGES ? values->range[i] : end;
         const char *name = i < RANGES ? REAL_NAMES[A + i] : "|flange.s|";
-        const char *unit = i < RANGES ? RANGE_UNITS[i] : RANGE_UNITS[0];
+        const char *unit = i < RANGES ? RANGE_UNITS[i] : RANGE_UNITS[0], *space = *unit ? " " : "";
         if (within(value, range) || length < 0 || length >= TEXT)
             continue;
-        length += snprintf(text + length, (size_t)(TEXT - length), "%s%s = %.6g %s is outside %g to %g %s",
-                           text[length - 2] == ':' ? "" : "; ", name, value, unit, range[0], range[1], unit);
+        length += snprintf(text + length, (size_t)(TEXT - length), "%s%s = %.6g%s%s is outside %g to %g%s%s",
+                           text[length - 2] == ':' ? "" : "; ", name, value, space, unit, range[0], range[1], space,
+                           unit);
     }
     return 1;
 }

@@ -16,7 +16,7 @@ typedef struct {
 } Conditions;
 
 typedef struct {
-    double k[ROOM(LAW_COEFFICIENTS)];
+    double k[ROOM(LAW_HELD)]; /* what the law's step takes of conditions and coefficients */
     Place places[2]; /* the ends of the last step, the earlier one under its coefficients */
     int now; /* whether the later one is the second; its bytes may come from anywhere */
     double h;     /* how long the step was, s */

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
 from pipeclamp import symbols
-from pipeclamp.law import Equations, Structure, compose
+from pipeclamp.law import Equations, Structure
+from pipeclamp.realise.stepping import conditions_of, exact, parameter_symbols, stepping
 
 EXACT_POWERS = range(2, 9)
 """Whole powers that are written as products, which is many times cheaper than `pow`."""
-
-CONDITIONS_FIRST = ("A", "f", "T")
-"""Slow signals that every law has, in this order; further conditions follow by name."""
 
 
 class CPrinter(C99CodePrinter):  # type: ignore[misc]
@@ -44,6 +42,10 @@ class CPrinter(C99CodePrinter):  # type: ignore[misc]
         return str(super()._print_Pow(expression))
 
 
+Block = tuple[Sequence[str], Sequence[sp.Expr]]
+"""Targets of assignments and what they are assigned."""
+
+
 @dataclass(frozen=True)
 class Names:
     """A C array and the symbols that stand for its entries."""
@@ -51,99 +53,111 @@ class Names:
     array: str
     symbols: tuple[sp.Symbol, ...]
 
-    def local(self, index: int) -> sp.Symbol:
-        """Give the C name of an entry: the symbol behind the array's name, so that no symbol meets a word of C."""
-        name = str(self.symbols[index])
-        return sp.Symbol(f"{self.array}_{name if re.fullmatch(r'[A-Za-z0-9_]+', name) else index}", real=True)
+    def locals(self) -> dict[sp.Symbol, sp.Symbol]:
+        """Give the C names of the entries by their symbols."""
+        return {symbol: _named(self.array, symbol, index) for index, symbol in enumerate(self.symbols)}
 
     def declarations(self, used: set[sp.Symbol]) -> list[str]:
         """Give the declarations of those entries that are used."""
         return [
-            f"const double {self.local(index)} = {self.array}[{index}];"
-            for index in range(len(self.symbols))
-            if self.local(index) in used
+            f"const double {name} = {self.array}[{index}];"
+            for index, name in enumerate(self.locals().values())
+            if name in used
         ]
 
 
-def conditions_of(equations: Equations) -> tuple[str, ...]:
-    """Give the names of the slow signals that the C functions take: A, f, T, then further conditions by name."""
-    further = sorted({str(symbol) for symbol in equations.slow_signals} - set(CONDITIONS_FIRST))
-    return (*CONDITIONS_FIRST, *further)
-
-
-def parameters_of(equations: Equations) -> tuple[str, ...]:
-    """Give the names of the parameters that the C functions take: the law's, then v_r and y_r."""
-    return (*equations.names, str(symbols.v_r), str(symbols.y_r))
+def _named(kind: str, symbol: sp.Symbol, index: int = 0) -> sp.Symbol:
+    """Give a C name: the symbol behind the name of its kind, so that no symbol meets a word of C."""
+    name = str(symbol)
+    return sp.Symbol(f"{kind}_{name if re.fullmatch(r'[A-Za-z0-9_]+', name) else index}", real=True)
 
 
 def c_source(structure: Structure) -> str:
     """Give a law's structure as C functions; its parameters are arguments, so that no value is compiled in.
 
-    It defines the counts `LAW_PARAMETERS`, `LAW_CONDITIONS`, `LAW_COEFFICIENTS`, `LAW_STATES`, the states before
-    anything has moved, `law_rest`, and
+    It defines the counts `LAW_PARAMETERS`, `LAW_CONDITIONS`, `LAW_HELD`, `LAW_STATES`, the states before anything has
+    moved, `law_rest`, and
 
-    - `law_coefficients(p, u, k)`: from parameters p (`parameters_of`) and conditions u (`conditions_of`; mm, Hz, K)
-      what depends on slow signals only,
-    - `law_step(p, k, z, y_previous, y, v, h, result, z_new)`: force (N) and stored energy (N mm) and the new states
-      after a straight move from `y_previous` to `y` (mm) in `h` seconds,
-    - `law_slopes(p, u, k, z, y_previous, y, v, h, slope)`: derivatives of that force, then of that energy, by y, v and
+    - `law_coefficients(p, u, k)`: from parameters p (`parameter_symbols`) and conditions u (`conditions_of`; mm, Hz, K)
+      what holds through a step,
+    - `law_step(k, z, y_previous, y, v, h, result, z_new)`: force (N) and stored energy (N mm) and the new states after
+      a straight move from `y_previous` to `y` (mm) in `h` seconds,
+    - `law_slopes(p, u, z, y_previous, y, v, h, slope)`: derivatives of that force, then of that energy, by y, v and
       each condition, memory included.
     """
-    equations = compose(structure, ("base", "clamp"))
-    exact = {symbol: sp.Float(repr(float(value)), 17) for symbol, value in symbols.REFERENCES.items()}
-    exact |= {symbol: sp.Integer(value) for symbol, value in symbols.REFERENCES.items() if value == int(value)}
+    law = stepping(structure)
+    equations = law.equations
     slow = {str(symbol): symbol for symbol in equations.slow_signals}
-    p = Names("p", (*(entry.symbol for entry in equations.parameters), symbols.v_r, symbols.y_r))
+    p = Names("p", parameter_symbols(equations))
     u = Names("u", tuple(slow.get(name, sp.Symbol(name)) for name in conditions_of(equations)))
-    k = Names("k", tuple(entry.symbol for entry in equations.coefficients))
+    k = Names("k", tuple(symbol for symbol, _ in law.held))
     z = Names("z", tuple(state.symbol for state in equations.states))
-    arrays = (p, u, k, z)
-    local = {symbol: names.local(index) for names in arrays for index, symbol in enumerate(names.symbols)}
-    after = {symbol: sp.Symbol(f"new_{local[symbol]}", real=True) for symbol in z.symbols}
+    c = Names("c", tuple(entry.symbol for entry in equations.coefficients))
+    new = Names("new", law.after)
+    written = dict(zip(new.symbols, law.updates, strict=True))
+    of_conditions = p.locals() | u.locals() | c.locals()
+    of_step = k.locals() | z.locals() | new.locals()
 
-    def written(expression: sp.Expr) -> sp.Expr:
-        return sp.sympify(expression).xreplace(exact).xreplace(local)
+    def assigned(names: Names, expressions: Mapping[sp.Symbol, sp.Expr]) -> Block:
+        """Give the definition of each entry as a name."""
+        return (
+            [f"const double {name}" for symbol, name in names.locals().items() if symbol in expressions],
+            [expressions[symbol] for symbol in names.symbols if symbol in expressions],
+        )
 
-    coefficients = [written(entry.expression) for entry in equations.coefficients]
-    updates = [written(state.update) for state in equations.states]
-    results = [written(expression.xreplace(after)) for expression in (equations.force, equations.energy)]
     slopes = [
-        written(slope)
+        exact(slope).xreplace(of_conditions | z.locals())
         for expression in (equations.force, equations.energy)
         for slope in total_slopes(equations, expression, (symbols.y, symbols.v, *u.symbols))
     ]
+    sloped = set().union(*(slope.free_symbols for slope in slopes))
     rest = ", ".join(repr(float(state.start)) for state in equations.states) or "0.0"
     motion = "double y_previous, double y, double v, double h"
     return "\n".join(
         [
             f"enum {{ LAW_PARAMETERS = {len(p.symbols)}, LAW_CONDITIONS = {len(u.symbols)},"
-            f" LAW_COEFFICIENTS = {len(k.symbols)}, LAW_STATES = {len(z.symbols)} }};",
+            f" LAW_HELD = {len(k.symbols)}, LAW_STATES = {len(z.symbols)} }};",
             "",
             f"static const double law_rest[] = {{{rest}}};",
             "",
             *_function(
                 "static void law_coefficients(const double p[], const double u[], double k[])",
-                arrays,
-                [([f"k[{index}]" for index in range(len(coefficients))], coefficients)],
+                (p, u),
+                [
+                    assigned(c, {symbol: value.xreplace(of_conditions) for symbol, value in law.coefficients}),
+                    (
+                        [f"k[{index}]" for index in range(len(law.held))],
+                        [value.xreplace(of_conditions) for _, value in law.held],
+                    ),
+                ],
                 unused=("p", "u", "k"),
             ),
             *_function(
-                f"static void law_step(const double p[], const double k[], const double z[], {motion}, "
-                "double result[2], double z_new[])",
-                arrays,
+                f"static void law_step(const double k[], const double z[], {motion}, double result[2], double z_new[])",
+                (k, z),
                 [
-                    ([f"const double {symbol}" for symbol in after.values()], updates),
-                    ([f"z_new[{index}]" for index in range(len(after))], list(after.values())),
-                    (["result[0]", "result[1]"], results),
+                    assigned(new, {symbol: value.xreplace(of_step) for symbol, value in written.items()}),
+                    ([f"z_new[{index}]" for index in range(len(law.after))], list(new.locals().values())),
+                    (["result[0]", "result[1]"], [value.xreplace(of_step) for value in (law.force, law.energy)]),
                 ],
-                unused=("p", "k", "z", "y_previous", "v", "h", "z_new"),
+                unused=("k", "z", "y_previous", "v", "h", "z_new"),
             ),
             *_function(
-                "static void law_slopes(const double p[], const double u[], const double k[], const double z[], "
+                "static void law_slopes(const double p[], const double u[], const double z[], "
                 f"{motion}, double slope[{len(slopes)}])",
-                arrays,
-                [([f"slope[{index}]" for index in range(len(slopes))], slopes)],
-                unused=("p", "u", "k", "z", "y_previous", "y", "v", "h"),
+                (p, u, z),
+                [
+                    assigned(
+                        c,
+                        {
+                            entry.symbol: exact(entry.expression).xreplace(of_conditions)
+                            for entry in equations.coefficients
+                            if c.locals()[entry.symbol] in sloped
+                        },
+                    ),
+                    ([f"slope[{index}]" for index in range(len(slopes))], slopes),
+                ],
+                unused=("p", "u", "z", "y_previous", "y", "v", "h"),
             ),
         ]
     )
@@ -179,7 +193,7 @@ def total_slopes(equations: Equations, expression: sp.Expr, by: Iterable[sp.Symb
 def _function(
     head: str,
     arrays: Iterable[Names],
-    blocks: Sequence[tuple[Sequence[str], Sequence[sp.Expr]]],
+    blocks: Sequence[Block],
     unused: Sequence[str],
 ) -> list[str]:
     """Give a C function: the entries that it uses, then blocks of assignments, common parts computed once.

@@ -7,8 +7,11 @@ from collections.abc import Sequence
 import sympy as sp
 from sympy.printing.pycode import PythonCodePrinter
 
-from pipeclamp import symbols
-from pipeclamp.law import Equations, Law, compose
+from pipeclamp.law import Structure
+from pipeclamp.realise.stepping import CONDITIONS_FIRST, conditions_of, parameter_symbols, stepping
+
+PRODUCTS = range(2, 5)
+"""Powers that are written as products, which Python computes faster."""
 
 
 class ScalarPrinter(PythonCodePrinter):  # type: ignore[misc]
@@ -20,6 +23,8 @@ class ScalarPrinter(PythonCodePrinter):  # type: ignore[misc]
 
     def _print_Pow(self, expression: sp.Pow, rational: bool = False) -> str:
         base, exponent = expression.as_base_exp()
+        if base.is_Symbol and exponent in PRODUCTS:
+            return f"({'*'.join([self._print(base)] * int(exponent))})"
         if exponent.is_integer or abs(exponent) == sp.Rational(1, 2) or base.is_nonnegative:
             return str(super()._print_Pow(expression, rational))
         return f"math.pow({self._print(base)}, {self._print(exponent)})"
@@ -63,63 +68,45 @@ def _unconditional(expression: sp.Expr) -> set[sp.Symbol]:
     return set(expression.xreplace({choice: sp.Dummy() for choice in choices}).free_symbols)
 
 
-def _number(value: float) -> sp.Expr:
-    """Give the number as SymPy sees it without loss; whole numbers stay whole, so that factors of 1 vanish."""
-    return sp.Integer(value) if value == int(value) else sp.Float(repr(value), 17)
-
-
 def _tuple(names: Sequence[str]) -> str:
     return "(" + "".join(f"{name}, " for name in names).rstrip() + ")"
 
 
-def clamp_equations(law: Law) -> Equations:
-    """Give the equations that travel: the law without what belongs to the rig."""
-    return compose(law.structure, ("base", "clamp"))
+def python_source(structure: Structure) -> str:
+    """Give a law's structure as the text of a module of the standard library alone; no value of a law is in it.
 
-
-def python_source(law: Law) -> str:
-    """Give the law as the text of a module of the standard library alone.
-
-    It defines `STATES` (name and start of each), `CONDITIONS` (names of further slow signals), `coefficients(A, f, T,
-    *conditions)` with A in mm, f in Hz, T in K, which gives what depends on slow signals only, and
-    `step(k, state, y_previous, y, v, h)`, which gives the force in N, the stored energy in N mm and the new state after
-    a straight move from `y_previous` to `y` (mm) in `h` seconds.
+    It defines `STATES` (name and start of each), `CONDITIONS` (names of further slow signals), `coefficients(p, A, f,
+    T, *conditions)` with the law's parameters p (`parameter_symbols`), A in mm, f in Hz, T in K, which gives what holds
+    through a step, and `step(k, state, y_previous, y, v, h)`, which gives the force in N, the stored energy in N mm and
+    the new state after a straight move from `y_previous` to `y` (mm) in `h` seconds.
     """
-    equations = clamp_equations(law)
-    numbers = dict(symbols.REFERENCES)
-    numbers[symbols.v_r], numbers[symbols.y_r] = law.v_r, law.y_r
-    for parameter in equations.parameters:
-        numbers[parameter.symbol] = law.values[parameter.name]
-    exact = {symbol: _number(value) for symbol, value in numbers.items()}
-    conditions = tuple(sorted({str(symbol) for symbol in equations.slow_signals} - {"A", "f", "T"}))
-    coefficient_names = [str(entry.symbol) for entry in equations.coefficients]
-    state_names = [str(state.symbol) for state in equations.states]
-    # Names of the source's own begin with an underscore, which no effect's symbol does.
-    after = {state.symbol: sp.Symbol(f"_{state.symbol}", real=True) for state in equations.states}
-    new_names = [str(symbol) for symbol in after.values()]
+    law = stepping(structure)
+    states = law.equations.states
+    parameters = [str(symbol) for symbol in parameter_symbols(law.equations)]
+    names = [str(symbol) for symbol, _ in law.held]
+    held = [(str(symbol), expression) for symbol, expression in law.held if symbol != expression]
+    state_names, new_names = [str(state.symbol) for state in states], [str(symbol) for symbol in law.after]
+    slow_body = [
+        *_statements([str(symbol) for symbol, _ in law.coefficients], [value for _, value in law.coefficients]),
+        *_statements([name for name, _ in held], [value for _, value in held]),
+    ]
     lines = [
-        f"STATES = {tuple((str(state.symbol), state.start) for state in equations.states)!r}",
-        f"CONDITIONS = {conditions!r}",
+        f"STATES = {tuple((str(state.symbol), state.start) for state in states)!r}",
+        f"CONDITIONS = {conditions_of(law.equations)[len(CONDITIONS_FIRST) :]!r}",
         "",
         "",
-        f"def coefficients({', '.join(('A', 'f', 'T', *conditions))}):",
-        *(
-            f"    {line}"
-            for line in _statements(
-                coefficient_names, [entry.expression.xreplace(exact) for entry in equations.coefficients]
-            )
-        ),
-        f"    return {_tuple(coefficient_names)}",
+        f"def coefficients(_p, {', '.join(conditions_of(law.equations))}):",
+        f"    {_tuple(parameters)} = _p",
+        *(f"    {line}" for line in slow_body),
+        f"    return {_tuple(names)}",
         "",
         "",
         "def step(_k, _state, y_previous, y, v, h):",
-        f"    {_tuple(coefficient_names)} = _k",
+        f"    {_tuple(names)} = _k",
     ]
     if state_names:
-        updates = [state.update.xreplace(exact) for state in equations.states]
         lines.append(f"    {_tuple(state_names)} = _state")
-        lines += [f"    {line}" for line in _statements(new_names, updates)]
-    results = [equations.force.xreplace(exact).xreplace(after), equations.energy.xreplace(exact).xreplace(after)]
-    lines += [f"    {line}" for line in _statements(["_force", "_energy"], results)]
+        lines += [f"    {line}" for line in _statements(new_names, law.updates)]
+    lines += [f"    {line}" for line in _statements(["_force", "_energy"], [law.force, law.energy])]
     lines += [f"    return _force, _energy, {_tuple(new_names) if new_names else '()'}", ""]
     return "\n".join(lines)
