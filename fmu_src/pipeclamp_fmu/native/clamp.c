@@ -210,62 +210,62 @@ static int model_start(Model *model, const Values *values, char reason[TEXT])
     return 1;
 }
 
+/* What a step under new conditions starts from. */
+typedef struct {
+    Conditions conditions;
+    double k[ROOM(LAW_HELD)];
+    Place from;
+    double share; /* by which the tracker's averages moved */
+} Prepared;
+
 /* Give the conditions of a step, their coefficients and the place that it starts from; nothing is changed. */
-static int prepare(const Model *model, const Values *values, double h, Conditions *conditions, double k[], Place *from,
-                   double *share, char reason[TEXT])
+static int prepare(const Model *model, const Values *values, double h, Prepared *prepared, char reason[TEXT])
 {
     const Conditions *before = &model->memory.conditions;
+    Conditions *conditions = &prepared->conditions;
     if (!take_settings(model, conditions->u, reason))
         return 0;
+    prepared->share = 0.0;
     conditions->tracking = model->flag[TRACK];
     if (conditions->tracking) {
         if (before->tracking)
             memcpy(conditions->averages, before->averages, sizeof before->averages);
         else
             start_tracking(conditions->averages, conditions->u[0], conditions->u[1]);
-        *share = -expm1(-h * held(before->u[1], values->range[1]) / AVERAGING);
-        track_motion(conditions->averages, *share, MM * model->real[S], MM * model->real[V]);
+        prepared->share = -expm1(-h * held(before->u[1], values->range[1]) / AVERAGING);
+        track_motion(conditions->averages, prepared->share, MM * model->real[S], MM * model->real[V]);
         conditions->u[1] = before->u[1];
         amplitude_and_frequency(conditions->averages, values, &conditions->u[0], &conditions->u[1]);
     }
-    *from = *now(&model->memory);
-    return put_under(from, k, conditions, model, values, reason);
+    prepared->from = *now(&model->memory);
+    return put_under(&prepared->from, prepared->k, conditions, model, values, reason);
 }
 
-static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT])
+/* Move from a place to the inputs' under its coefficients; where they are new, keep them with their conditions. */
+static inline int move(Model *model, const Values *values, const Place *from, const double k[],
+                       const Prepared *prepared, double h, char reason[TEXT])
 {
     Memory *memory = &model->memory;
-    const double y = MM * model->real[S], v = MM * model->real[V];
-    const int as_before = model->settled && fabs(y) < HUGE_NUMBER && fabs(v) < HUGE_NUMBER;
-    double result[2], z[ROOM(LAW_STATES)], new_k[ROOM(LAW_HELD)] = {0}, share = 0.0;
-    Conditions conditions;
-    Place prepared, *to;
-    const Place *from = now(memory);
-    const double *k = memory->k;
-    (void)scratch;
-    (void)end;
-    if (!as_before) {
-        if (!prepare(model, values, h, &conditions, new_k, &prepared, &share, reason))
-            return 0;
-        from = &prepared;
-        k = new_k;
-    }
+    const double y = MM * model->real[S], v = MM * model->real[V], way = y - from->y;
+    double result[2], z[ROOM(LAW_STATES)];
+    Place *to;
     law_step(k, from->z, from->y, y, v, h, result, z);
     if (!isfinite(result[0] + result[1])) {
         snprintf(reason, TEXT, "the law has no value there");
         return 0;
     }
     /* Trapezoid of the force over the straight way, less what is stored; N mm to J. */
-    model->real[DISSIPATED] += 0.001 * (0.5 * (from->force + result[0]) * (y - from->y) - (result[1] - from->energy));
-    if (!as_before) {
-        take(model, &conditions, values);
-        memory->places[memory->now != 0] = prepared;
-        memcpy(memory->k, new_k, sizeof new_k);
+    model->real[DISSIPATED] += 0.001 * (0.5 * (from->force + result[0]) * way - (result[1] - from->energy));
+    memory->share = 0.0;
+    if (prepared) {
+        take(model, &prepared->conditions, values);
+        memory->places[memory->now != 0] = prepared->from;
+        memcpy(memory->k, prepared->k, sizeof prepared->k);
+        memory->share = prepared->share;
     }
     memory->h = h;
-    memory->share = share;
     if (COUNTED >= 0)
-        memory->counted += fabs(y - from->y) / (4 * MM * model->real[A_USED]);
+        memory->counted += fabs(way) / (4 * MM * model->real[A_USED]);
     memory->now = !memory->now;
     to = &memory->places[memory->now != 0];
     to->y = y;
@@ -275,6 +275,23 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
     memcpy(to->z, z, LAW_STATES * sizeof z[0]);
     show_motion(model, values);
     return 1;
+}
+
+APART static int move_anew(Model *model, const Values *values, double h, char reason[TEXT])
+{
+    Prepared prepared;
+    return prepare(model, values, h, &prepared, reason)
+           && move(model, values, &prepared.from, prepared.k, &prepared, h, reason);
+}
+
+static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT])
+{
+    const int sound = fabs(MM * model->real[S]) < HUGE_NUMBER && fabs(MM * model->real[V]) < HUGE_NUMBER;
+    (void)scratch;
+    (void)end;
+    if (model->settled && sound)
+        return move(model, values, now(&model->memory), model->memory.k, NULL, h, reason);
+    return move_anew(model, values, h, reason);
 }
 
 static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double time, double h,
@@ -366,13 +383,16 @@ static void model_jacobian(const Model *model, const Values *values, double jaco
     }
 }
 
-static int model_beyond_range(const Model *model, const Values *values, char text[TEXT])
+static int model_within_range(const Model *model)
+{
+    return model->flag[IN_RANGE];
+}
+
+static void model_say_range(const Model *model, const Values *values, char text[TEXT])
 {
     const Memory *memory = &model->memory;
     const double end[2] = {0.0, values->range[0][1]};
     int i, length;
-    if (model->flag[IN_RANGE])
-        return 0;
     length = snprintf(text, TEXT, "law %s is used beyond its range: ", values->name);
     for (i = 0; i <= RANGES; i++) {
         const double value = i < RANGES ? memory->conditions.u[i] : fabs(now(memory)->y);
@@ -385,7 +405,6 @@ static int model_beyond_range(const Model *model, const Values *values, char tex
                            text[length - 2] == ':' ? "" : "; ", name, value, space, unit, range[0], range[1], space,
                            unit);
     }
-    return 1;
 }
 
 /* A reversal of the motion ends a step, so that memory turns round where the motion does. */

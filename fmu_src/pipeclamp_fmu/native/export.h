@@ -18,4 +18,14 @@
 #define FMU_API(type, name) type NAMED(name)
 #endif
 
+/* What is called for messages alone is kept apart, so that the ways past it are short; what a common case doesn't need
+ * is kept out of the functions that do need it. */
+#if defined(__GNUC__)
+#define RARE __attribute__((cold, noinline))
+#define APART __attribute__((noinline))
+#else
+#define RARE
+#define APART
+#endif
+
 #endif

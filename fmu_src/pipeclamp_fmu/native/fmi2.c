@@ -163,27 +163,15 @@ FMU_API(fmi2Status, fmi2Reset)(fmi2Component component)
 FMU_API(fmi2Status, fmi2GetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                  fmi2Real values[])
 {
-    Status status = STATUS_OK;
-    size_t i;
     REQUIRE(READABLE);
-    if (count > 0 && (!references || !values))
-        return (fmi2Status)instance_misses(instance, "an array of value references or values");
-    for (i = 0; i < count; i++)
-        status = worse(status, instance_get_real(instance, references[i], &values[i]));
-    return (fmi2Status)status;
+    return (fmi2Status)instance_get_reals(instance, references, count, values);
 }
 
 FMU_API(fmi2Status, fmi2SetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                  const fmi2Real values[])
 {
-    Status status = STATUS_OK;
-    size_t i;
     REQUIRE(SETTABLE);
-    if (count > 0 && (!references || !values))
-        return (fmi2Status)instance_misses(instance, "an array of value references or values");
-    for (i = 0; i < count; i++)
-        status = worse(status, instance_set_real(instance, references[i], values[i]));
-    return (fmi2Status)status;
+    return (fmi2Status)instance_set_reals(instance, references, count, values);
 }
 
 FMU_API(fmi2Status, fmi2GetBoolean)(fmi2Component component, const fmi2ValueReference references[], size_t count,

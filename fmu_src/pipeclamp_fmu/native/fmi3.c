@@ -4,7 +4,7 @@
 #include "instance.h"
 
 enum { RUNNING = STEPPING | EVENT | CONTINUOUS, SETTABLE = INSTANTIATED | INITIALIZATION | RUNNING,
-       READABLE = INITIALIZATION | RUNNING | TERMINATED, TIME = REALS + FLAGS };
+       READABLE = INITIALIZATION | RUNNING | TERMINATED };
 
 #define REQUIRE(modes)                                                                                                 \
     Instance *instance = handle;                                                                                       \
@@ -142,31 +142,19 @@ FMU_API(fmi3Status, fmi3Reset)(fmi3Instance handle)
 FMU_API(fmi3Status, fmi3GetFloat64)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
                                     fmi3Float64 values[], size_t value_count)
 {
-    Status status = STATUS_OK;
-    size_t i;
     REQUIRE(READABLE);
-    if (count != value_count || (count > 0 && (!references || !values)))
+    if (count != value_count)
         return (fmi3Status)instance_misses(instance, "a value reference or a value");
-    for (i = 0; i < count; i++) {
-        if (references[i] == TIME)
-            values[i] = instance->time;
-        else
-            status = worse(status, instance_get_real(instance, references[i], &values[i]));
-    }
-    return (fmi3Status)status;
+    return (fmi3Status)instance_get_reals(instance, references, count, values);
 }
 
 FMU_API(fmi3Status, fmi3SetFloat64)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
                                     const fmi3Float64 values[], size_t value_count)
 {
-    Status status = STATUS_OK;
-    size_t i;
     REQUIRE(SETTABLE);
-    if (count != value_count || (count > 0 && (!references || !values)))
+    if (count != value_count)
         return (fmi3Status)instance_misses(instance, "a value reference or a value");
-    for (i = 0; i < count; i++)
-        status = worse(status, instance_set_real(instance, references[i], values[i]));
-    return (fmi3Status)status;
+    return (fmi3Status)instance_set_reals(instance, references, count, values);
 }
 
 FMU_API(fmi3Status, fmi3GetBoolean)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,

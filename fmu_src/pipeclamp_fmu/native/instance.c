@@ -60,7 +60,7 @@ static void instance_reset(Instance *instance)
     instance->stale = instance->warned = 0;
 }
 
-static void instance_say(const Instance *instance, Status status, const char *format, ...)
+RARE static void instance_say(const Instance *instance, Status status, const char *format, ...)
 {
     char text[TEXT + 128];
     va_list arguments;
@@ -82,7 +82,7 @@ static int instance_may(const Instance *instance, int modes, const char *functio
     return 0;
 }
 
-static Status instance_misses(const Instance *instance, const char *what)
+RARE static Status instance_misses(const Instance *instance, const char *what)
 {
     instance_say(instance, STATUS_ERROR, "%s is missing", what);
     return STATUS_ERROR;
@@ -114,16 +114,21 @@ static Status worse(Status first, Status second)
 
 /* --- Steps */
 
-static void warn_once(Instance *instance)
+RARE static void warn(Instance *instance)
 {
     char text[TEXT];
-    if (!instance->warned && model_beyond_range(&instance->done, &instance->values, text)) {
-        instance->warned = 1;
-        instance_say(instance, STATUS_WARNING, "%s", text);
-    }
+    instance->warned = 1;
+    model_say_range(&instance->done, &instance->values, text);
+    instance_say(instance, STATUS_WARNING, "%s", text);
 }
 
-static Status discarded(const Instance *instance, double time, double h, const char *reason)
+static void warn_once(Instance *instance)
+{
+    if (!instance->warned && !model_within_range(&instance->done))
+        warn(instance);
+}
+
+RARE static Status discarded(const Instance *instance, double time, double h, const char *reason)
 {
     char step[32];
     snprintf(step, sizeof step, isnan(h) ? "nan" : "%g", h);
@@ -158,7 +163,7 @@ static Status instance_initialised(Instance *instance)
 static Status instance_do_step(Instance *instance, double time, double h)
 {
     char reason[TEXT];
-    if (!(h > 0.0 && isfinite(h)))
+    if (!(h > 0.0 && h < INFINITY))
         return discarded(instance, time, h, "expected a finite step above 0 s");
     if (!model_step(&instance->done, &instance->values, &instance->scratch, time + h, h, reason))
         return discarded(instance, time, h, reason);
@@ -260,33 +265,61 @@ static Status instance_indicators(Instance *instance, double indicators[], size_
 
 /* --- Variables */
 
-static Status refused(const Instance *instance, const char *name, unsigned reference)
+RARE static int refused(const Instance *instance, const char *name, unsigned reference)
 {
     if (name)
         instance_say(instance, STATUS_ERROR, "%s is no input or parameter of this type; the value is ignored", name);
     else
         instance_say(instance, STATUS_ERROR,
                      "value reference %u is no input or parameter of this type; the value is ignored", reference);
-    return STATUS_ERROR;
+    return 0;
 }
 
-static Status instance_set_real(Instance *instance, unsigned reference, double value)
+/* Tell whether a variable may be set now, and complain where it may not. */
+static int settable(const Instance *instance, unsigned reference)
+{
+    if (reference < FIRST_OUTPUT)
+        return 1;
+    if (reference < FIRST_FIXED || reference >= REALS)
+        return refused(instance, reference < REALS ? REAL_NAMES[reference] : NULL, reference);
+    if (instance->mode & (INSTANTIATED | INITIALIZATION))
+        return 1;
+    instance_say(instance, STATUS_ERROR, "%s is fixed after initialization; the value is ignored",
+                 REAL_NAMES[reference]);
+    return 0;
+}
+
+/* Set variables of which some unsettle the model, or may not be set. */
+APART static Status set_others(Instance *instance, const unsigned references[], size_t count, const double values[])
 {
     Model *model = &instance->done;
-    if (reference >= FIRST_OUTPUT) {
-        if (reference < FIRST_FIXED || reference >= REALS)
-            return refused(instance, reference < REALS ? REAL_NAMES[reference] : NULL, reference);
-        if (!(instance->mode & (INSTANTIATED | INITIALIZATION))) {
-            instance_say(instance, STATUS_ERROR, "%s is fixed after initialization; the value is ignored",
-                         REAL_NAMES[reference]);
-            return STATUS_ERROR;
+    Status status = STATUS_OK;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const unsigned reference = references[i];
+        if (!settable(instance, reference)) {
+            status = STATUS_ERROR;
+        } else if (model->real[reference] != values[i]) {
+            model->real[reference] = values[i];
+            model->settled = model->settled && reference < SIGNALS;
+            instance->stale = 1;
         }
     }
-    if (model->real[reference] != value) {
-        model->real[reference] = value;
-        instance->stale = 1;
-        if (reference >= SIGNALS)
-            model->settled = 0;
+    return status;
+}
+
+static Status instance_set_reals(Instance *instance, const unsigned references[], size_t count, const double values[])
+{
+    size_t i;
+    if (count > 0 && (!references || !values))
+        return instance_misses(instance, "an array of value references or values");
+    for (i = 0; i < count; i++) {
+        if (references[i] >= SIGNALS)
+            return set_others(instance, references + i, count - i, values + i);
+        if (instance->done.real[references[i]] != values[i]) {
+            instance->done.real[references[i]] = values[i];
+            instance->stale = 1;
+        }
     }
     return STATUS_OK;
 }
@@ -295,8 +328,8 @@ static Status instance_set_flag(Instance *instance, unsigned reference, int valu
 {
     if (reference < REALS || reference >= REALS + FLAG_PARAMETERS) {
         const unsigned flag = reference - REALS;
-        const char *name = reference < REALS ? REAL_NAMES[reference] : flag < FLAGS ? FLAG_NAMES[flag] : NULL;
-        return refused(instance, name, reference);
+        refused(instance, reference < REALS ? REAL_NAMES[reference] : flag < FLAGS ? FLAG_NAMES[flag] : NULL, reference);
+        return STATUS_ERROR;
     }
     instance->done.flag[reference - REALS] = value != 0;
     instance->done.settled = 0;
@@ -304,38 +337,68 @@ static Status instance_set_flag(Instance *instance, unsigned reference, int valu
     return STATUS_OK;
 }
 
-/* Bring outputs up to date, where one is asked for, and give the model that shows them. */
-static const Model *showing(Instance *instance, int is_result, Status *status)
+/* Bring results up to date and give the model that shows them. */
+APART static const Model *showing(Instance *instance, Status *status)
 {
-    *status = STATUS_OK;
-    if (is_result && instance->mode == INITIALIZATION)
+    if (instance->mode == INITIALIZATION)
         started(instance);
-    if (!is_result || instance->co_simulation || !(instance->mode & (EVENT | CONTINUOUS)))
+    if (instance->co_simulation || !(instance->mode & (EVENT | CONTINUOUS)))
         return &instance->done;
-    *status = evaluated(instance);
+    *status = worse(*status, evaluated(instance));
     return &instance->shown;
 }
 
-static Status instance_get_real(Instance *instance, unsigned reference, double *value)
+RARE static Status expected(const Instance *instance, unsigned reference, const char *what, int place)
 {
-    Status status;
-    if (reference >= REALS) {
-        instance_say(instance, STATUS_ERROR, "value reference %u: expected a real variable, below %d", reference, REALS);
-        return STATUS_ERROR;
+    instance_say(instance, STATUS_ERROR, "value reference %u: expected %s %d", reference, what, place);
+    return STATUS_ERROR;
+}
+
+/* Get variables of which some may have to be evaluated. */
+APART static Status get_evaluated(Instance *instance, const unsigned references[], size_t count, double values[])
+{
+    const Model *shown = NULL;
+    Status status = STATUS_OK;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const unsigned reference = references[i];
+        if (reference < FIRST_OUTPUT || (reference >= FIRST_FIXED && reference < REALS)) {
+            values[i] = instance->done.real[reference];
+        } else if (reference < REALS) {
+            if (!shown)
+                shown = showing(instance, &status);
+            values[i] = shown->real[reference];
+        } else if (FMI_VERSION == 3 && reference == TIME) {
+            values[i] = instance->time;
+        } else {
+            status = expected(instance, reference, "a real variable, below", REALS);
+        }
     }
-    *value = showing(instance, reference >= FIRST_OUTPUT && reference < FIRST_FIXED, &status)->real[reference];
     return status;
+}
+
+static Status instance_get_reals(Instance *instance, const unsigned references[], size_t count, double values[])
+{
+    size_t i;
+    if (count > 0 && (!references || !values))
+        return instance_misses(instance, "an array of value references or values");
+    for (i = 0; i < count; i++) {
+        if (instance->mode != STEPPING || references[i] >= REALS)
+            return get_evaluated(instance, references, count, values);
+        values[i] = instance->done.real[references[i]];
+    }
+    return STATUS_OK;
 }
 
 static Status instance_get_flag(Instance *instance, unsigned reference, int *value)
 {
-    Status status;
-    if (reference < REALS || reference >= REALS + FLAGS) {
-        instance_say(instance, STATUS_ERROR, "value reference %u: expected a Boolean variable, from %d on", reference,
-                     REALS);
-        return STATUS_ERROR;
-    }
-    *value = showing(instance, reference >= REALS + FLAG_PARAMETERS, &status)->flag[reference - REALS];
+    Status status = STATUS_OK;
+    const Model *model = &instance->done;
+    if (reference < REALS || reference >= REALS + FLAGS)
+        return expected(instance, reference, "a Boolean variable, from", REALS);
+    if (reference >= REALS + FLAG_PARAMETERS)
+        model = showing(instance, &status);
+    *value = model->flag[reference - REALS];
     return status;
 }
 
@@ -344,8 +407,8 @@ static Status instance_derivatives(Instance *instance, const unsigned unknowns[]
                             double product[])
 {
     double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)];
-    Status status;
-    const Model *model = showing(instance, 1, &status);
+    Status status = STATUS_OK;
+    const Model *model = showing(instance, &status);
     size_t row, column;
     if (!DERIVATIVES)
         return instance_lacks(instance, "derivatives");

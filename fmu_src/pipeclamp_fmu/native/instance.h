@@ -60,9 +60,9 @@ static Status instance_none(const Instance *instance, int modes, const char *fun
 
 static Status worse(Status first, Status second);
 
-static Status instance_set_real(Instance *instance, unsigned reference, double value);
+static Status instance_set_reals(Instance *instance, const unsigned references[], size_t count, const double values[]);
+static Status instance_get_reals(Instance *instance, const unsigned references[], size_t count, double values[]);
 static Status instance_set_flag(Instance *instance, unsigned reference, int value);
-static Status instance_get_real(Instance *instance, unsigned reference, double *value);
 static Status instance_get_flag(Instance *instance, unsigned reference, int *value);
 
 static Status instance_begin(Instance *instance, double time);

@@ -8,6 +8,7 @@
 #ifndef MODEL_H
 #define MODEL_H
 
+#include "export.h"
 #include "layout.h"
 
 enum {
@@ -16,6 +17,7 @@ enum {
     FIRST_FIXED = FIRST_LOCAL + LOCALS,
     REALS = FIRST_FIXED + FIXED,
     FLAGS = FLAG_PARAMETERS + FLAG_OUTPUTS,
+    TIME = REALS + FLAGS, /* in FMI 3.0, the variable after all others */
     TEXT = 512
 };
 
@@ -55,8 +57,9 @@ static void model_derivatives(const Model *model, double derivatives[]);
 /* Derivatives of the Real outputs by inputs and tunable parameters, for the last step as it ended. */
 static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)]);
 
-/* Says what is used beyond its range; returns 0 where nothing is. */
-static int model_beyond_range(const Model *model, const Values *values, char text[TEXT]);
+/* Whether nothing is used beyond its range, and what is. */
+static int model_within_range(const Model *model);
+static void model_say_range(const Model *model, const Values *values, char text[TEXT]);
 
 /* Zero crossings at which model exchange must end a step, `INDICATORS` of them. */
 static void model_indicators(const Model *model, double indicators[]);

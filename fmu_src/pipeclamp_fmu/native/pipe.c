@@ -363,12 +363,17 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
     return 1;
 }
 
-static int model_beyond_range(const Model *model, const Values *values, char text[TEXT])
+static int model_within_range(const Model *model)
+{
+    (void)model;
+    return 1;
+}
+
+static void model_say_range(const Model *model, const Values *values, char text[TEXT])
 {
     (void)model;
     (void)values;
     (void)text;
-    return 0;
 }
 
 static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)])
