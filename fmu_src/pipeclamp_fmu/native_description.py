@@ -52,7 +52,6 @@ class Description:
         variables: all variables.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
         exchange: whether there is model exchange besides co-simulation.
-        derivatives: whether there are derivatives of outputs.
         terminals: connectors.
         tool: program that wrote the FMU, with its version.
     """
@@ -63,7 +62,6 @@ class Description:
     variables: Variables
     indicator: str
     exchange: bool
-    derivatives: bool
     terminals: Sequence[Terminal]
     tool: str
 
@@ -72,7 +70,8 @@ class Description:
 
         In co-simulation alone they are those of the last step, and depend on no input that is set at the same instant.
         """
-        return list(self.variables.inputs) if self.exchange else [], list(self.variables.settable)
+        always = [*self.variables.inputs, *self.variables.state_variables] if self.exchange else []
+        return always, list(self.variables.settable)
 
 
 def model_description(description: Description, fmi: int) -> bytes:
@@ -97,7 +96,7 @@ def _fmi2(description: Description) -> bytes:
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": _truth(description.derivatives),
+        "providesDirectionalDerivative": "true",
     }
     interfaces: dict[str, dict[str, str]] = {"ModelExchange": {}} if description.exchange else {}
     interfaces["CoSimulation"] = {"canHandleVariableCommunicationStepSize": "true"}
@@ -149,8 +148,8 @@ def _fmi3(description: Description) -> bytes:
         "modelIdentifier": description.identifier,
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": _truth(description.derivatives),
-        "providesAdjointDerivatives": _truth(description.derivatives),
+        "providesDirectionalDerivatives": "true",
+        "providesAdjointDerivatives": "true",
     }
     if description.exchange:
         SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})

@@ -27,7 +27,6 @@ def native_excitation(samples: Samples, version: str) -> NativeContent:
             {"samples.h": header},
             variables,
             (),
-            derivatives=False,
         ),
         terminals=(),
         documentation=excitation_documentation(samples),

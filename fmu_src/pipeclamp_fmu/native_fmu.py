@@ -99,7 +99,6 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         model.variables,
         model.indicator,
         model.exchange,
-        model.derivatives,
         content.terminals,
         f"pipeclamp {content.text.version}",
     )

@@ -16,6 +16,8 @@ Nested = Sequence["float | Nested"]
 
 NEEDS = (
     "In model exchange the modes and the two works are continuous states; inputs are those of the present time. "
+    "Directional derivatives are exact: of outputs and of the states' derivatives, by inputs and states; in "
+    "co-simulation of the last step's outputs by its inputs. "
     "Standard C library only; the sources are inside."
 )
 
@@ -46,7 +48,6 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
             {"modes.h": _modes(pipe)},
             variables,
             (),
-            derivatives=False,
         ),
         terminals=[_port(name) for name in pipe.clamp_names],
         documentation=pipe_documentation(pipe, quantities(pipe), NEEDS),

@@ -28,7 +28,6 @@ class NativeModel:
         ranges: of its first tunable parameters.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
         exchange: whether it can be exchanged as a model; else it is for co-simulation alone.
-        derivatives: whether it gives derivatives of its outputs.
     """
 
     name: str
@@ -38,7 +37,6 @@ class NativeModel:
     ranges: Sequence[Range]
     indicator: str = ""
     exchange: bool = True
-    derivatives: bool = True
 
 
 def template(name: str) -> str:
@@ -72,7 +70,6 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
         "RANGES": len(model.ranges),
         "INDICATORS": int(bool(model.indicator)),
         "MODEL_EXCHANGE": int(model.exchange),
-        "DERIVATIVES": int(model.derivatives),
     }
     structure = content_hash(*model.generated.values(), *(variable.name for variable in variables.all))
     headers = [*model.generated, *(name for name in model.sources if name.endswith(".h"))]

@@ -1,9 +1,11 @@
-"""The native pipe FMU in model exchange: states, their derivatives and outputs are those of the modal equations."""
+"""The native pipe FMU: in model exchange its states' derivatives and its outputs are those of the modal equations."""
 
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Real
+from fmpy.fmi3 import fmi3Float64
 from native_driver import NativeDriver
 from scipy.signal import lsim
 from test_pipe_fmu import PIPES, modal_system
@@ -12,6 +14,7 @@ from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_native_pipe
 
+ARRAYS = {2: lambda *values: (fmi2Real * len(values))(*values), 3: lambda *values: (fmi3Float64 * len(values))(*values)}
 CLAMPED = [f"clamp{index}.{kind}" for kind in "sv" for index in (1, 2)]
 
 
@@ -62,3 +65,107 @@ def test_fmpy_integrates_it(pipe_text, tmp_path, name, fmi):
     for index, column in enumerate(CLAMPED):
         theirs = np.interp(result["time"], time, expected[:, index])
         assert np.abs(result[column] - theirs).max() < 1e-3 * np.abs(theirs).max()
+
+
+ENERGIES = ["energyPipe", "energyDissipated", "workExcitation", "workClamps"]
+OUTPUTS = [*CLAMPED, "middle.s", "middle.v", "middle.a", *ENERGIES]
+
+
+@pytest.fixture(params=PIPES)
+def each(request, pipe_text, tmp_path):
+    """Give a function that makes one of the pipes in a version of FMI and an interface, and its reduced pipe."""
+    reduced = reduce(parse_pipe(pipe_text(request.param)))
+    made = []
+
+    def make(fmi, kind, **start):
+        build_native_pipe(reduced, tmp_path / "pipe.fmu", fmi)
+        made.append(NativeDriver(tmp_path / "pipe.fmu", tmp_path / str(len(made)), kind, start))
+        return made[-1]
+
+    yield make, reduced, [excitation_of(request.param), "clamp1.f", "clamp2.f"]
+    for pipe in made:
+        pipe.free()
+
+
+def adjoint(pipe, unknowns, knowns):
+    """Give the derivatives, a row for each unknown, one adjoint derivative for each."""
+    rows, columns = ([pipe.references[name] for name in names] for names in (unknowns, knowns))
+    return [pipe.fmu.getAdjointDerivative([row], columns, [1.0], nSensitivity=len(columns)) for row in rows]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_derivatives_in_model_exchange_are_the_matrices(each, fmi):
+    """By states and inputs, of their derivatives and of outputs; energies, which are quadratic, against differences."""
+    make, reduced, loads = each
+    pipe, system = make(fmi, "ModelExchange"), modal_system(reduced)
+    count = system.A.shape[0]
+    states = [f"mode.{kind}[{n}]" for kind in "qp" for n in range(1, count // 2 + 1)]
+    works = ["work.excitation", "work.clamps"]
+    rates = [f"der({name})" for name in (*states, *works)]
+    rng = np.random.default_rng(1)
+    at = rng.normal(size=count + 2 + 3) * [*[1e-3] * (count // 2), *[0.1] * (count // 2), 0.3, 0.1, *[10.0] * 3]
+
+    def values(place, names):
+        pipe.fmu.setContinuousStates(ARRAYS[fmi](*place[: count + 2]), count + 2)
+        pipe.set(dict(zip(loads, place[count + 2 :].tolist(), strict=True)))
+        return np.array(pipe.get(*names))
+
+    values(at, rates)
+    exact = np.array(pipe.jacobian([*rates, *OUTPUTS], [*states, *works, *loads]))
+    if fmi == 3:
+        transposed = adjoint(pipe, [*rates, *OUTPUTS], [*states, *works, *loads])
+        np.testing.assert_allclose(transposed, exact, rtol=1e-12, atol=1e-300)
+    matrices = np.hstack([system.A, np.zeros((count, 2)), system.B])
+    np.testing.assert_allclose(exact[:count], matrices, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(exact[count + 2 : count + 6, :count], system.C, rtol=1e-12, atol=1e-15)
+    for column, size in enumerate(at):
+        aside = 1e-4 * abs(size) * np.eye(len(at))[column]
+        ahead, behind = (values(at + sign * aside, [*rates, *OUTPUTS]) for sign in (1, -1))
+        numeric = (ahead - behind) / (2 * aside[column])  # exact but for rounding: nothing is of a higher degree than 2
+        rounding = 1e-11 * np.maximum(np.abs(ahead), np.abs(behind)) / aside[column]
+        assert (np.abs(exact[:, column] - numeric) <= 1e-9 * np.abs(numeric) + rounding).all()
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_derivatives_in_co_simulation_are_those_of_the_step(each, fmi, at_end):
+    """Against differences of the step's outcome, made by going back to before it."""
+    make, _, loads = each
+    pipe = make(fmi, "CoSimulation", inputsAtStepEnd=at_end)
+    rng = np.random.default_rng(2)
+    h = 2e-3
+    for _ in range(20):
+        pipe.set(dict(zip(loads, rng.normal(size=3) * [5.0, 20.0, 20.0], strict=True)))
+        pipe.fmu.doStep(pipe.time, h)
+    before = pipe.fmu.getFMUstate() if fmi == 2 else pipe.fmu.getFMUState()
+    at = np.array([3.0, -10.0, 15.0])
+
+    def outcome(place, step=h):
+        (pipe.fmu.setFMUstate if fmi == 2 else pipe.fmu.setFMUState)(before)
+        pipe.set(dict(zip(loads, place.tolist(), strict=True)))
+        pipe.fmu.doStep(pipe.time, step)
+        return np.array(pipe.get(*OUTPUTS))
+
+    outcome(at)
+    after = pipe.fmu.getFMUstate() if fmi == 2 else pipe.fmu.getFMUState()
+    exact = np.array(pipe.jacobian(OUTPUTS, loads))
+    if fmi == 3:
+        np.testing.assert_allclose(adjoint(pipe, OUTPUTS, loads), exact, rtol=1e-12, atol=1e-300)
+    outcome(at, 3 * h)  # a step of another length in between changes nothing
+    (pipe.fmu.setFMUstate if fmi == 2 else pipe.fmu.setFMUState)(after)
+    np.testing.assert_array_equal(pipe.jacobian(OUTPUTS, loads), exact)
+    for column in range(3):
+        aside = np.eye(3)[column]
+        ahead, behind = outcome(at + aside), outcome(at - aside)
+        numeric = (ahead - behind) / 2
+        rounding = 1e-12 * np.maximum(np.abs(ahead), np.abs(behind))
+        assert (np.abs(exact[:, column] - numeric) <= 1e-9 * np.abs(numeric) + rounding).all()
+    assert np.abs(exact).max() > 0
+
+
+def test_states_have_no_derivatives_in_co_simulation(each):
+    make, *_ = each
+    pipe = make(2, "CoSimulation")
+    for unknown, known in (("der(mode.q[1])", "base.a"), ("clamp1.s", "mode.q[1]")):
+        with pytest.raises(FMICallException):
+            pipe.jacobian([unknown], [known if known in pipe.references else "excitation.f"])

@@ -335,52 +335,48 @@ static void tracker_slopes(const Memory *memory, const Values *values, double sl
     }
 }
 
-static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)])
+static void model_slopes(const Model *model, const Values *values, Scratch *scratch, int co_simulation,
+                         const double direction[ROOM(COLUMNS)], double slopes[ROOM(ROWS)])
 {
     enum { BY = 2 + LAW_CONDITIONS }; /* y, v, conditions */
     const Memory *memory = &model->memory;
     const Place *end = now(memory), *from = &memory->places[!memory->now];
     const double way = end->y - from->y;
-    double used[LAW_CONDITIONS], law[2 * BY], old[2 * BY], tracker[2][2] = {{0, 0}, {0, 0}};
-    int column, i;
+    double used[LAW_CONDITIONS], law[2 * BY], old[2 * BY], tracker[2][2], change[BY];
+    double force = 0, energy = 0, force_before = 0, energy_before = 0;
+    int i;
+    (void)scratch;
+    (void)co_simulation;
     in_use(&memory->conditions, values, used);
     law_slopes(parameters(model), used, from->z, from->y, end->y, end->v, memory->h, law);
     law_slopes(parameters(model), used, from->z, from->y, from->y, from->v, 0.0, old);
-    if (memory->conditions.tracking)
+    /* How y, v and the conditions in use change. */
+    change[0] = MM * direction[S];
+    change[1] = MM * direction[V];
+    for (i = 0; i < LAW_CONDITIONS; i++)
+        change[2 + i] = CONDITION_SCALES[i] * direction[A + i];
+    if (model->flag[USE_T_IN])
+        change[4] = direction[T_IN];
+    if (memory->conditions.tracking) {
         tracker_slopes(memory, values, tracker);
-    memset(jacobian, 0, OUTPUTS * FIRST_OUTPUT * sizeof(double));
-    for (column = 0; column < FIRST_OUTPUT; column++) {
-        /* How y, v and the conditions in use change with this variable. */
-        double change[BY] = {0}, force = 0, energy = 0, force_before = 0, energy_before = 0;
-        if (column == S || column == V) {
-            change[column] = MM;
-            change[2] = MM * tracker[0][column];
-            change[3] = MM * tracker[1][column];
-        } else if (column == T_IN) {
-            change[4] = model->flag[USE_T_IN];
-        } else if (column == T) {
-            change[4] = !model->flag[USE_T_IN];
-        } else if (column == A || column == F) {
-            change[2 + column - A] = memory->conditions.tracking ? 0 : column == A ? MM : 1;
-        } else {
-            change[2 + column - A] = CONDITION_SCALES[column - A];
-        }
-        for (i = 0; i < BY; i++) {
-            force += law[i] * change[i];
-            energy += law[BY + i] * change[i];
-            if (i >= 2) {
-                force_before += old[i] * change[i];
-                energy_before += old[BY + i] * change[i];
-            }
-        }
-        jacobian[FORCE - FIRST_OUTPUT][column] = force;
-        jacobian[A_USED - FIRST_OUTPUT][column] = change[2] / MM;
-        jacobian[F_USED - FIRST_OUTPUT][column] = change[3];
-        jacobian[T_USED - FIRST_OUTPUT][column] = change[4];
-        jacobian[DISSIPATED - FIRST_OUTPUT][column] =
-            0.001 * (0.5 * ((force_before + force) * way + (from->force + end->force) * change[0])
-                     - (energy - energy_before));
+        for (i = 0; i < 2; i++)
+            change[2 + i] = tracker[i][0] * change[0] + tracker[i][1] * change[1];
     }
+    for (i = 0; i < BY; i++) {
+        force += law[i] * change[i];
+        energy += law[BY + i] * change[i];
+    }
+    for (i = 2; i < BY; i++) {
+        force_before += old[i] * change[i];
+        energy_before += old[BY + i] * change[i];
+    }
+    slopes[FORCE - FIRST_OUTPUT] = force;
+    slopes[A_USED - FIRST_OUTPUT] = change[2] / MM;
+    slopes[F_USED - FIRST_OUTPUT] = change[3];
+    slopes[T_USED - FIRST_OUTPUT] = change[4];
+    slopes[DISSIPATED - FIRST_OUTPUT] = 0.001
+                                        * (0.5 * ((force_before + force) * way + (from->force + end->force) * change[0])
+                                           - (energy - energy_before));
 }
 
 static int model_within_range(const Model *model)

@@ -275,10 +275,16 @@ RARE static int refused(const Instance *instance, const char *name, unsigned ref
     return 0;
 }
 
-/* Tell whether a variable may be set now, and complain where it may not. */
+static int is_state(unsigned reference)
+{
+    return reference >= FIRST_LOCAL && reference < FIRST_LOCAL + STATES;
+}
+
+/* Tell whether a variable may be set now, and complain where it may not. States have a function of their own, but some
+ * importers (CasADi) set them as variables. */
 static int settable(const Instance *instance, unsigned reference)
 {
-    if (reference < FIRST_OUTPUT)
+    if (reference < FIRST_OUTPUT || (is_state(reference) && instance->mode & (EVENT | CONTINUOUS)))
         return 1;
     if (reference < FIRST_FIXED || reference >= REALS)
         return refused(instance, reference < REALS ? REAL_NAMES[reference] : NULL, reference);
@@ -299,6 +305,11 @@ APART static Status set_others(Instance *instance, const unsigned references[], 
         const unsigned reference = references[i];
         if (!settable(instance, reference)) {
             status = STATUS_ERROR;
+        } else if (is_state(reference)) {
+            model_get_states(model, model->real + FIRST_LOCAL);
+            model->real[reference] = values[i];
+            model_set_states(model, model->real + FIRST_LOCAL);
+            instance->stale = 1;
         } else if (model->real[reference] != values[i]) {
             model->real[reference] = values[i];
             model->settled = model->settled && reference < SIGNALS;
@@ -402,39 +413,64 @@ static Status instance_get_flag(Instance *instance, unsigned reference, int *val
     return status;
 }
 
-static Status instance_derivatives(Instance *instance, const unsigned unknowns[], size_t unknown_count,
-                            const unsigned knowns[], size_t known_count, int transposed, const double seed[],
-                            double product[])
+/* The place of a variable among what has derivatives, or among what they are taken by; -1 for none. */
+static int row_of(const Instance *instance, unsigned reference)
 {
-    double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)];
+    if (reference >= FIRST_OUTPUT && reference < FIRST_LOCAL)
+        return (int)reference - FIRST_OUTPUT;
+    if (!instance->co_simulation && reference >= FIRST_LOCAL + STATES && reference < FIRST_LOCAL + 2 * STATES)
+        return (int)reference - FIRST_LOCAL - STATES + OUTPUTS;
+    return -1;
+}
+
+static int column_of(const Instance *instance, unsigned reference)
+{
+    if (reference < FIRST_OUTPUT)
+        return (int)reference;
+    if (!instance->co_simulation && is_state(reference))
+        return (int)reference - FIRST_LOCAL + FIRST_OUTPUT;
+    return -1;
+}
+
+static Status instance_derivatives(Instance *instance, const unsigned unknowns[], size_t unknown_count,
+                                   const unsigned knowns[], size_t known_count, int transposed, const double seed[],
+                                   double product[])
+{
+    double direction[ROOM(COLUMNS)] = {0}, slopes[ROOM(ROWS)];
     Status status = STATUS_OK;
     const Model *model = showing(instance, &status);
     size_t row, column;
-    if (!DERIVATIVES)
-        return instance_lacks(instance, "derivatives");
     if (status != STATUS_OK)
         return status;
     for (row = 0; row < unknown_count; row++)
-        if (unknowns[row] < FIRST_OUTPUT || unknowns[row] >= FIRST_OUTPUT + OUTPUTS) {
-            instance_say(instance, STATUS_ERROR, "value reference %u: expected a real output", unknowns[row]);
+        if (row_of(instance, unknowns[row]) < 0) {
+            instance_say(instance, STATUS_ERROR, "value reference %u: expected a real output or a state's derivative",
+                         unknowns[row]);
             return STATUS_ERROR;
         }
     for (column = 0; column < known_count; column++)
-        if (knowns[column] >= FIRST_OUTPUT) {
-            instance_say(instance, STATUS_ERROR, "value reference %u: expected a real input or tunable parameter",
-                         knowns[column]);
+        if (column_of(instance, knowns[column]) < 0) {
+            instance_say(instance, STATUS_ERROR,
+                         "value reference %u: expected a real input, a tunable parameter or a state", knowns[column]);
             return STATUS_ERROR;
         }
-    model_jacobian(model, &instance->values, jacobian);
-    memset(product, 0, (transposed ? known_count : unknown_count) * sizeof product[0]);
-    for (row = 0; row < unknown_count; row++)
-        for (column = 0; column < known_count; column++) {
-            const double slope = jacobian[unknowns[row] - FIRST_OUTPUT][knowns[column]];
-            if (transposed)
-                product[column] += slope * seed[row];
-            else
-                product[row] += slope * seed[column];
-        }
+    if (!transposed) {
+        for (column = 0; column < known_count; column++)
+            direction[column_of(instance, knowns[column])] += seed[column];
+        model_slopes(model, &instance->values, &instance->scratch, instance->co_simulation, direction, slopes);
+        for (row = 0; row < unknown_count; row++)
+            product[row] = slopes[row_of(instance, unknowns[row])];
+        return STATUS_OK;
+    }
+    for (column = 0; column < known_count; column++) {
+        double *const along = &direction[column_of(instance, knowns[column])];
+        *along = 1.0;
+        model_slopes(model, &instance->values, &instance->scratch, instance->co_simulation, direction, slopes);
+        *along = 0.0;
+        product[column] = 0.0;
+        for (row = 0; row < unknown_count; row++)
+            product[column] += seed[row] * slopes[row_of(instance, unknowns[row])];
+    }
     return STATUS_OK;
 }
 

@@ -80,8 +80,8 @@ static Status instance_indicators(Instance *instance, double indicators[], size_
 
 /* Products of the Jacobian with a seed, forwards, or transposed. */
 static Status instance_derivatives(Instance *instance, const unsigned unknowns[], size_t unknown_count,
-                            const unsigned knowns[], size_t known_count, int transposed, const double seed[],
-                            double product[]);
+                                   const unsigned knowns[], size_t known_count, int transposed, const double seed[],
+                                   double product[]);
 
 /* A saved state: all that is needed to go on from here, in this instance or in another of the same FMU. */
 typedef struct Saved Saved;

@@ -17,6 +17,8 @@ enum {
     FIRST_FIXED = FIRST_LOCAL + LOCALS,
     REALS = FIRST_FIXED + FIXED,
     FLAGS = FLAG_PARAMETERS + FLAG_OUTPUTS,
+    ROWS = OUTPUTS + STATES,
+    COLUMNS = FIRST_OUTPUT + STATES,
     TIME = REALS + FLAGS, /* in FMI 3.0, the variable after all others */
     TEXT = 512
 };
@@ -54,8 +56,10 @@ static void model_get_states(const Model *model, double states[]);
 static void model_set_states(Model *model, const double states[]);
 static void model_derivatives(const Model *model, double derivatives[]);
 
-/* Derivatives of the Real outputs by inputs and tunable parameters, for the last step as it ended. */
-static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)]);
+/* Slopes of the Real outputs, then of the states' derivatives, along a direction in inputs, tunable parameters, then
+ * states. In co-simulation they are those of the last step as it ended, and states are no variables of their own. */
+static void model_slopes(const Model *model, const Values *values, Scratch *scratch, int co_simulation,
+                         const double direction[ROOM(COLUMNS)], double slopes[ROOM(ROWS)]);
 
 /* Whether nothing is used beyond its range, and what is. */
 static int model_within_range(const Model *model);

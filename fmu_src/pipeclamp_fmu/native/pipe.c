@@ -190,70 +190,91 @@ static double stored(const double q[MODES], const double p[MODES])
     return (seen(p, p) + seen(q, strain)) / 2;
 }
 
-static void accelerations(double acceleration[MODES], const Memory *memory)
+static void accelerations(double acceleration[MODES], const Motion *motion)
 {
     double strain[MODES], damped[MODES];
     int i;
-    forces(strain, STIFFNESS, memory->q);
-    forces(damped, DAMPING, memory->p);
+    forces(strain, STIFFNESS, motion->q);
+    forces(damped, DAMPING, motion->p);
     for (i = 0; i < MODES; i++)
-        acceleration[i] = memory->modal_loads[i] - damped[i] - strain[i];
+        acceleration[i] = motion->modal_loads[i] - damped[i] - strain[i];
+}
+
+/* Power of the excitation, and power done on the clamps, W: linear in the loads and in the velocities. */
+static void powers(double power[2], const double loads[INPUTS], const double p[MODES])
+{
+    int i;
+    power[0] = loads[0] * seen(PARTICIPATION, p);
+    power[1] = 0.0;
+    for (i = 0; i < CLAMPS; i++)
+        power[1] += loads[1 + i] * seen(CLAMP_SHAPES[i], p);
+}
+
+/* Write the outputs that are linear in the motion; give where the others follow. */
+static double *write_motion(double *output, const Motion *motion, const double acceleration[MODES])
+{
+    int i;
+    for (i = 0; i < CLAMPS; i++)
+        *output++ = seen(CLAMP_SHAPES[i], motion->q);
+    for (i = 0; i < CLAMPS; i++)
+        *output++ = seen(CLAMP_SHAPES[i], motion->p);
+    for (i = 0; i < PROBES; i++)
+        *output++ = seen(PROBE_SHAPES[i], motion->q);
+    for (i = 0; i < PROBES; i++)
+        *output++ = seen(PROBE_SHAPES[i], motion->p);
+    for (i = 0; i < PROBES; i++)
+        *output++ = CARRIED * motion->loads[0] + seen(PROBE_SHAPES[i], acceleration);
+    return output;
+}
+
+/* Write the energies. The pipe starts at rest, and both works are exact: what is left is what damping has taken. */
+static void write_energies(double *output, double energy, double excited, double on_clamps)
+{
+    output[0] = energy;
+    output[1] = excited - on_clamps - energy;
+    output[2] = excited;
+    output[3] = on_clamps;
 }
 
 static void model_get_states(const Model *model, double states[])
 {
-    const Memory *memory = &model->memory;
-    memcpy(states, memory->q, sizeof memory->q);
-    memcpy(states + MODES, memory->p, sizeof memory->p);
-    states[2 * MODES] = memory->excited;
-    states[2 * MODES + 1] = memory->on_clamps;
+    const Motion *motion = &model->memory.now;
+    memcpy(states, motion->q, sizeof motion->q);
+    memcpy(states + MODES, motion->p, sizeof motion->p);
+    states[2 * MODES] = motion->excited;
+    states[2 * MODES + 1] = motion->on_clamps;
+}
+
+static void take_states(Motion *motion, const double states[])
+{
+    memcpy(motion->q, states, sizeof motion->q);
+    memcpy(motion->p, states + MODES, sizeof motion->p);
+    motion->excited = states[2 * MODES];
+    motion->on_clamps = states[2 * MODES + 1];
 }
 
 static void model_set_states(Model *model, const double states[])
 {
-    Memory *memory = &model->memory;
-    memcpy(memory->q, states, sizeof memory->q);
-    memcpy(memory->p, states + MODES, sizeof memory->p);
-    memory->excited = states[2 * MODES];
-    memory->on_clamps = states[2 * MODES + 1];
+    take_states(&model->memory.now, states);
 }
 
 static void model_derivatives(const Model *model, double derivatives[])
 {
-    const Memory *memory = &model->memory;
-    int i;
-    memcpy(derivatives, memory->p, sizeof memory->p);
-    accelerations(derivatives + MODES, memory);
-    derivatives[2 * MODES] = memory->loads[0] * seen(PARTICIPATION, memory->p);
-    derivatives[2 * MODES + 1] = 0.0;
-    for (i = 0; i < CLAMPS; i++)
-        derivatives[2 * MODES + 1] += memory->loads[1 + i] * seen(CLAMP_SHAPES[i], memory->p);
+    const Motion *motion = &model->memory.now;
+    memcpy(derivatives, motion->p, sizeof motion->p);
+    accelerations(derivatives + MODES, motion);
+    powers(derivatives + 2 * MODES, motion->loads, motion->p);
 }
 
 /* Write outputs, states and derivatives of the present motion. */
 static void show(Model *model)
 {
-    const Memory *memory = &model->memory;
-    double *output = model->real + FIRST_OUTPUT, *acceleration = model->real + FIRST_LOCAL + STATES + MODES;
-    const double energy = stored(memory->q, memory->p);
-    int i;
+    const Motion *motion = &model->memory.now;
+    double *const derivatives = model->real + FIRST_LOCAL + STATES;
     model_get_states(model, model->real + FIRST_LOCAL);
-    model_derivatives(model, model->real + FIRST_LOCAL + STATES);
-    for (i = 0; i < CLAMPS; i++)
-        *output++ = seen(CLAMP_SHAPES[i], memory->q);
-    for (i = 0; i < CLAMPS; i++)
-        *output++ = seen(CLAMP_SHAPES[i], memory->p);
-    for (i = 0; i < PROBES; i++)
-        *output++ = seen(PROBE_SHAPES[i], memory->q);
-    for (i = 0; i < PROBES; i++)
-        *output++ = seen(PROBE_SHAPES[i], memory->p);
-    for (i = 0; i < PROBES; i++)
-        *output++ = CARRIED * memory->loads[0] + seen(PROBE_SHAPES[i], acceleration);
-    *output++ = energy;
-    /* The pipe starts at rest, and both works are exact: what is left is what damping has taken. */
-    *output++ = memory->excited - memory->on_clamps - energy;
-    *output++ = memory->excited;
-    *output++ = memory->on_clamps;
+    model_derivatives(model, derivatives);
+    write_energies(write_motion(model->real + FIRST_OUTPUT, motion, derivatives + MODES), stored(motion->q, motion->p),
+                   motion->excited, motion->on_clamps);
 }
 
 static void model_reset(Model *model, const Values *values)
@@ -265,8 +286,9 @@ static void model_reset(Model *model, const Values *values)
 /* Take the inputs as those of the present time. */
 static void take_loads(Model *model)
 {
-    memcpy(model->memory.loads, model->real, sizeof model->memory.loads);
-    modal_loads(model->memory.modal_loads, model->real);
+    Motion *motion = &model->memory.now;
+    memcpy(motion->loads, model->real, sizeof motion->loads);
+    modal_loads(motion->modal_loads, model->real);
     show(model);
 }
 
@@ -276,14 +298,6 @@ static int model_start(Model *model, const Values *values, char reason[TEXT])
     (void)reason;
     take_loads(model);
     return 1;
-}
-
-/* Work of a load that is linear over a step: the integral of load times velocity, by parts. */
-static double work(const double shape[MODES], double load0, double load1, const double q0[MODES], const double q1[MODES],
-                   const double mean[MODES])
-{
-    const double s0 = seen(shape, q0), s1 = seen(shape, q1);
-    return load0 * (s1 - s0) + (load1 - load0) * (s1 - seen(shape, mean));
 }
 
 static int finite_inputs(const double loads[INPUTS], char reason[TEXT])
@@ -317,50 +331,121 @@ static int model_evaluate(Model *model, const Values *values, Scratch *scratch, 
     return 1;
 }
 
-static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT])
+/* What a step moves to: modal displacements, velocities and mean displacements, linear in where it starts and the loads
+ * at its ends. */
+typedef struct {
+    double q[MODES], p[MODES], mean[MODES];
+} Moved;
+
+static void moved(Moved *end, const Scratch *scratch, const double q[MODES], const double p[MODES],
+                  const double g0[MODES], const double g1[MODES])
 {
-    Memory *memory = &model->memory;
-    const double *loads = model->real, *loads_before = loads, *g0;
-    double g1[MODES], q[MODES], p[MODES], mean[MODES], energy;
     int block, i, j;
-    (void)values;
-    (void)end;
-    if (!finite_inputs(loads, reason))
-        return 0;
-    modal_loads(g1, loads);
-    g0 = g1;
-    if (model->flag[INPUTS_AT_STEP_END]) {
-        loads_before = memory->loads;
-        g0 = memory->modal_loads;
-    }
-    if (h != scratch->h)
-        prepare_length(scratch, h);
     for (block = 0; block < BLOCKS; block++) {
         const int first = block * BLOCK;
-        double *const ends[3] = {q + first, p + first, mean + first};
+        double *const ends[3] = {end->q + first, end->p + first, end->mean + first};
         for (i = 0; i < 3 * BLOCK; i++) {
             const double *row = scratch->rows[block][i];
             double sum = 0.0;
             for (j = 0; j < BLOCK; j++)
-                sum += row[j] * memory->q[first + j] + row[BLOCK + j] * memory->p[first + j]
-                       + row[2 * BLOCK + j] * g0[first + j] + row[3 * BLOCK + j] * g1[first + j];
-            ends[i / BLOCK][i % BLOCK] = i < 2 * BLOCK ? sum : sum / h;
+                sum += row[j] * q[first + j] + row[BLOCK + j] * p[first + j] + row[2 * BLOCK + j] * g0[first + j]
+                       + row[3 * BLOCK + j] * g1[first + j];
+            ends[i / BLOCK][i % BLOCK] = i < 2 * BLOCK ? sum : sum / scratch->h;
         }
     }
-    energy = stored(q, p);
-    if (!isfinite(energy)) {
+}
+
+/* Work of a load that is linear over a step: the integral of load times velocity, by parts. */
+static double work(const double shape[MODES], double load0, double load1, const double q0[MODES], const Moved *end)
+{
+    const double s0 = seen(shape, q0), s1 = seen(shape, end->q);
+    return load0 * (s1 - s0) + (load1 - load0) * (s1 - seen(shape, end->mean));
+}
+
+/* Add the works of a step: of the excitation, and done on the clamps; linear in the loads and in the motion. */
+static void add_works(Motion *motion, const double loads0[INPUTS], const double loads1[INPUTS], const double q0[MODES],
+                      const Moved *end)
+{
+    int i;
+    motion->excited += work(PARTICIPATION, loads0[0], loads1[0], q0, end);
+    for (i = 0; i < CLAMPS; i++)
+        motion->on_clamps += work(CLAMP_SHAPES[i], loads0[1 + i], loads1[1 + i], q0, end);
+}
+
+static int model_step(Model *model, const Values *values, Scratch *scratch, double end, double h, char reason[TEXT])
+{
+    Memory *memory = &model->memory;
+    Motion next = memory->now;
+    const int held = !model->flag[INPUTS_AT_STEP_END];
+    const Motion *const load_before = held ? &next : &memory->now;
+    Moved to;
+    (void)values;
+    (void)end;
+    if (!finite_inputs(model->real, reason))
+        return 0;
+    if (h != scratch->h)
+        prepare_length(scratch, h);
+    memcpy(next.loads, model->real, sizeof next.loads);
+    modal_loads(next.modal_loads, next.loads);
+    moved(&to, scratch, memory->now.q, memory->now.p, load_before->modal_loads, next.modal_loads);
+    if (!isfinite(stored(to.q, to.p))) {
         snprintf(reason, TEXT, "the motion would not be finite");
         return 0;
     }
-    memory->excited += work(PARTICIPATION, loads_before[0], loads[0], memory->q, q, mean);
-    for (i = 0; i < CLAMPS; i++)
-        memory->on_clamps += work(CLAMP_SHAPES[i], loads_before[1 + i], loads[1 + i], memory->q, q, mean);
-    memcpy(memory->q, q, sizeof q);
-    memcpy(memory->p, p, sizeof p);
-    memcpy(memory->loads, loads, sizeof memory->loads);
-    memcpy(memory->modal_loads, g1, sizeof g1);
+    add_works(&next, load_before->loads, next.loads, memory->now.q, &to);
+    memcpy(next.q, to.q, sizeof next.q);
+    memcpy(next.p, to.p, sizeof next.p);
+    memory->before = memory->now;
+    memory->now = next;
+    memory->h = h;
+    memory->held = held;
     show(model);
     return 1;
+}
+
+/* How a step's end changes with the loads that it was given. */
+static void change_of_step(Motion *change, const Memory *memory, Scratch *scratch)
+{
+    static const Motion still = {{0}, {0}, 0, 0, {0}, {0}};
+    const Motion *const load_before = memory->held ? &memory->now : &memory->before;
+    const Motion *const change_before = memory->held ? change : &still;
+    Moved to, change_of_end;
+    if (!(memory->h > 0.0 && memory->h < INFINITY))
+        return;
+    if (memory->h != scratch->h)
+        prepare_length(scratch, memory->h);
+    moved(&to, scratch, memory->before.q, memory->before.p, load_before->modal_loads, memory->now.modal_loads);
+    moved(&change_of_end, scratch, still.q, still.p, change_before->modal_loads, change->modal_loads);
+    add_works(change, change_before->loads, change->loads, memory->before.q, &to);
+    add_works(change, load_before->loads, memory->now.loads, still.q, &change_of_end);
+    memcpy(change->q, change_of_end.q, sizeof change->q);
+    memcpy(change->p, change_of_end.p, sizeof change->p);
+}
+
+static void model_slopes(const Model *model, const Values *values, Scratch *scratch, int co_simulation,
+                         const double direction[ROOM(COLUMNS)], double slopes[ROOM(ROWS)])
+{
+    const Motion *now = &model->memory.now;
+    double *const rates = slopes + OUTPUTS, strain[MODES], change_of_strain[MODES], power[2];
+    Motion change = {{0}, {0}, 0, 0, {0}, {0}};
+    (void)values;
+    memcpy(change.loads, direction, sizeof change.loads);
+    modal_loads(change.modal_loads, change.loads);
+    if (co_simulation)
+        change_of_step(&change, &model->memory, scratch);
+    else
+        take_states(&change, direction + FIRST_OUTPUT);
+    memcpy(rates, change.p, sizeof change.p);
+    accelerations(rates + MODES, &change);
+    powers(rates + 2 * MODES, change.loads, now->p);
+    powers(power, now->loads, change.p);
+    rates[2 * MODES] += power[0];
+    rates[2 * MODES + 1] += power[1];
+    forces(strain, STIFFNESS, now->q);
+    forces(change_of_strain, STIFFNESS, change.q);
+    write_energies(write_motion(slopes, &change, rates + MODES),
+                   seen(now->p, change.p) + (seen(strain, change.q) + seen(now->q, change_of_strain)) / 2,
+                   change.excited, change.on_clamps);
 }
 
 static int model_within_range(const Model *model)
@@ -374,13 +459,6 @@ static void model_say_range(const Model *model, const Values *values, char text[
     (void)model;
     (void)values;
     (void)text;
-}
-
-static void model_jacobian(const Model *model, const Values *values, double jacobian[OUTPUTS][ROOM(FIRST_OUTPUT)])
-{
-    (void)model;
-    (void)values;
-    memset(jacobian, 0, OUTPUTS * FIRST_OUTPUT * sizeof(double));
 }
 
 static void model_indicators(const Model *model, double indicators[])

@@ -3,9 +3,15 @@
 #define PIPE_H
 
 typedef struct {
-    double q[MODES], p[MODES];                /* modal displacements and velocities */
-    double loads[INPUTS], modal_loads[MODES]; /* at the last communication point */
-    double excited, on_clamps;                /* work of the excitation, and work done on the clamps, J */
+    double q[MODES], p[MODES]; /* modal displacements and velocities */
+    double excited, on_clamps; /* work of the excitation, and work done on the clamps, J */
+    double loads[INPUTS], modal_loads[MODES];
+} Motion;
+
+typedef struct {
+    Motion now, before; /* at the ends of the last step */
+    double h;           /* how long it was, s; 0 before the first */
+    int held;           /* whether its loads were held over it */
 } Memory;
 
 enum { WIDE = 2 * BLOCK, MATRICES = 9 };
