@@ -9,7 +9,7 @@ from importlib import resources
 
 from pipeclamp.parameter_file import FitQuality, HistoryStep
 from pipeclamp_fmu import clamp_slave
-from pipeclamp_fmu.documentation import Section, page
+from pipeclamp_fmu.documentation import Section, page, variables_section
 from pipeclamp_fmu.history import history_section
 from pipeclamp_fmu.icon import loop_icon
 from pipeclamp_fmu.model_description import ModelText, Quantity
@@ -325,13 +325,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
                 for name, entry in zip(model.condition_names, model.ranges, strict=True)
             ],
         ),
-        Section(
-            "Variables",
-            (),
-            (),
-            ("name", "unit", "meaning"),
-            [(name, entry.unit or "-", entry.description) for name, entry in described.items()],
-        ),
+        variables_section(described),
         Section(
             "Use",
             (

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from jinja2 import Environment
+
+from pipeclamp_fmu.model_description import Quantity
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -106,6 +108,12 @@ class Section:
     header: Sequence[str] = ()
     rows: Sequence[Sequence[str]] = ()
     bars: Bars | None = None
+
+
+def variables_section(described: Mapping[str, Quantity]) -> Section:
+    """Give the table of an FMU's variables, by name."""
+    rows = [(name, entry.unit or "-", entry.description) for name, entry in described.items()]
+    return Section("Variables", (), (), ("name", "unit", "meaning"), rows)
 
 
 def page(title: str, introduction: Sequence[str], sections: Sequence[Section]) -> str:

@@ -43,7 +43,7 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
         text=clamp_text(model, version),
         model=NativeModel(
             model.name,
-            ("clamp.c", "clamp.h"),
+            ("clamp.c", "clamp.h", "no_states.c"),
             {"law.h": _header(model, source)},
             replace(variables, locals=_memory(described, states)),
             model.ranges,

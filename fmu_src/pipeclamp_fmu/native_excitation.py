@@ -23,7 +23,7 @@ def native_excitation(samples: Samples, version: str) -> NativeContent:
         text=excitation_text(samples, version),
         model=NativeModel(
             "excitation",
-            ("excitation.c", "excitation.h"),
+            ("excitation.c", "excitation.h", "no_states.c", "no_range.c"),
             {"samples.h": header},
             variables,
             (),

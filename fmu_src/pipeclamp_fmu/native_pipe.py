@@ -44,7 +44,7 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
         text=pipe_text(pipe, version),
         model=NativeModel(
             pipe.name,
-            ("pipe.c", "pipe.h"),
+            ("pipe.c", "pipe.h", "no_range.c"),
             {"modes.h": _modes(pipe)},
             variables,
             (),

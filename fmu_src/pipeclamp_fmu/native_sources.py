@@ -10,7 +10,9 @@ from importlib import resources
 from pipeclamp_fmu.one_module import content_hash
 from pipeclamp_fmu.variables import Range, Variables
 
-SHARED_SOURCES = ("fmu.c", "export.h", "model.h", "values.h", "values.c", "instance.h", "instance.c")
+SHARED_SOURCES = (
+    "fmu.c", "export.h", "model.h", "values.h", "values.c", "instance.h", "instance.c", "variables.c", "fmi.c",
+)  # fmt: skip
 """The sources that every native FMU has."""
 
 FMI_SOURCES: Mapping[int, tuple[str, ...]] = {2: ("fmi2.h", "fmi2.c"), 3: ("fmi3.h", "fmi3.c")}

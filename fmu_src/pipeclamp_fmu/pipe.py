@@ -9,7 +9,7 @@ from importlib import resources
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp_fmu import pipe_slave
 from pipeclamp_fmu.clamp import source_text, usual
-from pipeclamp_fmu.documentation import Section, page
+from pipeclamp_fmu.documentation import Section, page, variables_section
 from pipeclamp_fmu.model_description import ModelText, Quantity
 from pipeclamp_fmu.one_module import with_inlined
 from pipeclamp_fmu.packing import Content
@@ -161,13 +161,7 @@ def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) 
                 for n, (omega, zeta) in modes
             ],
         ),
-        Section(
-            "Variables",
-            (),
-            (),
-            ("name", "unit", "meaning"),
-            [(name, entry.unit or "-", entry.description) for name, entry in described.items()],
-        ),
+        variables_section(described),
         Section(
             "Use",
             (

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from pipeclamp_fmu.native_fmu import Built
 
 app = typer.Typer()
+
+Source = TypeVar("Source")
 
 
 class FmuKind(StrEnum):
@@ -55,13 +58,7 @@ def build_fmu(
     from pipeclamp_fmu.build import build_clamp, build_native_clamp
 
     with told("build-fmu"):
-        made = "FMI 2.0 co-simulation, python"
-        if kind is FmuKind.native:
-            built = build_native_clamp(open_law(law), output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
-            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
-        else:
-            _refuse_native_options(fmi, platforms)
-            build_clamp(open_law(law), output)
+        made = _built(open_law(law), output, build_clamp, build_native_clamp, kind, fmi, platforms)
     console.print(f"{output}: {made}")
 
 
@@ -98,13 +95,7 @@ def build_pipe(
 
     with told("build-pipe"):
         reduced = reduce(read_pipe(pipe))
-        made = "FMI 2.0 co-simulation, python"
-        if kind is FmuKind.native:
-            built = build_native_pipe(reduced, output, int(fmi or FmiVersion.fmi2), _platforms(platforms))
-            made = f"FMI {built.fmi}.0 co-simulation and model exchange, native ({_libraries(built)})"
-        else:
-            _refuse_native_options(fmi, platforms)
-            build_pipe(reduced, output)
+        made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
     for line in reduced.summary().splitlines():
         console.print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
     console.print(f"{output}: {made}")
@@ -195,16 +186,24 @@ def sweep(
     console.print(str(output))
 
 
-def _refuse_native_options(fmi: FmiVersion | None, platforms: str | None) -> None:
+def _built(
+    source: Source,
+    output: Path,
+    build_python: Callable[[Source, Path], object],
+    build_native: Callable[[Source, Path, int, tuple[str, ...] | None], Built],
+    kind: FmuKind,
+    fmi: FmiVersion | None,
+    platforms: str | None,
+) -> str:
+    """Build an FMU of a kind and say what was made."""
+    if kind is FmuKind.native:
+        named = None if platforms is None else names_in(platforms)
+        built = build_native(source, output, int(fmi or FmiVersion.fmi2), named)
+        libraries = ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
+        return f"FMI {built.fmi}.0 co-simulation and model exchange, native ({libraries})"
     if platforms is not None or fmi is not None:
         raise UserError(
             "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
         )
-
-
-def _platforms(text: str | None) -> tuple[str, ...] | None:
-    return None if text is None else names_in(text)
-
-
-def _libraries(built: Built) -> str:
-    return ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
+    build_python(source, output)
+    return "FMI 2.0 co-simulation, python"

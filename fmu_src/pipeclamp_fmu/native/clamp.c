@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "model.h"
+#include "no_states.c"
 
 enum { S, V, T_IN, A, F, T };
 enum { FORCE = FIRST_OUTPUT, A_USED, F_USED, T_USED, DISSIPATED };
@@ -298,24 +299,6 @@ static int model_evaluate(Model *model, const Values *values, Scratch *scratch, 
                           char reason[TEXT])
 {
     return model_step(model, values, scratch, time, h, reason);
-}
-
-static void model_get_states(const Model *model, double states[])
-{
-    (void)model;
-    (void)states;
-}
-
-static void model_set_states(Model *model, const double states[])
-{
-    (void)model;
-    (void)states;
-}
-
-static void model_derivatives(const Model *model, double derivatives[])
-{
-    (void)model;
-    (void)derivatives;
 }
 
 /* Derivatives of the tracked A (mm) and f (Hz) by y (mm) and v (mm/s) at the end of the step, where they aren't held. */

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "model.h"
+#include "no_range.c"
+#include "no_states.c"
 
 static double sample(double index)
 {
@@ -52,24 +54,6 @@ static int model_evaluate(Model *model, const Values *values, Scratch *scratch, 
     return model_step(model, values, scratch, time, h, reason);
 }
 
-static void model_get_states(const Model *model, double states[])
-{
-    (void)model;
-    (void)states;
-}
-
-static void model_set_states(Model *model, const double states[])
-{
-    (void)model;
-    (void)states;
-}
-
-static void model_derivatives(const Model *model, double derivatives[])
-{
-    (void)model;
-    (void)derivatives;
-}
-
 /* There is nothing that the signal depends on but the time. */
 static void model_slopes(const Model *model, const Values *values, Scratch *scratch, int co_simulation,
                          const double direction[ROOM(COLUMNS)], double slopes[ROOM(ROWS)])
@@ -80,23 +64,4 @@ static void model_slopes(const Model *model, const Values *values, Scratch *scra
     (void)co_simulation;
     (void)direction;
     slopes[0] = 0.0;
-}
-
-static int model_within_range(const Model *model)
-{
-    (void)model;
-    return 1;
-}
-
-static void model_say_range(const Model *model, const Values *values, char text[TEXT])
-{
-    (void)model;
-    (void)values;
-    (void)text;
-}
-
-static void model_indicators(const Model *model, double indicators[])
-{
-    (void)model;
-    (void)indicators;
 }

@@ -1,19 +1,11 @@
-/* FMI 2.0, co-simulation and model exchange, over `instance`. */
+/* FMI 2.0, co-simulation and model exchange, over `instance`: what 3.0 has not, or has otherwise. */
 #include "fmi2.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "instance.h"
-
-enum { RUNNING = STEPPING | EVENT | CONTINUOUS, SETTABLE = INSTANTIATED | INITIALIZATION | RUNNING,
-       READABLE = INITIALIZATION | RUNNING | TERMINATED };
-
-#define REQUIRE(modes)                                                                                                 \
-    Instance *instance = component;                                                                                    \
-    if (!instance_may(instance, (modes), __func__))                                                                    \
-    return fmi2Error
+#include "fmi.c"
 
 /* --- Messages */
 
@@ -35,15 +27,6 @@ static void hand_over(fmi2CallbackLogger logger, void *environment, const char *
 static void tell(const Instance *instance, Status status, const char *text)
 {
     hand_over((fmi2CallbackLogger)instance->logger, instance->environment, instance->name, status, text);
-}
-
-FMU_API(fmi2Status, fmi2SetDebugLogging)(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String names[])
-{
-    REQUIRE(ANY_MODE);
-    (void)count;
-    (void)names;
-    instance->logging = on;
-    return fmi2OK;
 }
 
 /* --- Making and ending an instance */
@@ -116,12 +99,7 @@ FMU_API(fmi2Component, fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2Stri
     return instance;
 }
 
-FMU_API(void, fmi2FreeInstance)(fmi2Component component)
-{
-    instance_free(component);
-}
-
-FMU_API(fmi2Status, fmi2SetupExperiment)(fmi2Component component, fmi2Boolean tolerance_defined, fmi2Real tolerance,
+FMU_API(fmi2Status, fmi2SetupExperiment)(Handle handle, fmi2Boolean tolerance_defined, fmi2Real tolerance,
                                          fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop)
 {
     REQUIRE(INSTANTIATED);
@@ -132,81 +110,49 @@ FMU_API(fmi2Status, fmi2SetupExperiment)(fmi2Component component, fmi2Boolean to
     return (fmi2Status)instance_set_time(instance, start);
 }
 
-FMU_API(fmi2Status, fmi2EnterInitializationMode)(fmi2Component component)
+FMU_API(fmi2Status, fmi2EnterInitializationMode)(Handle handle)
 {
     REQUIRE(INSTANTIATED);
     return (fmi2Status)instance_begin(instance, instance->time);
 }
 
-FMU_API(fmi2Status, fmi2ExitInitializationMode)(fmi2Component component)
-{
-    REQUIRE(INITIALIZATION);
-    return (fmi2Status)instance_initialised(instance);
-}
-
-FMU_API(fmi2Status, fmi2Terminate)(fmi2Component component)
-{
-    REQUIRE(RUNNING);
-    instance->mode = TERMINATED;
-    return fmi2OK;
-}
-
-FMU_API(fmi2Status, fmi2Reset)(fmi2Component component)
-{
-    REQUIRE(ANY_MODE);
-    instance_reset(instance);
-    return fmi2OK;
-}
-
 /* --- Variables */
 
-FMU_API(fmi2Status, fmi2GetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+FMU_API(fmi2Status, fmi2GetReal)(Handle handle, const fmi2ValueReference references[], size_t count,
                                  fmi2Real values[])
 {
     REQUIRE(READABLE);
     return (fmi2Status)instance_get_reals(instance, references, count, values);
 }
 
-FMU_API(fmi2Status, fmi2SetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+FMU_API(fmi2Status, fmi2SetReal)(Handle handle, const fmi2ValueReference references[], size_t count,
                                  const fmi2Real values[])
 {
     REQUIRE(SETTABLE);
     return (fmi2Status)instance_set_reals(instance, references, count, values);
 }
 
-FMU_API(fmi2Status, fmi2GetBoolean)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+FMU_API(fmi2Status, fmi2GetBoolean)(Handle handle, const fmi2ValueReference references[], size_t count,
                                     fmi2Boolean values[])
 {
-    Status status = STATUS_OK;
-    size_t i;
     REQUIRE(READABLE);
-    if (count > 0 && (!references || !values))
-        return (fmi2Status)instance_misses(instance, "an array of value references or values");
-    for (i = 0; i < count; i++)
-        status = worse(status, instance_get_flag(instance, references[i], &values[i]));
-    return (fmi2Status)status;
+    return (fmi2Status)get_flags(instance, references, count, values);
 }
 
-FMU_API(fmi2Status, fmi2SetBoolean)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+FMU_API(fmi2Status, fmi2SetBoolean)(Handle handle, const fmi2ValueReference references[], size_t count,
                                     const fmi2Boolean values[])
 {
-    Status status = STATUS_OK;
-    size_t i;
     REQUIRE(SETTABLE);
-    if (count > 0 && (!references || !values))
-        return (fmi2Status)instance_misses(instance, "an array of value references or values");
-    for (i = 0; i < count; i++)
-        status = worse(status, instance_set_flag(instance, references[i], values[i]));
-    return (fmi2Status)status;
+    return (fmi2Status)set_flags(instance, references, count, values);
 }
 
 #define NONE_OF_TYPE(function, value, modes)                                                                           \
-    FMU_API(fmi2Status, function)(fmi2Component component, const fmi2ValueReference references[], size_t count,        \
+    FMU_API(fmi2Status, function)(Handle handle, const fmi2ValueReference references[], size_t count,        \
                                   value values[])                                                                      \
     {                                                                                                                  \
         (void)references;                                                                                              \
         (void)values;                                                                                                  \
-        return (fmi2Status)instance_none(component, (modes), __func__, count);                                         \
+        return (fmi2Status)instance_none(handle, (modes), __func__, count);                                         \
     }
 
 NONE_OF_TYPE(fmi2GetInteger, fmi2Integer, READABLE)
@@ -214,7 +160,7 @@ NONE_OF_TYPE(fmi2GetString, fmi2String, READABLE)
 NONE_OF_TYPE(fmi2SetInteger, const fmi2Integer, SETTABLE)
 NONE_OF_TYPE(fmi2SetString, const fmi2String, SETTABLE)
 
-FMU_API(fmi2Status, fmi2GetDirectionalDerivative)(fmi2Component component, const fmi2ValueReference unknowns[],
+FMU_API(fmi2Status, fmi2GetDirectionalDerivative)(Handle handle, const fmi2ValueReference unknowns[],
                                                   size_t unknown_count, const fmi2ValueReference knowns[],
                                                   size_t known_count, const fmi2Real seed[], fmi2Real product[])
 {
@@ -226,59 +172,39 @@ FMU_API(fmi2Status, fmi2GetDirectionalDerivative)(fmi2Component component, const
 
 /* --- Saved states */
 
-FMU_API(fmi2Status, fmi2GetFMUstate)(fmi2Component component, fmi2FMUstate *state)
+FMU_API(fmi2Status, fmi2GetFMUstate)(Handle handle, fmi2FMUstate *state)
 {
-    REQUIRE(ANY_MODE);
-    return state ? (fmi2Status)instance_save(instance, (Saved **)state)
-                 : (fmi2Status)instance_misses(instance, "the state's place");
+    return get_state(handle, __func__, state);
 }
 
-FMU_API(fmi2Status, fmi2SetFMUstate)(fmi2Component component, fmi2FMUstate state)
+FMU_API(fmi2Status, fmi2SetFMUstate)(Handle handle, fmi2FMUstate state)
 {
-    REQUIRE(ANY_MODE);
-    return (fmi2Status)instance_restore(instance, state);
+    return set_state(handle, __func__, state);
 }
 
-FMU_API(fmi2Status, fmi2FreeFMUstate)(fmi2Component component, fmi2FMUstate *state)
+FMU_API(fmi2Status, fmi2FreeFMUstate)(Handle handle, fmi2FMUstate *state)
 {
-    REQUIRE(ANY_MODE);
-    if (state) {
-        saved_free(*state);
-        *state = NULL;
-    }
-    return fmi2OK;
+    return free_state(handle, __func__, state);
 }
 
-FMU_API(fmi2Status, fmi2SerializedFMUstateSize)(fmi2Component component, fmi2FMUstate state, size_t *size)
+FMU_API(fmi2Status, fmi2SerializedFMUstateSize)(Handle handle, fmi2FMUstate state, size_t *size)
 {
-    REQUIRE(ANY_MODE);
-    if (!state || !size)
-        return (fmi2Status)instance_misses(instance, "the state or its size's place");
-    *size = saved_size();
-    return fmi2OK;
+    return size_of_state(handle, __func__, state, size);
 }
 
-FMU_API(fmi2Status, fmi2SerializeFMUstate)(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+FMU_API(fmi2Status, fmi2SerializeFMUstate)(Handle handle, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
-    REQUIRE(ANY_MODE);
-    if (!state || !bytes || size < saved_size())
-        return (fmi2Status)instance_misses(instance, "the state or room for its bytes");
-    saved_serialise(state, (unsigned char *)bytes);
-    return fmi2OK;
+    return serialise_state(handle, __func__, state, bytes, size);
 }
 
-FMU_API(fmi2Status, fmi2DeSerializeFMUstate)(fmi2Component component, const fmi2Byte bytes[], size_t size,
-                                             fmi2FMUstate *state)
+FMU_API(fmi2Status, fmi2DeSerializeFMUstate)(Handle handle, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
-    REQUIRE(ANY_MODE);
-    if (!state)
-        return (fmi2Status)instance_misses(instance, "the state's place");
-    return (fmi2Status)instance_deserialise(instance, (const unsigned char *)bytes, size, (Saved **)state);
+    return deserialise_state(handle, __func__, bytes, size, state);
 }
 
 /* --- Co-simulation */
 
-FMU_API(fmi2Status, fmi2DoStep)(fmi2Component component, fmi2Real time, fmi2Real h, fmi2Boolean no_return)
+FMU_API(fmi2Status, fmi2DoStep)(Handle handle, fmi2Real time, fmi2Real h, fmi2Boolean no_return)
 {
     REQUIRE(STEPPING);
     (void)no_return;
@@ -286,33 +212,33 @@ FMU_API(fmi2Status, fmi2DoStep)(fmi2Component component, fmi2Real time, fmi2Real
 }
 
 /* A step is done when fmi2DoStep returns: nothing can be cancelled, and inputs and outputs have no derivatives. */
-FMU_API(fmi2Status, fmi2CancelStep)(fmi2Component component)
+FMU_API(fmi2Status, fmi2CancelStep)(Handle handle)
 {
-    return (fmi2Status)instance_lacks(component, __func__);
+    return (fmi2Status)instance_lacks(handle, __func__);
 }
 
-FMU_API(fmi2Status, fmi2SetRealInputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
+FMU_API(fmi2Status, fmi2SetRealInputDerivatives)(Handle handle, const fmi2ValueReference references[],
                                                  size_t count, const fmi2Integer order[], const fmi2Real values[])
 {
     (void)references;
     (void)count;
     (void)order;
     (void)values;
-    return (fmi2Status)instance_lacks(component, __func__);
+    return (fmi2Status)instance_lacks(handle, __func__);
 }
 
-FMU_API(fmi2Status, fmi2GetRealOutputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
+FMU_API(fmi2Status, fmi2GetRealOutputDerivatives)(Handle handle, const fmi2ValueReference references[],
                                                   size_t count, const fmi2Integer order[], fmi2Real values[])
 {
     (void)references;
     (void)count;
     (void)order;
     (void)values;
-    return (fmi2Status)instance_lacks(component, __func__);
+    return (fmi2Status)instance_lacks(handle, __func__);
 }
 
 /* Steps are never pending: only the last successful time has an answer. */
-FMU_API(fmi2Status, fmi2GetRealStatus)(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value)
+FMU_API(fmi2Status, fmi2GetRealStatus)(Handle handle, const fmi2StatusKind kind, fmi2Real *value)
 {
     REQUIRE(STEPPING | TERMINATED);
     if (kind != fmi2LastSuccessfulTime || !value)
@@ -321,7 +247,7 @@ FMU_API(fmi2Status, fmi2GetRealStatus)(fmi2Component component, const fmi2Status
     return fmi2OK;
 }
 
-FMU_API(fmi2Status, fmi2GetBooleanStatus)(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value)
+FMU_API(fmi2Status, fmi2GetBooleanStatus)(Handle handle, const fmi2StatusKind kind, fmi2Boolean *value)
 {
     REQUIRE(STEPPING | TERMINATED);
     if (kind != fmi2Terminated || !value)
@@ -331,7 +257,7 @@ FMU_API(fmi2Status, fmi2GetBooleanStatus)(fmi2Component component, const fmi2Sta
 }
 
 #define NEVER_PENDING(function, type)                                                                                  \
-    FMU_API(fmi2Status, function)(fmi2Component component, const fmi2StatusKind kind, type *value)                     \
+    FMU_API(fmi2Status, function)(Handle handle, const fmi2StatusKind kind, type *value)                     \
     {                                                                                                                  \
         REQUIRE(STEPPING | TERMINATED);                                                                                \
         (void)kind;                                                                                                    \
@@ -343,16 +269,9 @@ NEVER_PENDING(fmi2GetStatus, fmi2Status)
 NEVER_PENDING(fmi2GetIntegerStatus, fmi2Integer)
 NEVER_PENDING(fmi2GetStringStatus, fmi2String)
 
-/* --- Model exchange: a clamp has no continuous states, its memory turns at completed steps and events */
+/* --- Model exchange */
 
-FMU_API(fmi2Status, fmi2EnterEventMode)(fmi2Component component)
-{
-    REQUIRE(EVENT | CONTINUOUS);
-    instance->mode = EVENT;
-    return (fmi2Status)instance_complete_step(instance);
-}
-
-FMU_API(fmi2Status, fmi2NewDiscreteStates)(fmi2Component component, fmi2EventInfo *info)
+FMU_API(fmi2Status, fmi2NewDiscreteStates)(Handle handle, fmi2EventInfo *info)
 {
     REQUIRE(EVENT);
     if (!info)
@@ -361,57 +280,8 @@ FMU_API(fmi2Status, fmi2NewDiscreteStates)(fmi2Component component, fmi2EventInf
     return fmi2OK;
 }
 
-FMU_API(fmi2Status, fmi2EnterContinuousTimeMode)(fmi2Component component)
+FMU_API(fmi2Status, fmi2GetDerivatives)(Handle handle, fmi2Real derivatives[], size_t count)
 {
-    REQUIRE(EVENT);
-    instance->mode = CONTINUOUS;
-    return fmi2OK;
-}
-
-FMU_API(fmi2Status, fmi2CompletedIntegratorStep)(fmi2Component component, fmi2Boolean no_earlier_state,
-                                                 fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
-{
-    REQUIRE(CONTINUOUS);
-    (void)no_earlier_state;
-    if (enter_event_mode)
-        *enter_event_mode = fmi2False;
-    if (terminate)
-        *terminate = fmi2False;
-    return (fmi2Status)instance_complete_step(instance);
-}
-
-FMU_API(fmi2Status, fmi2SetTime)(fmi2Component component, fmi2Real time)
-{
-    REQUIRE(EVENT | CONTINUOUS);
-    return (fmi2Status)instance_set_time(instance, time);
-}
-
-FMU_API(fmi2Status, fmi2GetEventIndicators)(fmi2Component component, fmi2Real indicators[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    return (fmi2Status)instance_indicators(instance, indicators, count);
-}
-
-FMU_API(fmi2Status, fmi2SetContinuousStates)(fmi2Component component, const fmi2Real states[], size_t count)
-{
-    REQUIRE(CONTINUOUS);
-    return (fmi2Status)instance_set_states(instance, states, count);
-}
-
-FMU_API(fmi2Status, fmi2GetContinuousStates)(fmi2Component component, fmi2Real states[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    return (fmi2Status)instance_get_states(instance, states, count);
-}
-
-FMU_API(fmi2Status, fmi2GetDerivatives)(fmi2Component component, fmi2Real derivatives[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(EVALUATED);
     return (fmi2Status)instance_state_derivatives(instance, derivatives, count);
-}
-
-FMU_API(fmi2Status, fmi2GetNominalsOfContinuousStates)(fmi2Component component, fmi2Real nominals[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    return (fmi2Status)instance_nominals(instance, nominals, count);
 }

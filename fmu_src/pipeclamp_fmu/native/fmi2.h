@@ -38,6 +38,14 @@ typedef struct {
     fmi2Real nextEventTime;
 } fmi2EventInfo;
 
+/* The names that fmi.c has for them, which states what is alike in both versions. */
+#define FMI(name) fmi2##name
+typedef fmi2Component Handle;
+typedef fmi2Status Answer;
+typedef fmi2Boolean Boolean;
+typedef fmi2FMUstate State;
+typedef fmi2Byte Byte;
+
 #include "export.h"
 
 #endif

@@ -1,30 +1,13 @@
-/* FMI 3.0, co-simulation and model exchange, over `instance`. */
+/* FMI 3.0, co-simulation and model exchange, over `instance`: what 2.0 has not, or has otherwise. */
 #include "fmi3.h"
 
-#include "instance.h"
-
-enum { RUNNING = STEPPING | EVENT | CONTINUOUS, SETTABLE = INSTANTIATED | INITIALIZATION | RUNNING,
-       READABLE = INITIALIZATION | RUNNING | TERMINATED };
-
-#define REQUIRE(modes)                                                                                                 \
-    Instance *instance = handle;                                                                                       \
-    if (!instance_may(instance, (modes), __func__))                                                                    \
-    return fmi3Error
+#include "fmi.c"
 
 static void tell(const Instance *instance, Status status, const char *text)
 {
     const fmi3LogMessageCallback logger = (fmi3LogMessageCallback)instance->logger;
     if (logger)
         logger(instance->environment, (fmi3Status)status, LOG_CATEGORIES[status], text);
-}
-
-FMU_API(fmi3Status, fmi3SetDebugLogging)(fmi3Instance handle, fmi3Boolean on, size_t count, const fmi3String names[])
-{
-    REQUIRE(ANY_MODE);
-    (void)count;
-    (void)names;
-    instance->logging = on;
-    return fmi3OK;
 }
 
 /* --- Making and ending an instance */
@@ -98,12 +81,7 @@ FMU_API(fmi3Instance, fmi3InstantiateScheduledExecution)(fmi3String name, fmi3St
     return NULL;
 }
 
-FMU_API(void, fmi3FreeInstance)(fmi3Instance handle)
-{
-    instance_free(handle);
-}
-
-FMU_API(fmi3Status, fmi3EnterInitializationMode)(fmi3Instance handle, fmi3Boolean tolerance_defined,
+FMU_API(fmi3Status, fmi3EnterInitializationMode)(Handle handle, fmi3Boolean tolerance_defined,
                                                  fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean stop_defined,
                                                  fmi3Float64 stop)
 {
@@ -117,29 +95,9 @@ FMU_API(fmi3Status, fmi3EnterInitializationMode)(fmi3Instance handle, fmi3Boolea
     return (fmi3Status)(status == STATUS_OK ? instance_begin(instance, start) : status);
 }
 
-FMU_API(fmi3Status, fmi3ExitInitializationMode)(fmi3Instance handle)
-{
-    REQUIRE(INITIALIZATION);
-    return (fmi3Status)instance_initialised(instance);
-}
-
-FMU_API(fmi3Status, fmi3Terminate)(fmi3Instance handle)
-{
-    REQUIRE(RUNNING);
-    instance->mode = TERMINATED;
-    return fmi3OK;
-}
-
-FMU_API(fmi3Status, fmi3Reset)(fmi3Instance handle)
-{
-    REQUIRE(ANY_MODE);
-    instance_reset(instance);
-    return fmi3OK;
-}
-
 /* --- Variables */
 
-FMU_API(fmi3Status, fmi3GetFloat64)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
+FMU_API(fmi3Status, fmi3GetFloat64)(Handle handle, const fmi3ValueReference references[], size_t count,
                                     fmi3Float64 values[], size_t value_count)
 {
     REQUIRE(READABLE);
@@ -148,7 +106,7 @@ FMU_API(fmi3Status, fmi3GetFloat64)(fmi3Instance handle, const fmi3ValueReferenc
     return (fmi3Status)instance_get_reals(instance, references, count, values);
 }
 
-FMU_API(fmi3Status, fmi3SetFloat64)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
+FMU_API(fmi3Status, fmi3SetFloat64)(Handle handle, const fmi3ValueReference references[], size_t count,
                                     const fmi3Float64 values[], size_t value_count)
 {
     REQUIRE(SETTABLE);
@@ -157,38 +115,27 @@ FMU_API(fmi3Status, fmi3SetFloat64)(fmi3Instance handle, const fmi3ValueReferenc
     return (fmi3Status)instance_set_reals(instance, references, count, values);
 }
 
-FMU_API(fmi3Status, fmi3GetBoolean)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
+FMU_API(fmi3Status, fmi3GetBoolean)(Handle handle, const fmi3ValueReference references[], size_t count,
                                     fmi3Boolean values[], size_t value_count)
 {
-    Status status = STATUS_OK;
-    size_t i;
-    int value = 0;
     REQUIRE(READABLE);
-    if (count != value_count || (count > 0 && (!references || !values)))
+    if (count != value_count)
         return (fmi3Status)instance_misses(instance, "a value reference or a value");
-    for (i = 0; i < count; i++) {
-        status = worse(status, instance_get_flag(instance, references[i], &value));
-        values[i] = value != 0;
-    }
-    return (fmi3Status)status;
+    return (fmi3Status)get_flags(instance, references, count, values);
 }
 
-FMU_API(fmi3Status, fmi3SetBoolean)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
+FMU_API(fmi3Status, fmi3SetBoolean)(Handle handle, const fmi3ValueReference references[], size_t count,
                                     const fmi3Boolean values[], size_t value_count)
 {
-    Status status = STATUS_OK;
-    size_t i;
     REQUIRE(SETTABLE);
-    if (count != value_count || (count > 0 && (!references || !values)))
+    if (count != value_count)
         return (fmi3Status)instance_misses(instance, "a value reference or a value");
-    for (i = 0; i < count; i++)
-        status = worse(status, instance_set_flag(instance, references[i], values[i]));
-    return (fmi3Status)status;
+    return (fmi3Status)set_flags(instance, references, count, values);
 }
 
 /* There are no variables of the other types. */
 #define NONE_OF_TYPE(name, type)                                                                                       \
-    FMU_API(fmi3Status, fmi3Get##name)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,       \
+    FMU_API(fmi3Status, fmi3Get##name)(Handle handle, const fmi3ValueReference references[], size_t count,       \
                                        type values[], size_t value_count)                                              \
     {                                                                                                                  \
         (void)references;                                                                                              \
@@ -196,7 +143,7 @@ FMU_API(fmi3Status, fmi3SetBoolean)(fmi3Instance handle, const fmi3ValueReferenc
         (void)value_count;                                                                                             \
         return (fmi3Status)instance_none(handle, READABLE, __func__, count);                                           \
     }                                                                                                                  \
-    FMU_API(fmi3Status, fmi3Set##name)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,       \
+    FMU_API(fmi3Status, fmi3Set##name)(Handle handle, const fmi3ValueReference references[], size_t count,       \
                                        const type values[], size_t value_count)                                        \
     {                                                                                                                  \
         (void)references;                                                                                              \
@@ -216,7 +163,7 @@ NONE_OF_TYPE(Int64, int64_t)
 NONE_OF_TYPE(UInt64, uint64_t)
 NONE_OF_TYPE(String, fmi3String)
 
-FMU_API(fmi3Status, fmi3GetBinary)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
+FMU_API(fmi3Status, fmi3GetBinary)(Handle handle, const fmi3ValueReference references[], size_t count,
                                    size_t sizes[], fmi3Binary values[], size_t value_count)
 {
     (void)references;
@@ -226,7 +173,7 @@ FMU_API(fmi3Status, fmi3GetBinary)(fmi3Instance handle, const fmi3ValueReference
     return (fmi3Status)instance_none(handle, READABLE, __func__, count);
 }
 
-FMU_API(fmi3Status, fmi3SetBinary)(fmi3Instance handle, const fmi3ValueReference references[], size_t count,
+FMU_API(fmi3Status, fmi3SetBinary)(Handle handle, const fmi3ValueReference references[], size_t count,
                                    const size_t sizes[], const fmi3Binary values[], size_t value_count)
 {
     (void)references;
@@ -238,7 +185,7 @@ FMU_API(fmi3Status, fmi3SetBinary)(fmi3Instance handle, const fmi3ValueReference
 
 /* --- Derivatives */
 
-static fmi3Status derivatives(fmi3Instance handle, const char *function, const fmi3ValueReference unknowns[],
+static fmi3Status derivatives(Handle handle, const char *function, const fmi3ValueReference unknowns[],
                               size_t unknown_count, const fmi3ValueReference knowns[], size_t known_count,
                               int transposed, const fmi3Float64 seed[], size_t seed_count, fmi3Float64 product[],
                               size_t product_count)
@@ -254,79 +201,53 @@ static fmi3Status derivatives(fmi3Instance handle, const char *function, const f
                                             product);
 }
 
-FMU_API(fmi3Status, fmi3GetDirectionalDerivative)(fmi3Instance handle, const fmi3ValueReference unknowns[],
-                                                  size_t unknown_count, const fmi3ValueReference knowns[],
-                                                  size_t known_count, const fmi3Float64 seed[], size_t seed_count,
-                                                  fmi3Float64 product[], size_t product_count)
-{
-    return derivatives(handle, __func__, unknowns, unknown_count, knowns, known_count, 0, seed, seed_count, product,
-                       product_count);
-}
+#define DERIVATIVE(function, transposed)                                                                               \
+    FMU_API(fmi3Status, function)(Handle handle, const fmi3ValueReference unknowns[], size_t unknown_count,            \
+                                  const fmi3ValueReference knowns[], size_t known_count, const fmi3Float64 seed[],     \
+                                  size_t seed_count, fmi3Float64 product[], size_t product_count)                      \
+    {                                                                                                                  \
+        return derivatives(handle, __func__, unknowns, unknown_count, knowns, known_count, (transposed), seed,         \
+                           seed_count, product, product_count);                                                        \
+    }
 
-FMU_API(fmi3Status, fmi3GetAdjointDerivative)(fmi3Instance handle, const fmi3ValueReference unknowns[],
-                                              size_t unknown_count, const fmi3ValueReference knowns[],
-                                              size_t known_count, const fmi3Float64 seed[], size_t seed_count,
-                                              fmi3Float64 product[], size_t product_count)
-{
-    return derivatives(handle, __func__, unknowns, unknown_count, knowns, known_count, 1, seed, seed_count, product,
-                       product_count);
-}
+DERIVATIVE(fmi3GetDirectionalDerivative, 0)
+DERIVATIVE(fmi3GetAdjointDerivative, 1)
 
 /* --- Saved states */
 
-FMU_API(fmi3Status, fmi3GetFMUState)(fmi3Instance handle, fmi3FMUState *state)
+FMU_API(fmi3Status, fmi3GetFMUState)(Handle handle, fmi3FMUState *state)
 {
-    REQUIRE(ANY_MODE);
-    return (fmi3Status)(state ? instance_save(instance, (Saved **)state)
-                              : instance_misses(instance, "the state's place"));
+    return get_state(handle, __func__, state);
 }
 
-FMU_API(fmi3Status, fmi3SetFMUState)(fmi3Instance handle, fmi3FMUState state)
+FMU_API(fmi3Status, fmi3SetFMUState)(Handle handle, fmi3FMUState state)
 {
-    REQUIRE(ANY_MODE);
-    return (fmi3Status)instance_restore(instance, state);
+    return set_state(handle, __func__, state);
 }
 
-FMU_API(fmi3Status, fmi3FreeFMUState)(fmi3Instance handle, fmi3FMUState *state)
+FMU_API(fmi3Status, fmi3FreeFMUState)(Handle handle, fmi3FMUState *state)
 {
-    REQUIRE(ANY_MODE);
-    if (state) {
-        saved_free(*state);
-        *state = NULL;
-    }
-    return fmi3OK;
+    return free_state(handle, __func__, state);
 }
 
-FMU_API(fmi3Status, fmi3SerializedFMUStateSize)(fmi3Instance handle, fmi3FMUState state, size_t *size)
+FMU_API(fmi3Status, fmi3SerializedFMUStateSize)(Handle handle, fmi3FMUState state, size_t *size)
 {
-    REQUIRE(ANY_MODE);
-    if (!state || !size)
-        return (fmi3Status)instance_misses(instance, "the state or its size's place");
-    *size = saved_size();
-    return fmi3OK;
+    return size_of_state(handle, __func__, state, size);
 }
 
-FMU_API(fmi3Status, fmi3SerializeFMUState)(fmi3Instance handle, fmi3FMUState state, fmi3Byte bytes[], size_t size)
+FMU_API(fmi3Status, fmi3SerializeFMUState)(Handle handle, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-    REQUIRE(ANY_MODE);
-    if (!state || !bytes || size < saved_size())
-        return (fmi3Status)instance_misses(instance, "the state or room for its bytes");
-    saved_serialise(state, bytes);
-    return fmi3OK;
+    return serialise_state(handle, __func__, state, bytes, size);
 }
 
-FMU_API(fmi3Status, fmi3DeserializeFMUState)(fmi3Instance handle, const fmi3Byte bytes[], size_t size,
-                                             fmi3FMUState *state)
+FMU_API(fmi3Status, fmi3DeserializeFMUState)(Handle handle, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
 {
-    REQUIRE(ANY_MODE);
-    if (!state)
-        return (fmi3Status)instance_misses(instance, "the state's place");
-    return (fmi3Status)instance_deserialise(instance, bytes, size, (Saved **)state);
+    return deserialise_state(handle, __func__, bytes, size, state);
 }
 
 /* --- Co-simulation */
 
-FMU_API(fmi3Status, fmi3DoStep)(fmi3Instance handle, fmi3Float64 time, fmi3Float64 h, fmi3Boolean no_earlier_state,
+FMU_API(fmi3Status, fmi3DoStep)(Handle handle, fmi3Float64 time, fmi3Float64 h, fmi3Boolean no_earlier_state,
                                 fmi3Boolean *event_needed, fmi3Boolean *terminate, fmi3Boolean *early_return,
                                 fmi3Float64 *last_time)
 {
@@ -345,22 +266,15 @@ FMU_API(fmi3Status, fmi3DoStep)(fmi3Instance handle, fmi3Float64 time, fmi3Float
     return (fmi3Status)status;
 }
 
-/* --- Model exchange: a clamp has no continuous states, its memory turns at completed steps and events */
+/* --- Model exchange */
 
-FMU_API(fmi3Status, fmi3EnterEventMode)(fmi3Instance handle)
-{
-    REQUIRE(EVENT | CONTINUOUS);
-    instance->mode = EVENT;
-    return (fmi3Status)instance_complete_step(instance);
-}
-
-FMU_API(fmi3Status, fmi3EvaluateDiscreteStates)(fmi3Instance handle)
+FMU_API(fmi3Status, fmi3EvaluateDiscreteStates)(Handle handle)
 {
     REQUIRE(INITIALIZATION | EVENT);
     return fmi3OK;
 }
 
-FMU_API(fmi3Status, fmi3UpdateDiscreteStates)(fmi3Instance handle, fmi3Boolean *needed, fmi3Boolean *terminate,
+FMU_API(fmi3Status, fmi3UpdateDiscreteStates)(Handle handle, fmi3Boolean *needed, fmi3Boolean *terminate,
                                               fmi3Boolean *nominals_changed, fmi3Boolean *values_changed,
                                               fmi3Boolean *next_event_defined, fmi3Float64 *next_event)
 {
@@ -375,38 +289,7 @@ FMU_API(fmi3Status, fmi3UpdateDiscreteStates)(fmi3Instance handle, fmi3Boolean *
     return fmi3OK;
 }
 
-FMU_API(fmi3Status, fmi3EnterContinuousTimeMode)(fmi3Instance handle)
-{
-    REQUIRE(EVENT);
-    instance->mode = CONTINUOUS;
-    return fmi3OK;
-}
-
-FMU_API(fmi3Status, fmi3CompletedIntegratorStep)(fmi3Instance handle, fmi3Boolean no_earlier_state,
-                                                 fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
-{
-    REQUIRE(CONTINUOUS);
-    (void)no_earlier_state;
-    if (enter_event_mode)
-        *enter_event_mode = false;
-    if (terminate)
-        *terminate = false;
-    return (fmi3Status)instance_complete_step(instance);
-}
-
-FMU_API(fmi3Status, fmi3SetTime)(fmi3Instance handle, fmi3Float64 time)
-{
-    REQUIRE(EVENT | CONTINUOUS);
-    return (fmi3Status)instance_set_time(instance, time);
-}
-
-FMU_API(fmi3Status, fmi3GetEventIndicators)(fmi3Instance handle, fmi3Float64 indicators[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    return (fmi3Status)instance_indicators(instance, indicators, count);
-}
-
-static fmi3Status count_of(fmi3Instance handle, const char *function, size_t is, size_t *count)
+static fmi3Status count_of(Handle handle, const char *function, size_t is, size_t *count)
 {
     const Instance *instance = handle;
     if (!instance_may(instance, ANY_MODE, function))
@@ -417,44 +300,26 @@ static fmi3Status count_of(fmi3Instance handle, const char *function, size_t is,
     return fmi3OK;
 }
 
-FMU_API(fmi3Status, fmi3GetNumberOfEventIndicators)(fmi3Instance handle, size_t *count)
+FMU_API(fmi3Status, fmi3GetNumberOfEventIndicators)(Handle handle, size_t *count)
 {
     return count_of(handle, __func__, INDICATORS, count);
 }
 
-FMU_API(fmi3Status, fmi3GetNumberOfContinuousStates)(fmi3Instance handle, size_t *count)
+FMU_API(fmi3Status, fmi3GetNumberOfContinuousStates)(Handle handle, size_t *count)
 {
     return count_of(handle, __func__, STATES, count);
 }
 
-FMU_API(fmi3Status, fmi3SetContinuousStates)(fmi3Instance handle, const fmi3Float64 states[], size_t count)
+FMU_API(fmi3Status, fmi3GetContinuousStateDerivatives)(Handle handle, fmi3Float64 derivatives[], size_t count)
 {
-    REQUIRE(CONTINUOUS);
-    return (fmi3Status)instance_set_states(instance, states, count);
-}
-
-FMU_API(fmi3Status, fmi3GetContinuousStates)(fmi3Instance handle, fmi3Float64 states[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    return (fmi3Status)instance_get_states(instance, states, count);
-}
-
-FMU_API(fmi3Status, fmi3GetContinuousStateDerivatives)(fmi3Instance handle, fmi3Float64 derivatives[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
+    REQUIRE(EVALUATED);
     return (fmi3Status)instance_state_derivatives(instance, derivatives, count);
-}
-
-FMU_API(fmi3Status, fmi3GetNominalsOfContinuousStates)(fmi3Instance handle, fmi3Float64 nominals[], size_t count)
-{
-    REQUIRE(INITIALIZATION | EVENT | CONTINUOUS | TERMINATED);
-    return (fmi3Status)instance_nominals(instance, nominals, count);
 }
 
 /* --- What this FMU doesn't have: clocks, arrays of varying size, derivatives in time, an event mode in co-simulation */
 
 #define LACKING(function, ...)                                                                                         \
-    FMU_API(fmi3Status, function)(fmi3Instance handle __VA_ARGS__)                                                     \
+    FMU_API(fmi3Status, function)(Handle handle __VA_ARGS__)                                                     \
     {                                                                                                                  \
         return (fmi3Status)instance_lacks(handle, __func__);                                                           \
     }

@@ -29,6 +29,14 @@ typedef void (*fmi3IntermediateUpdateCallback)(fmi3InstanceEnvironment, fmi3Floa
 typedef void (*fmi3LockPreemptionCallback)(void);
 typedef void (*fmi3UnlockPreemptionCallback)(void);
 
+/* The names that fmi.c has for them, which states what is alike in both versions. */
+#define FMI(name) fmi3##name
+typedef fmi3Instance Handle;
+typedef fmi3Status Answer;
+typedef fmi3Boolean Boolean;
+typedef fmi3FMUState State;
+typedef fmi3Byte Byte;
+
 #include "export.h"
 
 #endif

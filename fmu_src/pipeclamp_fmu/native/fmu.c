@@ -4,6 +4,7 @@
 #include MODEL_SOURCE
 #include "values.c"
 #include "instance.c"
+#include "variables.c"
 #if FMI_VERSION == 2
 #include "fmi2.c"
 #else

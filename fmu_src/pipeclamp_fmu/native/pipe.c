@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "model.h"
+#include "no_range.c"
 
 enum { INPUTS_AT_STEP_END };
 enum { TERMS = 16 }; /* of the power series; with the matrix' norm times the step up to 1/2, the first left out is 1e-18 */
@@ -446,23 +447,4 @@ static void model_slopes(const Model *model, const Values *values, Scratch *scra
     write_energies(write_motion(slopes, &change, rates + MODES),
                    seen(now->p, change.p) + (seen(strain, change.q) + seen(now->q, change_of_strain)) / 2,
                    change.excited, change.on_clamps);
-}
-
-static int model_within_range(const Model *model)
-{
-    (void)model;
-    return 1;
-}
-
-static void model_say_range(const Model *model, const Values *values, char text[TEXT])
-{
-    (void)model;
-    (void)values;
-    (void)text;
-}
-
-static void model_indicators(const Model *model, double indicators[])
-{
-    (void)model;
-    (void)indicators;
 }

@@ -1,0 +1,194 @@
+/* What FMI 2.0 and 3.0 state alike, but for the names: see fmi2.h and fmi3.h for these. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "instance.h"
+
+enum {
+    RUNNING = STEPPING | EVENT | CONTINUOUS,
+    SETTABLE = INSTANTIATED | INITIALIZATION | RUNNING,
+    READABLE = INITIALIZATION | RUNNING | TERMINATED,
+    EVALUATED = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED
+};
+
+#define REQUIRE(modes)                                                                                                 \
+    Instance *instance = handle;                                                                                       \
+    if (!instance_may(instance, (modes), __func__))                                                                    \
+    return (Answer)STATUS_ERROR
+
+FMU_API(Answer, FMI(SetDebugLogging))(Handle handle, Boolean on, size_t count, const char *const names[])
+{
+    REQUIRE(ANY_MODE);
+    (void)count;
+    (void)names;
+    instance->logging = on;
+    return (Answer)STATUS_OK;
+}
+
+FMU_API(void, FMI(FreeInstance))(Handle handle)
+{
+    instance_free(handle);
+}
+
+FMU_API(Answer, FMI(ExitInitializationMode))(Handle handle)
+{
+    REQUIRE(INITIALIZATION);
+    return (Answer)instance_initialised(instance);
+}
+
+FMU_API(Answer, FMI(Terminate))(Handle handle)
+{
+    REQUIRE(RUNNING);
+    instance->mode = TERMINATED;
+    return (Answer)STATUS_OK;
+}
+
+FMU_API(Answer, FMI(Reset))(Handle handle)
+{
+    REQUIRE(ANY_MODE);
+    instance_reset(instance);
+    return (Answer)STATUS_OK;
+}
+
+/* --- Booleans, whose type is an int in 2.0 and a bool in 3.0 */
+
+static Status get_flags(Instance *instance, const unsigned references[], size_t count, Boolean values[])
+{
+    Status status = STATUS_OK;
+    size_t i;
+    if (count > 0 && (!references || !values))
+        return instance_misses(instance, "an array of value references or values");
+    for (i = 0; i < count; i++) {
+        int value = values[i];
+        status = worse(status, instance_get_flag(instance, references[i], &value));
+        values[i] = value;
+    }
+    return status;
+}
+
+static Status set_flags(Instance *instance, const unsigned references[], size_t count, const Boolean values[])
+{
+    Status status = STATUS_OK;
+    size_t i;
+    if (count > 0 && (!references || !values))
+        return instance_misses(instance, "an array of value references or values");
+    for (i = 0; i < count; i++)
+        status = worse(status, instance_set_flag(instance, references[i], values[i]));
+    return status;
+}
+
+/* --- Saved states; the versions write these functions' names in ways of their own */
+
+static Answer get_state(Handle handle, const char *function, State *state)
+{
+    Instance *instance = handle;
+    if (!instance_may(instance, ANY_MODE, function))
+        return (Answer)STATUS_ERROR;
+    return (Answer)(state ? instance_save(instance, (Saved **)state) : instance_misses(instance, "the state's place"));
+}
+
+static Answer set_state(Handle handle, const char *function, State state)
+{
+    Instance *instance = handle;
+    if (!instance_may(instance, ANY_MODE, function))
+        return (Answer)STATUS_ERROR;
+    return (Answer)instance_restore(instance, state);
+}
+
+static Answer free_state(Handle handle, const char *function, State *state)
+{
+    if (!instance_may(handle, ANY_MODE, function))
+        return (Answer)STATUS_ERROR;
+    if (state) {
+        saved_free(*state);
+        *state = NULL;
+    }
+    return (Answer)STATUS_OK;
+}
+
+static Answer size_of_state(Handle handle, const char *function, State state, size_t *size)
+{
+    if (!instance_may(handle, ANY_MODE, function))
+        return (Answer)STATUS_ERROR;
+    if (!state || !size)
+        return (Answer)instance_misses(handle, "the state or its size's place");
+    *size = saved_size();
+    return (Answer)STATUS_OK;
+}
+
+static Answer serialise_state(Handle handle, const char *function, State state, Byte bytes[], size_t size)
+{
+    if (!instance_may(handle, ANY_MODE, function))
+        return (Answer)STATUS_ERROR;
+    if (!state || !bytes || size < saved_size())
+        return (Answer)instance_misses(handle, "the state or room for its bytes");
+    saved_serialise(state, (unsigned char *)bytes);
+    return (Answer)STATUS_OK;
+}
+
+static Answer deserialise_state(Handle handle, const char *function, const Byte bytes[], size_t size, State *state)
+{
+    if (!instance_may(handle, ANY_MODE, function))
+        return (Answer)STATUS_ERROR;
+    if (!state)
+        return (Answer)instance_misses(handle, "the state's place");
+    return (Answer)instance_deserialise(handle, (const unsigned char *)bytes, size, (Saved **)state);
+}
+
+/* --- Model exchange: a clamp has no continuous states, its memory turns at completed steps and events */
+
+FMU_API(Answer, FMI(EnterEventMode))(Handle handle)
+{
+    REQUIRE(EVENT | CONTINUOUS);
+    instance->mode = EVENT;
+    return (Answer)instance_complete_step(instance);
+}
+
+FMU_API(Answer, FMI(EnterContinuousTimeMode))(Handle handle)
+{
+    REQUIRE(EVENT);
+    instance->mode = CONTINUOUS;
+    return (Answer)STATUS_OK;
+}
+
+FMU_API(Answer, FMI(CompletedIntegratorStep))(Handle handle, Boolean no_earlier_state, Boolean *enter_event_mode,
+                                              Boolean *terminate)
+{
+    REQUIRE(CONTINUOUS);
+    (void)no_earlier_state;
+    if (enter_event_mode)
+        *enter_event_mode = 0;
+    if (terminate)
+        *terminate = 0;
+    return (Answer)instance_complete_step(instance);
+}
+
+FMU_API(Answer, FMI(SetTime))(Handle handle, double time)
+{
+    REQUIRE(EVENT | CONTINUOUS);
+    return (Answer)instance_set_time(instance, time);
+}
+
+FMU_API(Answer, FMI(GetEventIndicators))(Handle handle, double indicators[], size_t count)
+{
+    REQUIRE(EVALUATED);
+    return (Answer)instance_indicators(instance, indicators, count);
+}
+
+FMU_API(Answer, FMI(SetContinuousStates))(Handle handle, const double states[], size_t count)
+{
+    REQUIRE(CONTINUOUS);
+    return (Answer)instance_set_states(instance, states, count);
+}
+
+FMU_API(Answer, FMI(GetContinuousStates))(Handle handle, double states[], size_t count)
+{
+    REQUIRE(EVALUATED);
+    return (Answer)instance_get_states(instance, states, count);
+}
+
+FMU_API(Answer, FMI(GetNominalsOfContinuousStates))(Handle handle, double nominals[], size_t count)
+{
+    REQUIRE(EVALUATED);
+    return (Answer)instance_nominals(instance, nominals, count);
+}
