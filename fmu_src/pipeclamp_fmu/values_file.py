@@ -41,6 +41,12 @@ def read_values(folder: str, names: Sequence[str]) -> tuple[str, list[float]]:
             raise ValueError(f"resources/{FILE_NAME}: expected {name}")
         return line[len(name) + 1 :]
 
+    def number(name: str) -> float:
+        digits = after(name)[:16]
+        if len(digits) != 16 or not set(digits) <= set("0123456789abcdef"):
+            raise ValueError(f"resources/{FILE_NAME}: expected 16 hexadecimal digits after {name}")
+        value: float = struct.unpack(">d", bytes.fromhex(digits))[0]
+        return value
+
     after("token")
-    law = after("name")
-    return law, [struct.unpack(">d", bytes.fromhex(after(name)[:16]))[0] for name in names]
+    return after("name"), [number(name) for name in names]

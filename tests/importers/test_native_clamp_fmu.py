@@ -12,7 +12,7 @@ from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
 from pipeclamp.errors import UserError
-from pipeclamp_fmu.build import build_native_clamp
+from pipeclamp_fmu.build import build_clamp, build_native_clamp
 from pipeclamp_fmu.compile import compile_sources
 
 H = 1e-3
@@ -208,15 +208,20 @@ def test_every_unit_of_a_coefficient_is_defined(native_fmus):
     assert float(cubic.factor) == pytest.approx(1e9)
 
 
-def test_files_of_another_fmu_are_refused(drive, native_fmus, tmp_path):
-    for name, change in (
-        ("token", lambda text: "token 0" + text[text.index("\n") :]),
-        ("line", lambda text: text.replace("law.k10", "law.k11")),
-        ("digits", lambda text: text.replace("law.k10 4", "law.k10 ")),
-        ("short", lambda text: text[:300]),
-        ("gone", lambda text: None),
-    ):
-        with zipfile.ZipFile(native_fmus[2]) as archive:
+@pytest.mark.parametrize("kind", ["native", "python"])
+def test_files_of_another_fmu_are_refused(drive, native_fmus, law_with_memory, tmp_path, kind):
+    build_clamp(law_with_memory, tmp_path / "python.fmu")
+    path = native_fmus[2] if kind == "native" else tmp_path / "python.fmu"
+    changes = {
+        "line": (lambda text: text.replace("law.k10", "law.k11"), "values.txt: expected law.k10"),
+        "digits": (lambda text: text.replace("law.k10 4", "law.k10 "), "expected 16 hexadecimal digits after law.k10"),
+        "short": (lambda text: text[:300], "values.txt: expected"),
+        "gone": (lambda text: None, "can't be instantiated"),
+    }
+    if kind == "native":  # pythonfmu doesn't hand the token on
+        changes["token"] = (lambda text: "token 0" + text[text.index("\n") :], "model description was read as")
+    for name, (change, words) in changes.items():
+        with zipfile.ZipFile(path) as archive:
             files = {entry: archive.read(entry) for entry in archive.namelist()}
         text = change(files["resources/values.txt"].decode())
         files["resources/values.txt"] = (text or "").encode()
@@ -224,7 +229,7 @@ def test_files_of_another_fmu_are_refused(drive, native_fmus, tmp_path):
             for entry, content in files.items():
                 if text is not None or entry != "resources/values.txt":
                     archive.writestr(entry, content)
-        with pytest.raises(UserError, match="can't be instantiated"):
+        with pytest.raises(UserError, match=words):
             drive(tmp_path / f"{name}.fmu")
 
 

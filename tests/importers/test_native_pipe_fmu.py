@@ -12,7 +12,8 @@ from test_pipe_fmu import PIPES, modal_system
 
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_fmu.build import build_native_pipe
+from pipeclamp_fmu.build import build_native_excitation, build_native_pipe
+from pipeclamp_fmu.excitation import Samples
 
 ARRAYS = {2: lambda *values: (fmi2Real * len(values))(*values), 3: lambda *values: (fmi3Float64 * len(values))(*values)}
 CLAMPED = [f"clamp{index}.{kind}" for kind in "sv" for index in (1, 2)]
@@ -169,3 +170,13 @@ def test_states_have_no_derivatives_in_co_simulation(each):
     for unknown, known in (("der(mode.q[1])", "base.a"), ("clamp1.s", "mode.q[1]")):
         with pytest.raises(FMICallException):
             pipe.jacobian([unknown], [known if known in pipe.references else "excitation.f"])
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_excitation_which_depends_on_time_alone_answers_with_no_slope(tmp_path, fmi):
+    build_native_excitation(Samples(0.1, [0.0, 2.0, 1.0], "m/s2"), tmp_path / "excitation.fmu", fmi)
+    excitation = NativeDriver(tmp_path / "excitation.fmu", tmp_path / "unpacked", "CoSimulation", {})
+    excitation.fmu.doStep(0.0, 0.05)
+    assert excitation.get("signal") == [1.0]
+    assert list(excitation.fmu.getDirectionalDerivative([excitation.references["signal"]], [], [])) == [0.0]
+    excitation.free()
