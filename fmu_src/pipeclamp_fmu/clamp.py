@@ -226,10 +226,6 @@ def clamp_text(model: ClampModel, version: str) -> ModelText:
     )
 
 
-COEFFICIENT = "coefficient of the law: "
-"""What the descriptions of the law's coefficients begin with."""
-
-
 def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Variables:
     """Give the clamp's variables, but for those that show its memory."""
     starts: dict[str, float | bool] = {
@@ -249,7 +245,7 @@ def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Var
     coefficients = [
         Variable(
             f"{clamp_slave.LAW}{entry.name}",
-            Quantity(f"{COEFFICIENT}{entry.meaning}", entry.unit.replace("-", "")),
+            Quantity(f"coefficient of the law: {entry.meaning}", entry.unit.replace("-", "")),
             entry.value,
         )
         for entry in model.coefficients

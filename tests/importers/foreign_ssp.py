@@ -1,25 +1,31 @@
 """An SSP run by other people's masters; run as a program, since their libraries stay in the process.
 
-python foreign_ssp.py fmpy|ecos|libcosim SYSTEM.ssp FOLDER STEP_NS STEPS  ->  JSON on the last line: [[s, f], ...]
+python foreign_ssp.py fmpy|ecos|libcosim SYSTEM.ssp FOLDER STEP_NS STEPS  ->  JSON on the last line: [[s, f, f], ...]
 """
 
 import json
 import sys
 import zipfile
 
+CLAMPS = ("clamp1", "clamp2")
+
 
 def fmpy(ssp, folder, step_ns, steps):
     from fmpy.ssp.simulation import simulate_ssp
     from fmpy.ssp.ssd import read_ssv
 
-    parameters = read_ssv(ssp, resource="resources/clamp1.ssv")
-    for parameter in parameters.parameters:  # fmpy takes one set for the whole system
-        parameter.name = f"clamp1.{parameter.name}"
-        if parameter.type == "Boolean":  # and holds "false" for true
-            parameter.value = float(parameter.value == "true")
+    sets = {name: read_ssv(ssp, resource=f"resources/{name}.ssv") for name in CLAMPS}
+    for name, parameters in sets.items():
+        for parameter in parameters.parameters:
+            parameter.name = f"{name}.{parameter.name}"
+            if parameter.type == "Boolean":  # fmpy holds "false" for true
+                parameter.value = float(parameter.value == "true")
+    whole = sets["clamp1"]  # fmpy takes one set for the whole system
+    whole.parameters.extend(sets["clamp2"].parameters)
     step = 1e-9 * step_ns
-    result = simulate_ssp(ssp, stop_time=(steps - 0.5) * step, step_size=step, parameter_set=parameters)
-    return list(zip(result["pipe.clamp1.s"].tolist(), result["clamp1.flange.f"].tolist(), strict=True))
+    result = simulate_ssp(ssp, stop_time=(steps - 0.5) * step, step_size=step, parameter_set=whole)
+    columns = [result["pipe.clamp1.s"], *(result[f"{name}.flange.f"] for name in CLAMPS)]
+    return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 def ecos(ssp, folder, step_ns, steps):
@@ -30,7 +36,8 @@ def ecos(ssp, folder, step_ns, steps):
     rows = []
     for _ in range(steps):
         simulation.step(1)
-        rows.append((simulation.get_real("pipe::clamp1.s"), simulation.get_real("clamp1::flange.f")))
+        forces = [simulation.get_real(f"{name}::flange.f") for name in CLAMPS]
+        rows.append((simulation.get_real("pipe::clamp1.s"), *forces))
     simulation.terminate()
     return rows
 
@@ -53,8 +60,8 @@ def libcosim(ssp, folder, step_ns, steps):
     for _ in range(steps):
         execution.step(1)
         (s,) = observer.last_real_values(indices["pipe"], [references["pipe"]["clamp1.s"]])
-        (f,) = observer.last_real_values(indices["clamp1"], [references["clamp1"]["flange.f"]])
-        rows.append((s, f))
+        forces = [observer.last_real_values(indices[name], [references[name]["flange.f"]])[0] for name in CLAMPS]
+        rows.append((s, *forces))
     return rows
 
 

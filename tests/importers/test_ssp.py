@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
+from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
+from pipeclamp.parameter_file import write_law
 from pipeclamp_fmu.compile import system_compiler
 from pipeclamp_identification.cosim import NATIVE, PYTHON, run_system
 from pipeclamp_identification.system_ssp import write_system
@@ -20,13 +22,18 @@ from pipeclamp_identification.system_ssp import write_system
 STEP_NS, STEPS = 20_000, 1500
 NEEDS = {"fmpy": "fmpy", "ecos": "ecospy", "libcosim": "libcosimpy"}
 SYSTEM = """
-name = "one clamp"
+name = "two clamps"
 [pipe]
 file = "pipe.toml"
 [[clamps]]
 at = "clamp1"
 law = "emwm2"
 temperature_C = 50.0
+amplitude_mm = 0.5
+[[clamps]]
+at = "clamp2"
+law = "softer.json"
+temperature_C = 80.0
 amplitude_mm = 0.5
 [excitation]
 kind = "sine"
@@ -41,8 +48,12 @@ scheme = "parallel"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, pipe_text):
-    """Give a folder with a described pipe and system."""
+    """Give a folder with a described pipe and system, its clamps of the same equations with different values."""
     made = tmp_path_factory.mktemp("system")
+    law = open_law("emwm2")
+    coefficients = dict(law.coefficients)
+    coefficients["k10"] = coefficients["k10"].model_copy(update={"value": 0.4 * coefficients["k10"].value})
+    write_law(law.model_copy(update={"name": "softer", "coefficients": coefficients}), made / "softer.json")
     (made / "pipe.toml").write_text(pipe_text("pipe"), encoding="utf-8")
     text = SYSTEM.format(stop=1e-9 * STEP_NS * STEPS, step=1e-9 * STEP_NS)
     (made / "system.toml").write_text(text, encoding="utf-8")
@@ -61,9 +72,9 @@ def ssp(request, folder):
 
 @pytest.fixture(scope="module")
 def own(folder):
-    """Our parallel scheme's displacement and force, (STEPS, 2)."""
+    """Our parallel scheme's displacement and forces, (STEPS, 3)."""
     columns = run_system(folder / "system.toml").columns
-    return np.array([columns["clamp1.s"], columns["clamp1.f"]]).T[1:]
+    return np.array([columns["clamp1.s"], columns["clamp1.f"], columns["clamp2.f"]]).T[1:]
 
 
 @pytest.mark.parametrize("master", NEEDS)
@@ -87,9 +98,9 @@ def test_it_holds_every_part(ssp, tmp_path):
     with zipfile.ZipFile(ssp) as archive:
         names = set(archive.namelist())
         archive.extractall(tmp_path)
-    parts = {f"resources/{name}.fmu" for name in ("excitation", "pipe", "clamp1")}
-    assert names == {"SystemStructure.ssd", "resources/clamp1.ssv", *parts}
-    assert [validate_fmu(str(tmp_path / part)) for part in sorted(parts)] == [[], [], []]
+    parts = {f"resources/{name}.fmu" for name in ("excitation", "pipe", "clamp1", "clamp2")}
+    assert names == {"SystemStructure.ssd", "resources/clamp1.ssv", "resources/clamp2.ssv", *parts}
+    assert [validate_fmu(str(tmp_path / part)) for part in sorted(parts)] == [[], [], [], []]
 
 
 def test_too_long_a_run_is_refused(folder, tmp_path):
