@@ -24,9 +24,8 @@ SIGNIFICANT = 1e-3
 """Lack of fit less likely than this under noise alone is real."""
 MATERIAL = 0.1
 """Lack of fit below this share of the force noise (rms) isn't worth an effect: it costs half a percent of the floor."""
-PRECISE = 6e-4
-"""Nor is what lies below this share of the force (rms): no load cell is truer, and identification itself errs by so
-much where friction steps between samples."""
+PRECISE = 2e-4
+"""Nor is what lies below this share of the force (rms): few load cells are truer."""
 FORM = 0.1
 """An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
 exact form."""

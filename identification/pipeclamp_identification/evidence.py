@@ -111,8 +111,8 @@ class LackOfFit:
     """What of the residuals follows the conditions, against what noise alone would make of it.
 
     Attributes:
-        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, or as stiffness or
-            damping that follows one condition, whichever is least likely, times three.
+        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, in one harmonic
+            alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
             small.
@@ -148,6 +148,8 @@ def lack_of_fit(
     freedoms = smooth.shape[1] - taken
     low = 2 * LOW_HARMONICS + 1
     p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
+    alone = stats.chi2.sf(explained, np.maximum(freedoms, 1.0))
+    p_values.append(min(1.0, channels * float(alone.min())))
     p_values.append(_least_likely(directed, fitted.residual, flat, runs - smooth.shape[1]))
     leverage = np.sum(smooth**2, axis=1)
     seen = noise.variance < UNSEEN
