@@ -15,9 +15,10 @@ import polars as pl
 from pipeclamp.bundled import open_law
 from pipeclamp.parameter_file import law_of, law_text
 from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.campaign_writing import WrittenRun, write_campaign
 from pipeclamp_identification.compare import compare, comparison_json
 from pipeclamp_identification.identify import identify, law_file
-from pipeclamp_identification.rig import TestPlan, VirtualRun, virtual_runs, write_campaign
+from pipeclamp_identification.rig import TestPlan, virtual_runs
 
 PLAN = TestPlan(frequencies=(1.0, 2.0, 3.0, 4.0, 5.0), rate=2500.0)
 SPECIMENS = 3
@@ -29,7 +30,7 @@ def campaign_runs():
     for specimen in range(SPECIMENS):
         for run in virtual_runs(law, replace(PLAN, seed=specimen)):
             row = {**run.row, "run": f"S{specimen}_{run.row['run']}", "specimen": f"S{specimen}"}
-            yield VirtualRun(row, run.time_s, run.displacement_mm, run.force_N)
+            yield WrittenRun(row, run.time_s, run.displacement_mm, run.force_N)
 
 
 def seconds(work) -> float:

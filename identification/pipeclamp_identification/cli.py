@@ -186,7 +186,7 @@ def compare(
         with told("compare") as tell:
             tell(f"hold {law} against {campaign}")
             on_pipe = compare_pipe(Path(law), campaign)
-            found = compared_on_pipe(on_pipe, with_report=report is not None, progress=tell)
+            found = compared_on_pipe(on_pipe, with_report=report is not None)
         title = f"{on_pipe.system.name} against {on_pipe.measurement.description.name}"
         show(found, json, report, title, on_pipe.measurement.description.notes or "pipe and clamps")
         return
@@ -316,6 +316,8 @@ def rig(
     force_step: Annotated[float, typer.Option(help="Quantisation of the force, N.")] = 0.1,
     displacement_step: Annotated[float, typer.Option(help="Quantisation of the displacement, mm.")] = 0.0001,
     distortion: Annotated[float, typer.Option(help="Third harmonic of the drive, share of the amplitude.")] = 0.005,
+    riding: Annotated[float, typer.Option(help="Small cycles on the large one, share of its amplitude.")] = 0.0,
+    riding_order: Annotated[int, typer.Option(help="So many of them a cycle.")] = 7,
     amplitude_error: Annotated[float, typer.Option(help="Rms error of the amplitude, as a share.")] = 0.005,
     temperature_error: Annotated[float, typer.Option(help="Rms error of the temperature, K.")] = 1.0,
     seed: Annotated[int, typer.Option(help="Of the random numbers.")] = 0,
@@ -325,6 +327,7 @@ def rig(
     from pipeclamp.bundled import open_law
     from pipeclamp.declaration import read_effects
     from pipeclamp_identification import rig as virtual
+    from pipeclamp_identification.campaign_writing import write_campaign
 
     with told("rig") as tell:
         plan = virtual.TestPlan(
@@ -339,16 +342,43 @@ def rig(
             force_step=force_step,
             displacement_step=displacement_step,
             distortion=distortion,
+            riding=riding,
+            riding_order=riding_order,
             amplitude_error=amplitude_error,
             temperature_error=temperature_error,
             seed=seed,
         )
         ids, declarations = read_effects(names_in(effects), declared or ())
         truth, conditions = virtual.truth_law(open_law(law), ids, _values(set_values), declarations)
-        count = virtual.write_campaign(
+        count = write_campaign(
             output, virtual.virtual_runs(truth, plan, conditions), name=output.name, notes=f"Virtual rig: {_command()}",
             format=format.value, progress=tell,
         )  # fmt: skip
+    console.print(f"{output}: {count} runs")
+
+
+@app.command(epilog="Example: pipeclamp join tests next_test -o all_tests")
+def join(
+    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN...", help="Tests of one clamp.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")
+    ],
+    strict: StrictOption = False,
+    format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
+) -> None:
+    """Several campaigns of one clamp in one: the tests so far and the next one."""
+    from pipeclamp_identification.bundled_campaigns import campaign_folder
+    from pipeclamp_identification.campaign import read_campaign
+    from pipeclamp_identification.campaign_writing import joined_runs, write_campaign
+
+    with told("join") as tell:
+        tests = [read_campaign(campaign_folder(folder), strict=strict) for folder in campaigns]
+        for entry in (entry for one in tests for entry in one.left_out):
+            errors.print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+        notes = f"Joined of {', '.join(one.name for one in tests)}"
+        count = write_campaign(
+            output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell
+        )
     console.print(f"{output}: {count} runs")
 
 

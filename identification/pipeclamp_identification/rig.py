@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import gzip
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from io import BytesIO
-from pathlib import Path
-from typing import Literal
 
 import numpy as np
-import polars as pl
 
 from pipeclamp import symbols
 from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
-from pipeclamp.files import write_folder
 from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, respond
-from pipeclamp_identification.description import description_text
+from pipeclamp_identification.campaign_writing import WrittenRun
 
 CELSIUS = 273.15
 SUBSTEPS = 4
@@ -45,6 +39,8 @@ class TestPlan:
         displacement_noise: rms of the displacement sensor's noise in mm.
         force_step, displacement_step: quantisation in N and mm; 0 for none.
         distortion: third harmonic of the drive as a share of the amplitude.
+        riding: small cycles that ride on the large one, as a share of its amplitude.
+        riding_order: so many of them a cycle.
         amplitude_error: rms of the amplitude's error as a share.
         temperature_error: rms of the temperature's error in K.
         seed: of the random numbers; the same seed gives the same campaign.
@@ -61,6 +57,8 @@ class TestPlan:
     force_step: float = 0.1
     displacement_step: float = 0.0001
     distortion: float = 0.005
+    riding: float = 0.0
+    riding_order: int = 7
     amplitude_error: float = 0.005
     temperature_error: float = 1.0
     seed: int = 0
@@ -88,31 +86,24 @@ class TestPlan:
                 f"test plan: {samples:.3g} samples per record at {min(self.frequencies):g} Hz; expected at most "
                 f"{MOST_SAMPLES:.0e} at one frequency over all amplitudes and temperatures: fewer cycles, a lower rate"
             )
-        if not self.rate >= 20 * max(self.frequencies):
+        if self.riding_order < 2:
+            raise UserError(f"test plan: riding_order is {self.riding_order}; expected a whole number above 1")
+        fastest = max(self.frequencies) * (self.riding_order if self.riding > 0 else 1)
+        if not self.rate >= 20 * fastest:
             raise UserError(
-                f"test plan: {self.rate:g} samples per second for {max(self.frequencies):g} Hz; "
+                f"test plan: {self.rate:g} samples per second for {fastest:g} Hz; "
                 "expected at least 20 samples per cycle"
             )
         quality = (
             "ramp_cycles", "force_noise", "displacement_noise", "force_step", "displacement_step", "distortion",
-            "amplitude_error", "temperature_error",
+            "riding", "amplitude_error", "temperature_error",
         )  # fmt: skip
         for name in quality:
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
                 raise UserError(f"test plan: {name} is {getattr(self, name):g}; expected a number of at least 0")
 
 
-@dataclass(frozen=True)
-class VirtualRun:
-    """One run of the virtual rig: its row in runs.csv and its record."""
-
-    row: Mapping[str, str | float]
-    time_s: Array
-    displacement_mm: Array
-    force_N: Array
-
-
-def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | None = None) -> Iterator[VirtualRun]:
+def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | None = None) -> Iterator[WrittenRun]:
     """Run the plan on a clamp that obeys the law, rig effects included.
 
     Args:
@@ -134,7 +125,7 @@ def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | Non
         yield from _runs_at(law, plan, frequency, conditions or {})
 
 
-def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str, float]) -> Iterator[VirtualRun]:
+def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str, float]) -> Iterator[WrittenRun]:
     """Run all amplitudes and temperatures at one frequency: records of one length, marched together."""
     equations = compose(law.structure)
     pairs = list(itertools.product(plan.amplitudes, plan.temperatures))
@@ -173,7 +164,7 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
     kept = slice(lead, None, SUBSTEPS)
     for index, (nominal, rng) in enumerate(zip(pairs, random, strict=True)):
         name = f"A{nominal[0]:g}_f{frequency:g}_T{nominal[1]:g}".replace(".", "p").replace("-", "m")
-        yield VirtualRun(
+        yield WrittenRun(
             {
                 "run": name,
                 "amplitude_mm": nominal[0],
@@ -189,10 +180,10 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
 
 
 def _drive(plan: TestPlan, A: Array, frequency: float, shift: Array, time: Array) -> tuple[Array, Array, Array]:
-    """Give displacement, velocity and acceleration of the drive, shape (R, n), with distortion and ramp-in."""
+    """Give displacement, velocity and acceleration of the drive, shape (R, n), with all tones and ramp-in."""
     omega = 2 * np.pi * frequency
     y, v, a = np.zeros((3, len(A), len(time)))
-    for order, share in ((1, 1.0), (3, plan.distortion)):
+    for order, share in ((1, 1.0), (3, plan.distortion), (plan.riding_order, plan.riding)):
         phase = order * (omega * time + shift[:, None])
         y += share * A[:, None] * np.cos(phase)
         v -= share * A[:, None] * order * omega * np.sin(phase)
@@ -211,39 +202,6 @@ def _measured(truth: Array, noise: float, step: float, rng: np.random.Generator)
     """Give what a sensor with noise and quantisation shows."""
     shown = truth + noise * rng.standard_normal(len(truth))
     return np.round(shown / step) * step if step > 0 else shown
-
-
-Format = Literal["csv", "csv.gz", "parquet"]
-
-
-def campaign_files(
-    name: str,
-    notes: str,
-    runs: Iterator[VirtualRun],
-    format: Format = "csv",
-    progress: Callable[[str], None] | None = None,
-) -> Iterator[tuple[str, bytes]]:
-    """Give the files of a campaign in CAMPAIGN.md's layout as (path inside the folder, content)."""
-    rows = []
-    for run in runs:
-        file = f"runs/{run.row['run']}.{format}"
-        rows.append({"run": run.row["run"], "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
-        table = pl.DataFrame({"time_s": run.time_s, "displacement_mm": run.displacement_mm, "force_N": run.force_N})
-        yield file, _encoded(table, format)
-        if progress:
-            progress(str(run.row["run"]))
-    yield "runs.csv", _encoded(pl.DataFrame(rows), "csv")
-    yield "campaign.toml", description_text(name, notes).encode()
-
-
-def _encoded(table: pl.DataFrame, format: Format) -> bytes:
-    stream = BytesIO()
-    if format == "parquet":
-        table.write_parquet(stream)
-        return stream.getvalue()
-    table.write_csv(stream, float_precision=None)
-    content = stream.getvalue()
-    return gzip.compress(content, mtime=0) if format == "csv.gz" else content
 
 
 DENSITY = "density_g_cm3"
@@ -293,24 +251,3 @@ def truth_law(
             f"{', '.join((*names, *further))}"
         )
     return Law(structure, {name: known[name] for name in names}, law.v_r, law.y_r), conditions
-
-
-def write_campaign(
-    folder: Path,
-    runs: Iterator[VirtualRun],
-    *,
-    name: str,
-    notes: str,
-    format: Format = "csv",
-    progress: Callable[[str], None] | None = None,
-) -> int:
-    """Write a campaign into a new folder; it appears whole or not at all.
-
-    Returns:
-        the number of runs.
-
-    Raises:
-        UserError: the folder exists, or its parent can't be written.
-    """
-    files = campaign_files(name, notes, runs, format, progress)
-    return sum(file.startswith("runs/") for file in write_folder(folder, files))

@@ -12,6 +12,7 @@ from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp_fmu.build import build_clamp
 from pipeclamp_identification import rig as virtual
 from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.campaign_writing import write_campaign
 from pipeclamp_identification.cosim import run_system
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.prescribed import mode_errors, motions
@@ -28,7 +29,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None
     folder = tmp_path_factory.mktemp("modes")
     write_law(folder / "memory.json", {**MEMORY, "alpha0": 1.0}, "power", ("memory:2",))
     truth = read_law(folder / "memory.json")
-    virtual.write_campaign(folder / "virtual", virtual.virtual_runs(law_of(truth), PLAN), name="virtual", notes="")
+    write_campaign(folder / "virtual", virtual.virtual_runs(law_of(truth), PLAN), name="virtual", notes="")
     campaign = read_campaign(folder / "virtual")
     fitted = law_file(identify(campaign), campaign, name="law", command="test", date=None)
     (folder / "law.json").write_text(fitted.model_dump_json(by_alias=True), encoding="utf-8")

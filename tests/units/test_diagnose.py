@@ -10,6 +10,7 @@ from pipeclamp.parameter_file import law_text
 from pipeclamp_identification import rig
 from pipeclamp_identification.auto import add_until_settled
 from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.campaign_writing import write_campaign
 from pipeclamp_identification.diagnose import diagnose
 from pipeclamp_identification.diagnosis_report import answer_for, answer_json, answer_sections
 from pipeclamp_identification.identify import identify, law_file
@@ -32,7 +33,7 @@ def campaign(tmp_path_factory):
     def made(effects=(), **values):
         folder = tmp_path_factory.mktemp("diagnose") / "campaign"
         law = Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002)
-        rig.write_campaign(folder, rig.virtual_runs(law, PLAN), name="virtual", notes="")
+        write_campaign(folder, rig.virtual_runs(law, PLAN), name="virtual", notes="")
         return read_campaign(folder)
 
     return made

@@ -11,9 +11,10 @@ from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import law_of
 from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.campaign_writing import write_campaign
 from pipeclamp_identification.loops import loops_of
 from pipeclamp_identification.misfit import misfits, overall_nrmse
-from pipeclamp_identification.rig import TestPlan, truth_law, virtual_runs, write_campaign
+from pipeclamp_identification.rig import TestPlan, truth_law, virtual_runs
 
 TestPlan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
 PLAN = TestPlan(amplitudes=(0.3, 0.9), frequencies=(2.0,), temperatures=(20.0, 250.0), rate=400.0)

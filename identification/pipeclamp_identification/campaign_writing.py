@@ -1,0 +1,113 @@
+"""Campaigns written in CAMPAIGN.md's layout: those of the virtual rig, and several that are joined into one."""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Literal
+
+import polars as pl
+
+from pipeclamp.errors import UserError
+from pipeclamp.files import write_folder
+from pipeclamp.realise.arrays import Array
+from pipeclamp_identification.campaign import Campaign
+from pipeclamp_identification.description import description_text
+
+
+@dataclass(frozen=True)
+class WrittenRun:
+    """One run as it is written: its row in runs.csv and its record."""
+
+    row: Mapping[str, str | float | None]
+    time_s: Array
+    displacement_mm: Array
+    force_N: Array
+
+
+Format = Literal["csv", "csv.gz", "parquet"]
+
+
+def campaign_files(
+    name: str,
+    notes: str,
+    runs: Iterator[WrittenRun],
+    format: Format = "csv",
+    progress: Callable[[str], None] | None = None,
+) -> Iterator[tuple[str, bytes]]:
+    """Give the files of a campaign in CAMPAIGN.md's layout as (path inside the folder, content)."""
+    rows = []
+    for run in runs:
+        file = f"runs/{run.row['run']}.{format}"
+        rows.append({"run": run.row["run"], "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
+        table = pl.DataFrame({"time_s": run.time_s, "displacement_mm": run.displacement_mm, "force_N": run.force_N})
+        yield file, _encoded(table, format)
+        if progress:
+            progress(str(run.row["run"]))
+    yield "runs.csv", _encoded(pl.DataFrame(rows), "csv")
+    yield "campaign.toml", description_text(name, notes).encode()
+
+
+def _encoded(table: pl.DataFrame, format: Format) -> bytes:
+    stream = BytesIO()
+    if format == "parquet":
+        table.write_parquet(stream)
+        return stream.getvalue()
+    table.write_csv(stream, float_precision=None)
+    content = stream.getvalue()
+    return gzip.compress(content, mtime=0) if format == "csv.gz" else content
+
+
+def write_campaign(
+    folder: Path,
+    runs: Iterator[WrittenRun],
+    *,
+    name: str,
+    notes: str,
+    format: Format = "csv",
+    progress: Callable[[str], None] | None = None,
+) -> int:
+    """Write a campaign into a new folder; it appears whole or not at all.
+
+    Returns:
+        the number of runs.
+
+    Raises:
+        UserError: the folder exists, or its parent can't be written.
+    """
+    files = campaign_files(name, notes, runs, format, progress)
+    return sum(file.startswith("runs/") for file in write_folder(folder, files))
+
+
+def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
+    """Give the runs of several campaigns of one clamp, one after the other; a name that is taken gets a number.
+
+    Raises:
+        UserError: a further condition isn't known in all of them.
+    """
+    columns = campaigns[0].condition_columns
+    taken: set[str] = set()
+    for campaign in campaigns:
+        if set(campaign.condition_columns) != set(columns):
+            raise UserError(
+                f"join: {campaign.name} has the further columns {', '.join(campaign.condition_columns) or 'none'}, "
+                f"{campaigns[0].name} has {', '.join(columns) or 'none'}; expected the same, filled in in runs.csv"
+            )
+        for run in campaign.runs:
+            names = (run.name, *(f"{run.name}_{number}" for number in range(2, len(taken) + 3)))
+            name = next(name for name in names if name not in taken)
+            taken.add(name)
+            row = {
+                "run": name,
+                "amplitude_mm": run.amplitude_mm,
+                "frequency_Hz": run.frequency_Hz,
+                "temperature_C": run.temperature_C,
+                "specimen": run.specimen,
+                "density_g_cm3": run.density_g_cm3,
+                **{column: run.conditions[column] for column in columns},
+                "first_cycle": run.first_cycle,
+            }
+            yield WrittenRun(row, run.record.time_s, run.record.displacement_mm, run.record.force_N)
