@@ -24,9 +24,8 @@ SIGNIFICANT = 1e-3
 """Lack of fit less likely than this under noise alone is real."""
 MATERIAL = 0.1
 """Lack of fit below this share of the force noise (rms) isn't worth an effect: it costs half a percent of the floor."""
-PRECISE = 6e-4
-"""Nor is what lies below this share of the force (rms): no load cell is truer, and identification itself errs by so
-much where friction steps between samples."""
+PRECISE = 2e-4
+"""Nor is what lies below this share of the force (rms): few load cells are truer."""
 FORM = 0.1
 """An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
 exact form."""
@@ -34,9 +33,14 @@ MOST_FORM = 1.0
 """But a law that leaves over more than the force noise itself is not complete, whatever its effects' form."""
 EXPLAINS = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
+SHOWS = 0.7
+"""Nor does one that leaves over more than this share, even where it makes the rest look like scatter."""
 CLOSE = 0.1
-"""A rival stays in the answer's set when resampling the conditions makes it the best in this share of the draws."""
+"""A rival stays in the answer's set when resampling the runs makes it the best in this share of the draws."""
 DRAWS = 2000
+AS_LIKELY = 2 * np.log(100.0)
+"""A rival also stays when the fit to all data leaves it a hundredth of the best's likelihood: where few conditions were
+tested, leaving one out asks for what the rest can't tell, and its errors aren't evidence."""
 SCREENED = 8
 """Candidates that the screen lets through to a full fit, at most."""
 WORTH_FITTING = 0.01
@@ -123,7 +127,7 @@ def diagnose(structure: Structure, loops: Loops, *, jobs: int = 1, progress: Pro
     candidates, screened_out = _candidates(structure, problem, promises, jobs, tell)
     if candidates and not candidates[0].objections:
         tell("evidence weighed by the best law's own residuals")
-        problem, law = _weighed_again(problem, law, candidates[0])
+        problem, law = _weighed_again(problem, law, _likeliest(candidates))
         candidates = _ranked(judge_each([_as_it_is(judged) for judged in candidates], problem, jobs, tell))
     return _verdict(structure, problem, law, candidates, screened_out, tolerance, jobs, tell)
 
@@ -141,6 +145,11 @@ def _as_it_is(judged: Judged) -> Contender:
 
 def _ranked(judged: Iterable[Judged]) -> list[Judged]:
     return sorted(judged, key=lambda candidate: candidate.squares)
+
+
+def _likeliest(candidates: Iterable[Judged]) -> Judged:
+    """Give the candidate that the fit to all data prefers, of those that nothing speaks against."""
+    return min((each for each in candidates if not each.objections), key=lambda each: each.akaike)
 
 
 def _bare_lack(structure: Structure, problem: Problem) -> float:
@@ -210,7 +219,7 @@ def _verdict(
     tell: Callable[[str], None],
 ) -> Diagnosis:
     """Weigh the candidates."""
-    sound = [candidate for candidate in candidates if not candidate.objections and candidate.squares < law.squares]
+    sound = [candidate for candidate in candidates if not candidate.objections and _betters(candidate, law)]
 
     def answer(verdict: Verdict, effects: Iterable[str], pair: Judged | None, *reasons: str) -> Diagnosis:
         names = tuple(dict.fromkeys(effect_id(name) for name in effects))
@@ -220,17 +229,21 @@ def _verdict(
 
     if not sound:
         return answer("unknown", (), None, "no effect of the catalogue lowers the error on left-out conditions")
-    best = sound[0]
+    likeliest = _likeliest(sound)
+    # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
+    best = likeliest if _explains(likeliest, law, tolerance) and not _explains(sound[0], law, tolerance) else sound[0]
     pair = None
     if not _explains(best, law, tolerance):
         tell("two effects together")
-        pair = _best_pair(structure, problem, law, sound, jobs, tell)
+        pairs = _pairs(structure, problem, law, sound, jobs, tell)
+        pair = pairs[0] if pairs else None
         if pair is None or not _explains(pair, law, tolerance):
             return answer("unknown", (), pair, _unexplained_words(best, law))
-        members = sorted(pair.effects, key=lambda name: _alone(name, sound))
-        return answer(
-            "missing", members[:1], pair, f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
-        )
+        together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
+        firsts = _first_of_pairs(pairs, sound, law, tolerance)
+        if len(firsts) > 1:
+            return answer("ambiguous", firsts, pair, f"{together}; which comes first, {' or '.join(firsts)}, is open")
+        return answer("missing", firsts, pair, together)
     rivals = _rivals(best, sound, problem, tolerance, law)
     names = [best.effects[0], *(rival.effects[0] for rival in rivals)]
     distinct = list(dict.fromkeys(effect_id(name) for name in names))
@@ -240,8 +253,24 @@ def _verdict(
 
 
 def _explains(candidate: Judged, law: Judged, tolerance: Tolerance) -> bool:
-    left, missing = candidate.lack.share, law.lack.share
+    left, missing = candidate.lack.sure_share, law.lack.share
     return _adequate(candidate.lack, tolerance) or left < EXPLAINS * missing or left < tolerance.form < missing
+
+
+def _betters(candidate: Judged, law: Judged) -> bool:
+    """Tell whether an effect betters the law: on left-out conditions, or by the fit to all data beyond doubt."""
+    return candidate.squares < law.squares or candidate.akaike + AS_LIKELY < law.akaike
+
+
+def _first_of_pairs(pairs: Sequence[Judged], sound: Sequence[Judged], law: Judged, tolerance: Tolerance) -> list[str]:
+    """Give the better effect of the best pair, and of each pair without it that is as likely."""
+    firsts: list[str] = []
+    for pair in pairs:
+        names = list(dict.fromkeys(effect_id(name) for name in pair.effects))
+        as_likely = pair.akaike - pairs[0].akaike < AS_LIKELY and _explains(pair, law, tolerance)
+        if as_likely and not set(names) & set(firsts):
+            firsts.append(min(names, key=lambda name: _alone(name, sound)))
+    return firsts
 
 
 def _alone(name: str, sound: Sequence[Judged]) -> float:
@@ -249,15 +278,15 @@ def _alone(name: str, sound: Sequence[Judged]) -> float:
     return min(same, default=np.inf)
 
 
-def _best_pair(
+def _pairs(
     structure: Structure,
     problem: Problem,
     law: Judged,
     sound: Sequence[Judged],
     jobs: int,
     tell: Callable[[str], None],
-) -> Judged | None:
-    """Fit the best candidates together with the second effects that promise most; give the best sound pair."""
+) -> list[Judged]:
+    """Fit the best candidates together with the second effects that promise most; give the sound pairs, best first."""
     contenders: list[Contender] = []
     seen: set[frozenset[str]] = set()
     promises = screened(structure, problem, law, tell)
@@ -277,8 +306,8 @@ def _best_pair(
             contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), start))
         seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
     usable = [pair for pair in judge_each(contenders, problem, jobs, tell) if not pair.objections]
-    best = min(usable, key=lambda pair: pair.squares, default=None)
-    return _grown(best, structure, problem, tell) if best else None
+    ranked = _ranked(usable)
+    return [_grown(pair, structure, problem, tell) for pair in ranked[:1]] + ranked[1:]
 
 
 def _distinct(judged: Sequence[Judged]) -> list[Judged]:
@@ -290,20 +319,21 @@ def _distinct(judged: Sequence[Judged]) -> list[Judged]:
 
 
 def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, tolerance: Tolerance, law: Judged) -> list[Judged]:
-    """Find who can't be told from the best: one standard error away, or best in many resampled sets of conditions."""
+    """Find who can't be told from the best: by left-out conditions, resampled ones, or the fit to all data."""
     others = [candidate for candidate in sound if candidate is not best and _explains(candidate, law, tolerance)]
     if not others:
         return []
     random = np.random.default_rng(0)
-    count = len(best.score.squares)
+    squares = np.stack([each.squares_by_run(problem.loops) for each in (best, *others)], axis=1)
+    count = len(squares)
     weights = random.multinomial(count, np.full(count, 1 / count), size=DRAWS)
-    totals = weights @ np.stack([candidate.score.squares for candidate in (best, *others)], axis=1)
-    wins = np.bincount(np.argmin(totals, axis=1), minlength=1 + len(others)) / DRAWS
+    wins = np.bincount(np.argmin(weights @ squares, axis=1), minlength=1 + len(others)) / DRAWS
     rivals = []
     for place, candidate in enumerate(others, 1):
-        difference = candidate.score.squares - best.score.squares
+        difference = squares[:, place] - squares[:, 0]
         error = np.sqrt(count * np.var(difference, ddof=1)) if count > 1 else np.inf
-        if difference.sum() <= error or wins[place] >= CLOSE:
+        as_likely = candidate.akaike - best.akaike < AS_LIKELY
+        if difference.sum() <= error or wins[place] >= CLOSE or as_likely:
             rivals.append(candidate)
     return rivals
 

@@ -119,6 +119,7 @@ def answer_json(answer: Answer) -> dict[str, Any]:
             "amplitude_mm": proposal.amplitude_mm,
             "frequency_Hz": proposal.frequency_Hz,
             "temperature_C": proposal.temperature_C,
+            "further_conditions": dict(proposal.further),
             "profile": proposal.profile,
             "separation": proposal.separation,
             "between": list(proposal.rivals),

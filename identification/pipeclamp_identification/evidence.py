@@ -19,6 +19,8 @@ from pipeclamp_identification.observations import Rows
 
 INDEPENDENT = 0.05
 """A change of which the law's parameters leave less than this share is one that they make themselves."""
+BY_CHANCE = 2.0
+"""Standard errors by which scatter may have added to what follows the conditions."""
 LOW_HARMONICS = 7
 """Most of what loops can miss shows up to this harmonic."""
 
@@ -68,7 +70,7 @@ class LeftOutScore:
     """How a law foretells groups of runs that it wasn't fitted to.
 
     Attributes:
-        squares: sum of squared whitened residuals of each group, shape (groups,).
+        squares: sum of squared whitened residuals of each run, its group left out, shape (R,).
         mean_squares: mean square of each run's error in N2, scatter left aside, shape (R,).
     """
 
@@ -92,7 +94,7 @@ def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whit
     plain_slopes = np.moveaxis(observations.loops.plain_slopes(result.response, result.places), 0, -1) / scale
     mean_squares = np.empty(len(groups))
     normal = np.einsum("rmp,rmq->pq", jacobian, jacobian)
-    squares = []
+    squares = np.empty(len(groups))
     for group in range(int(groups.max()) + 1):
         own = groups == group
         J = jacobian[own].reshape(-1, jacobian.shape[2])
@@ -100,10 +102,11 @@ def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whit
         rest = normal - J.T @ J
         # A direction that this group alone determines can't be foretold without it.
         step = np.linalg.pinv(np.nan_to_num(rest), rcond=1e-10, hermitian=True) @ np.nan_to_num(J.T @ r)
-        squares.append(float(np.nan_to_num(np.sum((r + J @ step) ** 2), nan=np.inf)))
+        whole = np.sum((r + J @ step).reshape(np.count_nonzero(own), -1) ** 2, axis=1)
+        squares[own] = np.nan_to_num(whole, nan=np.inf)
         error = np.where(observations.loops.seen[own], plain[own] + plain_slopes[own] @ step, 0.0)
         mean_squares[own] = error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2
-    return LeftOutScore(np.array(squares), mean_squares)
+    return LeftOutScore(squares, mean_squares)
 
 
 @dataclass(frozen=True)
@@ -111,15 +114,17 @@ class LackOfFit:
     """What of the residuals follows the conditions, against what noise alone would make of it.
 
     Attributes:
-        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, or as stiffness or
-            damping that follows one condition, whichever is least likely, times three.
+        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, in one harmonic
+            alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
+        sure_share: the same, less what scatter may have added to it by chance.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
             small.
     """
 
     p_value: float
     share: float
+    sure_share: float
     by_channel: Array
 
     @property
@@ -148,6 +153,8 @@ def lack_of_fit(
     freedoms = smooth.shape[1] - taken
     low = 2 * LOW_HARMONICS + 1
     p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
+    alone = stats.chi2.sf(explained, np.maximum(freedoms, 1.0))
+    p_values.append(min(1.0, channels * float(alone.min())))
     p_values.append(_least_likely(directed, fitted.residual, flat, runs - smooth.shape[1]))
     leverage = np.sum(smooth**2, axis=1)
     seen = noise.variance < UNSEEN
@@ -156,8 +163,15 @@ def lack_of_fit(
     by_channel = (np.sum((smooth.T @ np.where(seen, plain, 0.0)) ** 2, axis=0) - expected) / runs
     # A harmonic's mean square is half its squared amplitude.
     by_channel[1:] /= 2
-    share = np.sqrt(max(float(by_channel.sum()), 0.0) / float(np.mean(noise_rms**2)))
-    return LackOfFit(min(1.0, len(p_values) * min(p_values)), float(share), by_channel)
+    # Of a sum of as many squares as there are freedoms.
+    error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
+    error[1:] /= 2
+    excess = float(by_channel.sum())
+    share, sure_share = (
+        float(np.sqrt(max(one, 0.0) / float(np.mean(noise_rms**2))))
+        for one in (excess, excess - BY_CHANCE * float(np.linalg.norm(error)))
+    )
+    return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, by_channel)
 
 
 def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:

@@ -304,7 +304,8 @@ def _number(value: sp.Expr | float, scales: Mapping[sp.Symbol, float]) -> float:
     return float(value.subs(scales)) if isinstance(value, sp.Basic) else float(value)
 
 
-def _bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) -> tuple[Array, Array]:
+def parameter_bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) -> tuple[Array, Array]:
+    """Give the lower and the upper bound of each parameter of a law, for data of these scales."""
     lower = np.array([_number(parameter.lower, scales) for parameter in equations.parameters])
     upper = np.array([_number(parameter.upper, scales) for parameter in equations.parameters])
     return lower, upper
@@ -348,9 +349,10 @@ def _minimise(
     if len(free) == 0:
         residual = evaluator.residual(begin[free])
         return float(residual @ residual) / 2, begin, evaluator.count
-    lower, upper = (bound[free] for bound in _bounds(equations, scales))
-    inside = 1e-9 * np.maximum(1.0, np.abs(begin[free]))
-    x0 = np.clip(begin[free], lower + inside, upper - inside)
+    lower, upper = (bound[free] for bound in parameter_bounds(equations, scales))
+    x0 = np.clip(begin[free], lower, upper)
+    inside = 1e-9 * np.maximum(1.0, np.abs(x0))
+    x0 = np.clip(x0, lower + inside, upper - inside)
     if len(evaluator.residual(x0)) < len(free):
         raise UserError(
             f"{len(evaluator.residual(x0))} observations can't determine {len(free)} parameters; "
@@ -396,7 +398,7 @@ def _finish(
     evaluations: int,
 ) -> Fit:
     """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
-    lower, upper = _bounds(equations, scales)
+    lower, upper = parameter_bounds(equations, scales)
     frozen = dict(reasons)
     allowed = upper - lower
     width = AT_BOUND * np.where(np.isfinite(allowed), allowed, np.maximum(np.abs(values), 1e-3))

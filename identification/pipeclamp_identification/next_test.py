@@ -4,29 +4,46 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import logsumexp
 
+from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response, respond
-from pipeclamp_identification.diagnose import Diagnosis
-from pipeclamp_identification.observations import SAMPLES, harmonics_of
+from pipeclamp_identification.diagnose import FORM, Diagnosis
+from pipeclamp_identification.fit import HELD, parameter_bounds
+from pipeclamp_identification.observations import SAMPLES, Rows, data_scales, harmonics_of
 from pipeclamp_identification.problem import Judged
 from pipeclamp_identification.screen import effect_id
 
 CELSIUS = 273.15
 HARMONICS = 12
 CYCLES = 5
+REPEATS = 3
+"""Runs of a proposed test: what scatters from run to run shows in repeats only."""
 LEVELS = 6
+TEMPERATURES = 4
+SURELY = 8.0
+"""Standard deviations from which on a test is sure to tell."""
+NEARLY = 0.8
+"""A test whose log chance of a mistake is this share of the best test's tells nearly as much."""
+MOST_RIVALS = 4
+"""Rivals that one test is sought for, best first."""
 REACH_A = (0.5, 1.5)
 """Without stated limits: amplitudes from half the smallest to one and a half times the largest tested."""
 REACH_F = (0.5, 2.0)
 """Without stated limits: frequencies from half the lowest to twice the highest tested."""
 RIDING = 0.25
 RIDING_ORDER = 7
+SINE, RIDDEN = "sine", "small cycles on a large one"
+PROFILES = {
+    SINE: "a sine test",
+    RIDDEN: f"small cycles on a large one ({RIDING:g} of its amplitude at {RIDING_ORDER} times its frequency)",
+}
 
 
 @dataclass(frozen=True)
@@ -67,29 +84,43 @@ class Proposal:
 
     Attributes:
         amplitude_mm, frequency_Hz, temperature_C: its conditions.
-        profile: "sine", or "small cycles on a large one".
-        separation: expected difference between the rivals' predictions in standard deviations of scatter and doubt.
-        rivals: names of the two that it separates.
+        further: further conditions that matter to a rival: columns of runs.csv, as in a law's signals.
+        profile: SINE or RIDDEN.
+        separation: expected difference between the predictions of those two rivals that it separates least, in standard
+            deviations of scatter and doubt.
+        rivals: names, best first.
         motion: the motion, one row.
-        forces: what each rival predicts, N, shape (2, n).
+        forces: what each rival predicts, N, shape (rivals, n).
     """
 
     amplitude_mm: float
     frequency_Hz: float
     temperature_C: float
+    further: Mapping[str, float]
     profile: str
     separation: float
-    rivals: tuple[str, str]
+    rivals: tuple[str, ...]
     motion: Motion
     forces: Array
 
     def words(self) -> str:
         """Say what to do."""
+        further = "".join(f", {_further_words(name, value)}" for name, value in self.further.items())
+        two = len(self.rivals) == 2
+        who = " and ".join(self.rivals) if two else f"any two of {', '.join(self.rivals)}"
         return (
-            f"run a {self.profile} test at {self.amplitude_mm:.3g} mm, {self.frequency_Hz:.3g} Hz, "
-            f"{self.temperature_C:.3g} degC: {self.rivals[0]} and {self.rivals[1]} then differ by "
-            f"{self.separation:.1f} standard deviations"
+            f"run {PROFILES[self.profile]} at {self.amplitude_mm:.3g} mm, {self.frequency_Hz:.3g} Hz, "
+            f"{self.temperature_C:.3g} degC{further}, {REPEATS} times: {who} then differ by "
+            f"{'' if two else 'at least '}{self.separation:.1f} standard deviations"
         )
+
+
+def _further_words(signal: str, value: float) -> str:
+    if signal == str(symbols.N):
+        return f"after {value:.0f} load cycles"
+    if signal == str(symbols.rho):
+        return f"density {value:.4g} g/cm3"
+    return f"{signal.removeprefix(symbols.CONDITION)} {value:.4g}"
 
 
 def tested_limits(diagnosis: Diagnosis) -> Limits:
@@ -108,35 +139,65 @@ def limits_around(amplitude: Array, frequency: Array, temperature: Array) -> Lim
     )
 
 
-def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | None:
-    """Give the test that separates the two closest rivals of an ambiguous diagnosis best; None where there are none.
+@dataclass(frozen=True)
+class _Outlook:
+    """What tests of one profile would tell: for R conditions.
 
-    Each rival's prediction is that of its refitted law; what it doesn't know of its own parameters counts as scatter,
-    so that a test isn't chosen for what either could be refitted to.
+    Attributes:
+        profile: SINE or RIDDEN.
+        motion: R motions.
+        forces: of each rival, N, shape (rivals, R, n).
+        mistaken: log of the chance of taking one rival for another, summed over pairs, shape (R,).
+        apart: standard deviations between the two rivals that are separated least, shape (R,).
     """
-    rivals = [_of(name, diagnosis) for name in diagnosis.effects[:2]]
-    if diagnosis.verdict != "ambiguous" or len(rivals) < 2:
+
+    profile: str
+    motion: Motion
+    forces: Array
+    mistaken: Array
+    apart: Array
+
+
+def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | None:
+    """Give the test that separates the rivals of an ambiguous diagnosis best; None where there are none.
+
+    Of two rivals one is taken for true and the other refitted to what the first foretells. What the refit can make up
+    for, what scatters, and what either effect's form may leave over don't count. Of all pairs, the Bhattacharyya bound
+    sums the chance exp(-d^2/8) of taking one for the other. Of the tests that surely tell, or tell nearly as much as
+    the best, the one nearest to what was tested is proposed: the farther away, the less holds what laws foretell.
+    """
+    if diagnosis.verdict != "ambiguous":
         return None
-    reach = limits or tested_limits(diagnosis)
-    grid = list(
-        itertools.product(
-            np.geomspace(*reach.amplitude, LEVELS), np.geomspace(*reach.frequency, LEVELS),
-            np.unique(np.linspace(*reach.temperature, 4)),
-        )
-    )  # fmt: skip
-    best: Proposal | None = None
-    for profile in ("sine", "small cycles on a large one"):
-        motion = _motions(np.array(grid), profile, diagnosis)
-        responses = [_response(rival, motion) for rival in rivals]
-        separation = _separation(rivals, responses, motion, diagnosis)
-        row = int(np.argmax(separation))
-        if best is None or separation[row] > best.separation:
-            A, f, T = grid[row]
-            one = motion.rows(np.array([row]))
-            forces = np.stack([response.force[row] for response in responses])
-            names = (diagnosis.effects[0], diagnosis.effects[1])
-            best = Proposal(float(A), float(f), float(T), profile, float(separation[row]), names, one, forces)
-    return best
+    names = diagnosis.effects[:MOST_RIVALS]
+    rivals = [_foreseer(_of(name, diagnosis), diagnosis) for name in names]
+    tested = _tested(diagnosis)
+    grid = _grid(limits or tested_limits(diagnosis), tested, _further_levels(rivals, diagnosis))
+    outlooks = [_outlook(profile, grid, rivals, diagnosis) for profile in PROFILES]
+    mistaken = np.stack([outlook.mistaken for outlook in outlooks])
+    away = _away(grid, tested) + np.array([[RIDING if outlook.profile == RIDDEN else 0.0] for outlook in outlooks])
+    enough = mistaken <= max(-(SURELY**2) / 8, NEARLY * float(mistaken.min()))
+    best = np.lexsort((mistaken.ravel(), np.where(enough, away, np.inf).ravel()))[0]
+    place, row = divmod(int(best), mistaken.shape[1])
+    outlook = outlooks[place]
+    A, f, T = (float(grid[name][row]) for name in ("A", "f", "T"))
+    further = {name: float(values[row]) for name, values in grid.items() if name not in ("A", "f", "T")}
+    motion = outlook.motion.rows(np.array([row]))
+    return Proposal(
+        A, f, T - CELSIUS, further, outlook.profile, float(outlook.apart[row]), names, motion, outlook.forces[:, row]
+    )
+
+
+def _outlook(profile: str, grid: Mapping[str, Array], rivals: Sequence[_Foreseer], diagnosis: Diagnosis) -> _Outlook:
+    """Tell what tests of a profile at a grid of conditions would tell."""
+    motion = _motions(grid, profile, diagnosis)
+    without = harmonics_of(_response(diagnosis.law, motion).force, HARMONICS)
+    responses = [_response(rival.judged, motion) for rival in rivals]
+    noise, form = _noise(motion, without, diagnosis), _form(responses, without)
+    pairs = list(itertools.combinations(range(len(rivals)), 2))
+    known = np.stack([_distance(rivals, responses, pair, noise + form) for pair in pairs])
+    apart = np.stack([_distance(rivals, responses, pair, noise) for pair in pairs])
+    forces = np.stack([response.force for response in responses])
+    return _Outlook(profile, motion, forces, logsumexp(-(known**2) / 8, axis=0), apart.min(axis=0))
 
 
 def _of(name: str, diagnosis: Diagnosis) -> Judged:
@@ -144,48 +205,164 @@ def _of(name: str, diagnosis: Diagnosis) -> Judged:
     return next(candidate for candidate in diagnosis.candidates if effect_id(candidate.effects[0]) == effect_id(name))
 
 
-def _motions(grid: Array, profile: str, diagnosis: Diagnosis) -> Motion:
-    """Give the motions of a grid of (A mm, f Hz, T degC), shape (R, 3); further conditions as in the middle run."""
-    A, f, T = (grid[:, column, None] for column in range(3))
+@dataclass(frozen=True)
+class _Foreseer:
+    """A rival with what it doesn't know.
+
+    Attributes:
+        judged: the rival.
+        places: of parameters that are in doubt, those that the tests so far hold open included.
+        covariance: of them.
+    """
+
+    judged: Judged
+    places: Rows
+    covariance: Array
+
+
+def _foreseer(judged: Judged, diagnosis: Diagnosis) -> _Foreseer:
+    """Give a rival with its doubt.
+
+    A parameter that was held, as what it follows didn't vary, is fitted once a test varies it: until then all that is
+    known of it is its bounds, as an even spread between them.
+    """
+    result, observations = judged.result, diagnosis.problem.observations
+    equations = result.equations
+    lower, upper = parameter_bounds(equations, data_scales(observations))
+    held = {name for name, reason in result.frozen.items() if reason != HELD}
+    opened = [
+        place
+        for place, name in enumerate(equations.names)
+        if name in held and np.isfinite(upper[place] - lower[place]) and equations.parameters[place].follows
+    ]
+    places = np.array([*result.places, *opened], dtype=np.intp)
+    law = result.law
+    response = respond(equations, law.vector(equations), (law.v_r, law.y_r), observations.motion, derivatives=True)
+    slopes = np.nan_to_num(observations.residual_slopes(response, places).reshape(len(places), -1))
+    information = slopes @ slopes.T
+    evenly = np.arange(len(result.places), len(places))
+    information[evenly, evenly] += 12.0 / (upper - lower)[opened] ** 2
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    covariance = np.linalg.pinv(information / np.outer(scale, scale), rcond=1e-12, hermitian=True)
+    return _Foreseer(judged, places, covariance / np.outer(scale, scale))
+
+
+def _further_levels(rivals: Sequence[_Foreseer], diagnosis: Diagnosis) -> dict[str, Array]:
+    """Give the levels of each further condition that a rival follows: as tested; of load cycles those yet to come."""
+    tested = diagnosis.problem.observations.motion.slow
+    followed = {str(signal) for rival in rivals for signal in rival.judged.result.equations.slow_signals}
+    levels = {}
+    for name in sorted(followed - {"A", "f", "T"}):
+        values = tested[name]
+        seen = np.quantile(values, [0.0, 0.5, 1.0])
+        levels[name] = np.unique(seen[2] * np.array([1.0, 2.0, 4.0]) if name == str(symbols.N) else seen)
+    return levels
+
+
+def _tested(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
+    """Give the range of A mm, f Hz and T K that was tested."""
+    slow = diagnosis.problem.observations.motion.slow
+    return {name: (float(np.min(slow[name])), float(np.max(slow[name]))) for name in ("A", "f", "T")}
+
+
+def _grid(reach: Limits, tested: Mapping[str, tuple[float, float]], further: Mapping[str, Array]) -> dict[str, Array]:
+    """Give every combination of conditions, each a column of shape (R,); T in K."""
+    T = (reach.temperature[0] + CELSIUS, reach.temperature[1] + CELSIUS)
+    spread = {
+        "A": np.geomspace(*reach.amplitude, LEVELS), "f": np.geomspace(*reach.frequency, LEVELS),
+        "T": np.linspace(*T, TEMPERATURES),
+    }  # fmt: skip
+    # What was tested is also a place to test, as far as the rig reaches.
+    levels = {
+        name: np.unique(np.concatenate([values, np.clip(tested[name], values[0], values[-1])]))
+        for name, values in spread.items()
+    }
+    every = {**levels, **further}
+    return dict(zip(every, np.array(list(itertools.product(*every.values()))).T, strict=True))
+
+
+def _away(grid: Mapping[str, Array], tested: Mapping[str, tuple[float, float]]) -> Array:
+    """Give how far outside of what was tested conditions lie, shape (R,): octaves of A and f, hundreds of kelvin."""
+    away = np.zeros(len(grid["A"]))
+    for name, (low, high) in tested.items():
+        values = grid[name]
+        outside = np.clip(values, low, high)
+        away += np.abs(values - outside) / 100 if name == "T" else np.abs(np.log2(values / outside))
+    return away
+
+
+def _motions(grid: Mapping[str, Array], profile: str, diagnosis: Diagnosis) -> Motion:
+    """Give the motions of a grid of conditions; those that it doesn't name as in the middle run."""
+    column = {name: values[:, None] for name, values in grid.items()}
+    A, f = column["A"], column["f"]
     theta = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     omega = 2 * np.pi * f
-    y, v, a = np.zeros((3, len(grid), SAMPLES))
-    tones = ((1, 1.0),) if profile == "sine" else ((1, 1.0), (RIDING_ORDER, RIDING))
+    y, v, a = np.zeros((3, len(A), SAMPLES))
+    tones = ((1, 1.0),) if profile == SINE else ((1, 1.0), (RIDING_ORDER, RIDING))
     for order, share in tones:
         y += share * A * np.cos(order * theta)
         v -= share * A * order * omega * np.sin(order * theta)
         a -= share * A * (order * omega) ** 2 * np.cos(order * theta)
-    slow = {"A": A, "f": f, "T": T + CELSIUS}
     tested = diagnosis.problem.observations.motion.slow
-    further = {name: np.full_like(A, float(np.median(values))) for name, values in tested.items() if name not in slow}
-    return Motion(y, v, a, {**slow, **further}, 1.0 / (f * SAMPLES))
+    middle = {name: np.full_like(A, float(np.median(values))) for name, values in tested.items()}
+    return Motion(y, v, a, {**middle, **column}, 1.0 / (f * SAMPLES))
 
 
-def _response(rival: Judged, motion: Motion) -> Response:
-    law, equations = rival.result.law, rival.result.equations
+def _response(judged: Judged, motion: Motion) -> Response:
+    law, equations = judged.result.law, judged.result.equations
     return respond(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
 
 
-def _separation(rivals: Sequence[Judged], responses: Sequence[Response], motion: Motion, diagnosis: Diagnosis) -> Array:
-    """Give the Mahalanobis distance between two rivals' predicted harmonics for each motion, shape (R,)."""
-    predicted = [harmonics_of(response.force, HARMONICS) for response in responses]
-    difference = predicted[0] - predicted[1]
+def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
+    """Give the covariance of the mean harmonics of repeated runs: noise and scatter between runs, shape (R, m, m).
+
+    Args:
+        motion: R motions.
+        force: its harmonics by the law as it is, N, shape (R, m).
+        diagnosis: how much noise and scatter there is, at the sampling of the tests so far.
+    """
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
-    # A mean of some cycles at the sampling of the tests so far.
     per_cycle = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     white = float(np.median(loops.noise_rms_N)) ** 2 * 2 / CYCLES
-    distances = np.empty(len(difference))
-    for row in range(len(difference)):
-        size = difference.shape[1]
-        covariance = np.eye(size) * white / max(per_cycle / float(motion.slow["f"][row, 0]), 1.0)
-        force = predicted[0][row]
-        for part, scatter in ((slice(1, None, 2), noise.stiffness_scatter), (slice(2, None, 2), noise.damping_scatter)):
-            direction = np.zeros(size)
-            direction[part] = force[part]
-            covariance += scatter**2 * np.outer(direction, direction)
-        for rival, response in zip(rivals, responses, strict=True):
-            assert response.jacobian is not None
-            slopes = harmonics_of(response.jacobian[rival.result.places, row], HARMONICS)
-            covariance += slopes.T @ rival.result.covariance @ slopes
-        distances[row] = np.sqrt(difference[row] @ np.linalg.solve(covariance, difference[row]))
-    return np.nan_to_num(distances)
+    samples = np.maximum(per_cycle / motion.slow["f"], 1.0)
+    covariance = np.eye(force.shape[1]) * (white / samples)[:, :, None]
+    for part, scatter in ((slice(1, None, 2), noise.stiffness_scatter), (slice(2, None, 2), noise.damping_scatter)):
+        direction = np.zeros_like(force)
+        direction[:, part] = scatter * force[:, part]
+        covariance = covariance + direction[:, :, None] * direction[:, None, :]
+    return covariance / REPEATS
+
+
+def _form(responses: Sequence[Response], without: Array) -> Array:
+    """Give the covariance of harmonics that effects of another form than the catalogue's may leave over, (R, m, m).
+
+    Args:
+        responses: of the rivals on R motions.
+        without: harmonics of the law without any of them, N, shape (R, m).
+    """
+    beyond = [np.sum((harmonics_of(each.force, HARMONICS) - without) ** 2, axis=1) for each in responses]
+    return np.asarray(np.eye(without.shape[1]) * (FORM**2 * np.max(beyond, axis=0))[:, None, None])
+
+
+def _distance(
+    rivals: Sequence[_Foreseer], responses: Sequence[Response], pair: tuple[int, int], granted: Array
+) -> Array:
+    """Give the Mahalanobis distance of what two rivals foretell when the other is refitted to either, shape (R,).
+
+    Args:
+        rivals: all of them.
+        responses: of each on R motions.
+        pair: the two.
+        granted: covariance of harmonics that tells nothing, N2, shape (R, m, m).
+    """
+    foretold = [harmonics_of(responses[place].force, HARMONICS) for place in pair]
+    difference = foretold[0] - foretold[1]
+    squares = np.full(len(difference), np.inf)
+    for place in pair:
+        jacobian = responses[place].jacobian
+        assert jacobian is not None
+        slopes = harmonics_of(jacobian[rivals[place].places], HARMONICS)
+        covariance = granted + np.einsum("prm,pq,qrn->rmn", slopes, rivals[place].covariance, slopes, optimize=True)
+        solved = np.linalg.solve(covariance, difference[..., None])[..., 0]
+        squares = np.minimum(squares, np.sum(difference * solved, axis=1))
+    return np.asarray(np.sqrt(np.maximum(np.nan_to_num(squares), 0.0)))

@@ -90,6 +90,7 @@ class Judged:
         heldout_nrmse: error on left-out groups as a share of the force, scatter included.
         heldout_by: the same for other groups that were left out (temperatures, specimens, further conditions).
         objections: why it can't be named, in words; empty where nothing speaks against it.
+        akaike: Akaike's criterion of the fit to all data: squares, what free means cost, two per parameter.
     """
 
     effects: tuple[str, ...]
@@ -100,6 +101,12 @@ class Judged:
     heldout_nrmse: float
     heldout_by: Mapping[str, float]
     objections: tuple[str, ...]
+    akaike: float
+
+    def squares_by_run(self, loops: Loops) -> Array:
+        """Give the squared whitened residuals of each record, its cycles together, left out with its group."""
+        records = np.unique(loops.run, return_inverse=True)[1]
+        return np.bincount(records, weights=self.score.squares).astype(np.float64)
 
     @property
     def squares(self) -> float:
@@ -155,9 +162,11 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
         for name, groups in problem.further_groups.items()
     }
     error = _share_of_force(score, problem.loops)
-    score = replace(score, squares=score.squares + _price_of_free_means(result, problem))
+    price = _price_of_free_means(result, problem)
+    score = replace(score, squares=score.squares + price)
+    akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
     lean = replace(result, response=replace(result.response, jacobian=None))
-    return Judged(effects, lean, fitted, score, lack, error, further, objections(effects, result))
+    return Judged(effects, lean, fitted, score, lack, error, further, objections(effects, result), akaike)
 
 
 def _share_of_force(score: LeftOutScore, loops: Loops) -> float:
@@ -198,21 +207,20 @@ def judge_each(
 
 
 def _price_of_free_means(result: Fit, problem: Problem) -> Array:
-    """Give what it costs each group that a law leaves the mean force of runs open, shape (groups,).
+    """Give what it costs each run that a law leaves the mean force of runs open, shape (R,).
 
     An element that never slips keeps whatever mean force it began with, so such a run's mean is no evidence against it.
     But a law that could have any mean foretells none: the means count as random, of the size that they turn out to
     have, and the logarithm of that size over the noise is the price, as it is in any likelihood.
     """
     adrift = result.response.adrift
-    price = np.zeros(len(problem.groups))
+    price = np.zeros(len(adrift))
     if adrift.any():
         off = problem.harmonics.harmonics[:, 0] - result.response.force.mean(axis=1)
         noise = problem.noise.variance[:, 0]
         size = float(np.mean(off[adrift] ** 2))
         price[adrift] = (np.log1p(size / noise) + off**2 / (size + noise))[adrift]
-    total = np.bincount(problem.groups, weights=price, minlength=int(problem.groups.max()) + 1)
-    return np.asarray(total, dtype=np.float64)
+    return price
 
 
 def objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
