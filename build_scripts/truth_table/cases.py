@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from hidden import EFFECTS, Kind, draw_shape, effect_id
-from rig import DESIGNS, HELD_OUT, Batch, Quality, batches, campaign_of, measured, recorded
+from hidden import COLUMN, EFFECTS, Kind, draw_shape, effect_id
+from rig import BETWEEN_STARTS, DESIGNS, Batch, Quality, batches, campaign_of, held_out, measured, plan, recorded
 from truth import Array, BaseLaw, Part, force
 from unlisted import UNLISTED
 
@@ -19,10 +19,15 @@ from pipeclamp_identification.campaign import Campaign, Run
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import loops_of, per_cycle
 from pipeclamp_identification.misfit import misfits
+from pipeclamp_identification.next_test import REPEATS, RIDDEN, RIDING, RIDING_ORDER, Proposal
 from pipeclamp_identification.observations import loop_observations
 
 KINDS: Mapping[str, Kind] = {**EFFECTS, **UNLISTED}
 STRENGTHS = {"weak": (0.3, 0.6), "middle": (0.6, 1.5), "strong": (1.5, 5.0)}
+IMITATED = {"open": 1.5, "nearly open": 4.0}
+"""Standard deviations by which a narrow campaign as a whole tells the truth from an imitation of it."""
+SHARES = {"small": 0.01, "large": 0.03}
+"""What the base law can't imitate in a narrow campaign, as a share of the force (rms)."""
 FORMS = ("clean", "rough")
 NOISES = {"low": (0.0015, 0.004), "high": (0.006, 0.015)}
 NONE_REPEATS = 12
@@ -37,8 +42,6 @@ PAIRS = (
 SCATTER = (0.002, 0.004)
 """Run-to-run scatter of stiffness and damping in rough cases."""
 COLOURED = 0.3
-PROPOSED_REPEATS = 3
-"""Runs of a proposed test."""
 MOST_COARSE = 80.0
 """A proposed test is sampled at least so many times a cycle."""
 
@@ -48,13 +51,14 @@ class Case:
     """One row of the experiment.
 
     Attributes:
-        kind: "effect", "none", "two" or "unlisted".
+        kind: "effect", "none", "two", "unlisted" or "narrow".
         hidden: kinds of physics in the truth.
         form: "clean" or "rough".
-        strength: a key of STRENGTHS, "" where nothing is hidden.
-        noise: a key of NOISES.
-        design: a key of DESIGNS.
+        strength: a key of STRENGTHS, in narrow plans of SHARES, "" where nothing is hidden.
+        noise: a key of NOISES, in narrow plans of IMITATED.
+        design: name of a test plan.
         repeat: number of the draw.
+        rival: the effect that imitates the hidden one, in narrow plans.
     """
 
     kind: str
@@ -64,11 +68,13 @@ class Case:
     noise: str
     design: str
     repeat: int = 0
+    rival: str = ""
 
     @property
     def name(self) -> str:
         """Its unique name."""
         what = "+".join(self.hidden) or "nothing"
+        what += f" or {self.rival}" if self.rival else ""
         return "/".join((self.kind, what, self.form, self.strength or "-", self.noise, self.design, str(self.repeat)))
 
     @property
@@ -159,7 +165,7 @@ class Drawn:
 def draw(case: Case, seed: int) -> Drawn:
     """Draw the truth and the rig of a case."""
     random = np.random.default_rng([seed, zlib.crc32(case.name.encode())])
-    design = DESIGNS[case.design]
+    design = plan(case.design)
     base = BaseLaw(
         k10=random.uniform(800, 2500), k1_A=random.uniform(-0.4, 0.0), k1_T=random.uniform(-0.2, 0.1),
         k30=random.uniform(100, 1000), k3_A=random.uniform(-1.0, 0.0), k3_T=random.uniform(-0.2, 0.1),
@@ -170,13 +176,15 @@ def draw(case: Case, seed: int) -> Drawn:
     if case.kind in ("none", "unlisted"):
         needs |= {need for need in ("density", "condition", "cycles") if random.uniform() < 0.25}
     fixed = frozenset(needs)
-    shapes = tuple(draw_shape(random, design.amplitudes, design.temperatures) for _ in case.hidden)
+    # Where a plan has too few temperatures, what happens at one is drawn as for a plan that has them.
+    temperatures = max(design.temperatures, DESIGNS["A"].temperatures, key=len)
+    shapes = tuple(draw_shape(random, design.amplitudes, temperatures) for _ in case.hidden)
     low, high = STRENGTHS.get(case.strength, (1.0, 1.0))
     target = tuple(float(np.exp(random.uniform(np.log(low), np.log(high)))) for _ in case.hidden)
-    share = float(np.exp(random.uniform(*np.log(NOISES[case.noise]))))
+    share = float(np.exp(random.uniform(*np.log(NOISES.get(case.noise, (1.0, 1.0))))))
     return Drawn(
         case, base, shapes, tuple(batches(design, random, fixed)),
-        tuple(batches(HELD_OUT[case.design], random, fixed)), fixed, share, target, int(random.integers(2**31)),
+        tuple(batches(held_out(case.design), random, fixed)), fixed, share, target, int(random.integers(2**31)),
     )  # fmt: skip
 
 
@@ -208,6 +216,8 @@ WITHIN = 0.07
 MOST_STEPS = 8
 FINEST = 0.001
 """No noise is less than this share of the rms force."""
+WELL_SEEN = 1.0
+"""What the base law can't imitate in a narrow campaign is at least this share of the noise."""
 NOT_LOCKED = frozenset({"mains_hum", "subharmonic", "impact"})
 """Kinds that the harmonics of the loops don't show, or not in full."""
 
@@ -218,6 +228,8 @@ def sized(drawn: Drawn) -> tuple[tuple[float, ...], tuple[float, ...], float]:
     Returns:
         sizes; strengths reached; rms of the noise in N, less than drawn where an effect can't be large enough.
     """
+    if drawn.case.rival:
+        return _sized_against_rival(drawn)
     drawn_noise = drawn.noise_share * drawn.force_rms
     noise = drawn_noise
     for _ in drawn.case.hidden:
@@ -230,6 +242,16 @@ def sized(drawn: Drawn) -> tuple[tuple[float, ...], tuple[float, ...], float]:
     else:
         found = [_size(drawn, place, target * noise) for place, target in enumerate(drawn.target)]
     return tuple(size for size, _ in found), tuple(rms / noise for _, rms in found), noise
+
+
+def _sized_against_rival(drawn: Drawn) -> tuple[tuple[float, ...], tuple[float, ...], float]:
+    """Find the noise at which an imitation can hardly be told from the truth, but the base law can; as `sized`."""
+    size, rms = _size(drawn, 0, SHARES[drawn.case.strength] * drawn.force_rms)
+    left = unimitated_rms(drawn, (size,), (drawn.case.rival,))
+    samples = sum(recorded(batch, batch.motion.y)[1].size for batch in drawn.runs)
+    noise = left * np.sqrt(samples) / IMITATED[drawn.case.noise]
+    noise = float(np.clip(noise, FINEST * drawn.force_rms, rms / WELL_SEEN))
+    return (size,), (rms / noise,), noise
 
 
 def _size(drawn: Drawn, place: int, wanted: float) -> tuple[float, float]:
@@ -274,32 +296,35 @@ def quality_of(drawn: Drawn, noise: float) -> Quality:
     )
 
 
-def further_runs(
-    drawn: Drawn, done: Measured, conditions: tuple[float, float, float], ridden: tuple[int, float] | None
-) -> Campaign:
+def further_runs(drawn: Drawn, done: Measured, campaign: Campaign, proposal: Proposal) -> Campaign:
     """Run a proposed test a few times on the same clamp and rig; give the campaign with these runs at its end.
 
     Args:
         drawn: the case.
-        done: its campaign so far.
-        conditions: A mm, f Hz, T degC.
-        ridden: order and share of a tone that rides on the fundamental, or None.
+        done: as it was measured at first.
+        campaign: its campaign so far.
+        proposal: the test.
     """
-    A, f, T = conditions
-    random = np.random.default_rng([drawn.noise_seed, 1])
-    design = replace(DESIGNS[drawn.case.design], amplitudes=(A,), frequencies=(f,), temperatures=(T,))
+    A, f, T = proposal.amplitude_mm, proposal.frequency_Hz, proposal.temperature_C
+    ridden = (RIDING_ORDER, RIDING) if proposal.profile == RIDDEN else None
+    before = len(campaign.runs)
+    named = {"N": "cycles", "rho": "density", f"u_{COLUMN}": "condition"}
+    wanted = {named[signal]: value for signal, value in proposal.further.items()}
+    wanted = {"cycles": BETWEEN_STARTS * before, **wanted}
+    random = np.random.default_rng([drawn.noise_seed, before])
+    design = replace(plan(drawn.case.design), amplitudes=(A,), frequencies=(f,), temperatures=(T,))
     design = replace(design, rate=max(design.rate, MOST_COARSE * f))
     added: list[Run] = []
     noise = done.noise_share * drawn.force_rms
-    for repeat in range(PROPOSED_REPEATS):
-        runs = batches(design, random, drawn.needs, ridden)
+    for repeat in range(REPEATS):
+        runs = batches(design, random, drawn.needs, ridden, wanted)
         channels = []
         for batch, true in zip(runs, drawn.forces(runs, done.sizes, True), strict=True):
             time, y, shown = recorded(batch, true)
             channels.append((time, *measured(time, y, shown, quality_of(drawn, noise), random)))
         fresh = campaign_of("proposed", runs, channels, drawn.needs).runs
-        added += [replace(run, name=f"{run.name}_next{repeat}") for run in fresh]
-    return replace(done.campaign, fingerprint="sha256:extended", runs=(*done.campaign.runs, *added))
+        added += [replace(run, name=f"{run.name}_next{before + repeat}") for run in fresh]
+    return replace(campaign, fingerprint="sha256:extended", runs=(*campaign.runs, *added))
 
 
 def measure(drawn: Drawn) -> Measured:

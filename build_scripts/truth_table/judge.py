@@ -15,9 +15,13 @@ from pipeclamp_identification.diagnosis_report import Answer, answer_for
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.loops import loops_of
 from pipeclamp_identification.misfit import misfits, overall_nrmse
-from pipeclamp_identification.next_test import RIDING, RIDING_ORDER
+from pipeclamp_identification.next_test import Limits
 
 COMMAND = "truth table"
+RIG_LIMITS = Limits((0.1, 1.5), (0.5, 20.0), (20.0, 300.0))
+"""What the rig states that it can do."""
+MOST_TESTS = 2
+"""Proposed tests that are run for one case, one after the other."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,17 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Tested:
+    """A proposed test in words, and what the diagnosis with its runs says; as in `Step`."""
+
+    proposal: str
+    verdict: str
+    effects: tuple[str, ...]
+    candidates: tuple[tuple[str, float, float, str], ...]
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Outcome:
     """How a case came out.
 
@@ -54,8 +69,9 @@ class Outcome:
         steps: every diagnosis, in order.
         counted: the first diagnosis, in a word: see `counted`.
         added: what was added until settled.
-        settled: for an ambiguous end with the truth inside, how the proposed test ended it: "right", "wrong",
-            a verdict, or "none proposed"; else "".
+        settled: for an ambiguous end, how the proposed tests ended it: "right", "wrong", a verdict, or
+            "none proposed"; else "".
+        tests: the proposed tests that were run, in order.
         seconds: what it took.
         error: the message, where the package failed.
     """
@@ -73,6 +89,7 @@ class Outcome:
     counted: str
     added: tuple[str, ...]
     settled: str
+    tests: tuple[Tested, ...]
     seconds: float
     error: str = ""
 
@@ -84,29 +101,30 @@ def judged(case: Case, seed: int) -> Outcome:
     data = measure(drawn)
     steps: list[Step] = []
     added: list[str] = []
+    tests: list[Tested] = []
     error = settled = ""
     try:
-        file, answer = follow(data, steps, added)
-        if answer.verdict == "ambiguous" and set(answer.diagnosis.effects) & case.truth:
-            settled = after_proposed(drawn, data, file, answer)
+        file, answer = follow(data, steps, added, most=0 if case.kind == "narrow" else MOST_EFFECTS)
+        if answer.verdict == "ambiguous" and case.truth:
+            settled = after_proposed(drawn, data, file, answer, tests)
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
     return Outcome(
         case.name, case.kind, case.form, case.strength, case.noise, case.design, tuple(sorted(case.truth)),
         tuple(round(one, 3) for one in data.strengths), data.noise_share, tuple(steps),
-        "failed" if error else counted(case, steps, added), tuple(added), settled,
+        "failed" if error else counted(case, steps, added), tuple(added), settled, tuple(tests),
         round(time.perf_counter() - begin, 1), error,
     )  # fmt: skip
 
 
-def follow(data: Measured, steps: list[Step], added: list[str]) -> tuple[LawFile, Answer]:
-    """Diagnose and add as `pipeclamp diagnose --auto` does, note every step, and give where it ended."""
+def follow(data: Measured, steps: list[Step], added: list[str], most: int) -> tuple[LawFile, Answer]:
+    """Diagnose and add, at most so many, as `pipeclamp diagnose --auto` does; note each step, give where it ended."""
     campaign = data.campaign
     file = law_file(identify(campaign), campaign, name="base", command=COMMAND, date=None)
     while True:
-        answer = answer_for(file, campaign)
+        answer = answer_for(file, campaign, limits=RIG_LIMITS)
         steps.append(noted(answer, file, data))
-        if answer.verdict != "missing" or len(added) == MOST_EFFECTS:
+        if answer.verdict != "missing" or len(added) == most:
             return file, answer
         effect = named(answer)
         addition = add_effect(file, effect, campaign, command=COMMAND, date=None)
@@ -116,33 +134,47 @@ def follow(data: Measured, steps: list[Step], added: list[str]) -> tuple[LawFile
         file = addition.after
 
 
-def after_proposed(drawn: Drawn, data: Measured, file: LawFile, answer: Answer) -> str:
-    """Run the test that an ambiguous answer proposes and say how the next diagnosis ends."""
-    proposal = answer.proposal
-    if proposal is None:
-        return "none proposed"
-    ridden = None if proposal.profile == "sine" else (RIDING_ORDER, RIDING)
-    conditions = (proposal.amplitude_mm, proposal.frequency_Hz, proposal.temperature_C)
-    campaign = further_runs(drawn, data, conditions, ridden)
-    again = answer_for(file, campaign)
-    if again.verdict != "missing":
-        return again.verdict
-    return "right" if set(again.diagnosis.effects) <= drawn.case.truth else "wrong"
+def after_proposed(drawn: Drawn, data: Measured, file: LawFile, answer: Answer, tests: list[Tested]) -> str:
+    """Run the test that an ambiguous answer proposes, and one more where rivals are left; say how it ended.
+
+    Args:
+        drawn: the case.
+        data: as it was measured.
+        file: the law.
+        answer: the ambiguous diagnosis of it.
+        tests: is given each test and what came of it.
+    """
+    campaign = data.campaign
+    while answer.verdict == "ambiguous" and len(tests) < MOST_TESTS:
+        if answer.proposal is None:
+            return "none proposed"
+        campaign = further_runs(drawn, data, campaign, answer.proposal)
+        words = answer.proposal.words()
+        answer = answer_for(file, campaign, limits=RIG_LIMITS)
+        diagnosis = answer.diagnosis
+        tests.append(Tested(words, answer.verdict, diagnosis.effects, _shown(answer), diagnosis.reasons))
+    if answer.verdict != "missing":
+        return answer.verdict
+    return "right" if set(answer.diagnosis.effects) <= drawn.case.truth else "wrong"
 
 
 def noted(answer: Answer, file: LawFile, data: Measured) -> Step:
     """Note a diagnosis."""
     diagnosis = answer.diagnosis
-    candidates = tuple(
-        ("+".join(one.effects), round(one.squares, 1), round(one.lack.share, 4), "; ".join(one.objections))
-        for one in diagnosis.candidates[:6]
-    )
     return Step(
         answer.verdict, tuple(diagnosis.effects) if answer.verdict in ("missing", "ambiguous") else (),
         round(heldout_over_floor(file, data.heldout, data.heldout_floor), 4), round(diagnosis.law.lack.share, 4),
-        candidates, tuple((name, round(promise, 4)) for name, promise in diagnosis.screened_out.items()),
+        _shown(answer), tuple((name, round(promise, 4)) for name, promise in diagnosis.screened_out.items()),
         (*diagnosis.reasons, f"not locked to the motion, Hz: {list(answer.leftover.time_locked_Hz)}"),
     )  # fmt: skip
+
+
+def _shown(answer: Answer) -> tuple[tuple[str, float, float, str], ...]:
+    """Give the best candidates as `Step` holds them."""
+    return tuple(
+        ("+".join(one.effects), round(one.squares, 1), round(one.lack.share, 4), "; ".join(one.objections))
+        for one in answer.diagnosis.candidates[:6]
+    )
 
 
 def heldout_over_floor(file: LawFile, heldout: Campaign, floor: float) -> float:

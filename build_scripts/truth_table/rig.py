@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +41,35 @@ HELD_OUT = {
 }
 
 
+NARROW = {
+    "two neighbouring frequencies": Design((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), 2.5, 160.0),
+    "one frequency": Design((0.2, 0.4, 0.6, 0.8, 1.0), (2.0,), (20.0,), 2.5, 80.0),
+    "neighbouring amplitudes": Design((0.75, 0.85, 1.0), (1.0, 3.0), (20.0,), 2.5, 120.0),
+    "one amplitude": Design((0.8,), (1.0, 2.0, 4.0, 8.0), (20.0,), 2.5, 320.0),
+    "two by two": Design((0.5, 1.0), (2.0, 4.0), (20.0,), 2.5, 160.0),
+    "two temperatures": Design((0.4, 1.0), (1.0, 4.0), (20.0, 250.0), 2.5, 160.0),
+}
+"""Test plans that leave much open: few conditions, short and coarsely sampled records."""
+
+
+def plan(name: str) -> Design:
+    """Give a test plan by its name."""
+    return {**DESIGNS, **NARROW}[name]
+
+
+def held_out(name: str) -> Design:
+    """Give the conditions that a test plan leaves out: of a narrow one, those between its own."""
+    if name in HELD_OUT:
+        return HELD_OUT[name]
+    narrow = NARROW[name]
+    A, f, T = (_between(levels) for levels in (narrow.amplitudes, narrow.frequencies, narrow.temperatures))
+    return replace(narrow, amplitudes=A, frequencies=f, temperatures=T)
+
+
+def _between(levels: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple((low + high) / 2 for low, high in itertools.pairwise(levels)) or levels
+
+
 @dataclass(frozen=True)
 class Quality:
     """How well the rig measures.
@@ -60,6 +89,8 @@ class Quality:
 
 
 SLOW = 0.2
+BETWEEN_STARTS = 8.0
+"""Load cycles from the start of one record to that of the next."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +102,11 @@ class Batch:
 
 
 def batches(
-    design: Design, random: np.random.Generator, needs: frozenset[str], ridden: tuple[int, float] | None = None
+    design: Design,
+    random: np.random.Generator,
+    needs: frozenset[str],
+    ridden: tuple[int, float] | None = None,
+    wanted: Mapping[str, float] | None = None,
 ) -> list[Batch]:
     """Drive all runs of a design.
 
@@ -80,7 +115,9 @@ def batches(
         random: generator of the rig's errors: amplitude, temperature, start in the cycle, distortion.
         needs: what varies besides: "density", "condition", "cycles".
         ridden: order and share of a tone that rides on the fundamental, or None.
+        wanted: values of what varies besides, the same in every run.
     """
+    wanted = wanted or {}
     extra = random.uniform(0.0, 0.4)
     count = len(design.amplitudes) * len(design.frequencies) * len(design.temperatures)
     order = random.permutation(count)
@@ -106,10 +143,15 @@ def batches(
         time, y, v, a = drive(tones, f, design.rate, samples)
         level = np.array([(i + j + k) % 3 for (i, _), (j, _) in pairs])
         other = np.array([(i + 2 * j + k) % 3 for (i, _), (j, _) in pairs])
-        seen = 8.0 * order[place : place + R] if "cycles" in needs else np.zeros(R)
+        varied = {
+            "density": np.array(DENSITIES)[level], "condition": np.array(LEVELS)[other],
+            "cycles": BETWEEN_STARTS * order[place : place + R],
+        }  # fmt: skip
         place += R
-        rho = np.array(DENSITIES)[level] if "density" in needs else np.full(R, np.nan)
-        u = np.array(LEVELS)[other] if "condition" in needs else np.full(R, np.nan)
+        rho, u, seen = (
+            np.broadcast_to(wanted.get(name, values), R) if name in needs else np.full(R, unvaried)
+            for (name, values), unvaried in zip(varied.items(), (np.nan, np.nan, 0.0), strict=True)
+        )
         column = (slice(None), None)
         motion = Motion(
             time, y, v, a, tuple(tones.items()), A[column], celsius[column] + 273.15, rho[column], u[column],

@@ -1,5 +1,7 @@
 """Make the truth table: `python build_scripts/truth_table/run.py [--share N] [--seed S] [--cases WORD] -o FOLDER`.
 
+With --narrow instead: narrow test plans, in which effects imitate each other, and what the proposed tests tell.
+
 Every case is a virtual campaign of a truth that this folder integrates by itself, put to the package as a user would.
 Finished cases are kept in FOLDER/cases-<seed>.jsonl; a run that was ended goes on from there.
 """
@@ -20,6 +22,8 @@ for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "POLARS_MAX_THREADS")
 
 from cases import Case, all_cases, chosen  # noqa: E402
 from judge import as_row, judged  # noqa: E402
+from narrow import narrow_cases  # noqa: E402
+from narrow_table import narrow_markdown  # noqa: E402
 from table import Row, markdown, reached, sound  # noqa: E402
 
 
@@ -29,25 +33,30 @@ def main() -> None:
     parser.add_argument("--share", type=float, default=1.0, help="share of the cases, spread evenly (1: all)")
     parser.add_argument("--seed", type=int, default=0, help="seed of everything that is drawn")
     parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name contains one of these")
+    parser.add_argument("--narrow", action="store_true", help="narrow test plans instead, and their next tests")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--verbose", action="store_true", help="print every diagnosis with its evidence")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder for the table; else print only")
     parser.add_argument("--check", action="store_true", help="end with status 1 when something was named wrongly")
     given = parser.parse_args()
-    cases = chosen(all_cases(), given.share, given.seed)
+    known = narrow_cases() if given.narrow else all_cases()
+    cases = chosen(known, given.share, given.seed)
     if given.cases:
         cases = [case for case in cases if any(word in case.name for word in given.cases)]
     if not cases:
-        sys.exit(f"--cases {' '.join(given.cases)}: no case has such a name; names look like {all_cases()[0].name}")
-    journal = given.output / f"cases-{given.seed}.jsonl" if given.output else None
+        sys.exit(f"--cases {' '.join(given.cases)}: no case has such a name; names look like {known[0].name}")
+    name = "narrow" if given.narrow else "cases"
+    journal = given.output / f"{name}-{given.seed}.jsonl" if given.output else None
     rows = run(cases, given.seed, given.jobs, journal, given.verbose)
     command = f"python build_scripts/truth_table/run.py --share {given.share:g} --seed {given.seed}"
+    command += " --narrow" if given.narrow else ""
     command += f" --cases {' '.join(given.cases)}" if given.cases else ""
-    text = markdown(rows, command)
+    text = narrow_markdown(rows, command) if given.narrow else markdown(rows, command)
     if given.output:
-        (given.output / "truth_table.md").write_text(text, encoding="utf-8")
-        content = {"command": command, "targets": reached(rows), "cases": rows}
-        (given.output / "truth_table.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
+        name = "narrow_table" if given.narrow else "truth_table"
+        (given.output / f"{name}.md").write_text(text, encoding="utf-8")
+        content = {"command": command, "targets": [] if given.narrow else reached(rows), "cases": rows}
+        (given.output / f"{name}.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
     print(text)
     if given.check and not sound(rows):
         sys.exit("truth table: something was named wrongly, alarmed, failed, or too little was found")

@@ -129,7 +129,12 @@ def markdown(rows: Sequence[Row], command: str) -> str:
             counts = Counter(row["counted"] for row in chosen if label(row) == name)
             cells = " | ".join(str(counts[column] or "") for column in COLUMNS)
             lines.append(f"| {name} | {sum(counts.values())} | {cells} |")
-    lines += ["", "## Cases that were not right", "", "| case | strength | counted | diagnoses | |",
+    return "\n".join([*lines, *markdown_cases(rows)]) + "\n"
+
+
+def markdown_cases(rows: Sequence[Row]) -> list[str]:
+    """Give the cases that were not right, a line each."""
+    lines = ["", "## Cases that were not right", "", "| case | strength | counted | diagnoses | |",
               "|---|---|---|---|---|"]  # fmt: skip
     for row in rows:
         if row["counted"] != "right":
@@ -137,7 +142,7 @@ def markdown(rows: Sequence[Row], command: str) -> str:
             strengths = ", ".join(f"{one:.2f}" for one in row["strengths"])
             ended = row["error"][:80] or (f"proposed test: {row['settled']}" if row.get("settled") else "")
             lines.append(f"| {row['name']} | {strengths} | {row['counted']} | {story} | {ended} |")
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def _kind_order(label: str) -> tuple[int, str]:
