@@ -186,7 +186,7 @@ def compare(
         with told("compare") as tell:
             tell(f"hold {law} against {campaign}")
             on_pipe = compare_pipe(Path(law), campaign)
-            found = compared_on_pipe(on_pipe, with_report=report is not None)
+            found = compared_on_pipe(on_pipe, with_report=report is not None, progress=tell)
         title = f"{on_pipe.system.name} against {on_pipe.measurement.description.name}"
         show(found, json, report, title, on_pipe.measurement.description.notes or "pipe and clamps")
         return

@@ -111,8 +111,8 @@ def densest(excess: Array, even: Array, factors: Sequence[Factor]) -> Region | N
     while len(chosen) < FACTORS:
         free = [factor for factor in factors if factor.name not in {one.name for one in chosen}]
         rated = [(_divergence(*_inside([*chosen, factor], excess, force)), factor) for factor in free]
-        reached, factor = max(rated, key=lambda entry: entry[0])
-        if reached < best + STANDS_OUT:
+        reached, factor = max(rated, key=lambda entry: entry[0], default=(best, None))
+        if factor is None or reached < best + STANDS_OUT:
             break
         chosen.append(factor)
         best = reached

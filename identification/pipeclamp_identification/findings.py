@@ -22,8 +22,16 @@ from pipeclamp_identification.metric_diagnosis_report import MetricAnswer
 from pipeclamp_identification.metric_writing import as_metrics, metric_rows, metric_table
 from pipeclamp_identification.metrics_report import metrics_sections
 from pipeclamp_identification.metrics_summary import metrics_json
+from pipeclamp_identification.pipe_attribution import attribute
+from pipeclamp_identification.pipe_attribution_report import (
+    attribution_json,
+    attribution_section,
+    attribution_words,
+    candidate_table,
+)
 from pipeclamp_identification.pipe_comparison import PipeComparison
 from pipeclamp_identification.pipe_comparison_report import pipe_comparison_sections, probe_table
+from pipeclamp_identification.pipe_next_test import propose
 from pipeclamp_identification.pipe_where import how_much, pipe_comparison_json
 from pipeclamp_identification.pipe_where import where_words as where_on_pipe
 from pipeclamp_identification.report import Section, Table
@@ -124,13 +132,23 @@ def compared(file: LawFile, tests: Campaign | MetricCampaign, *, with_report: bo
     )
 
 
-def compared_on_pipe(comparison: PipeComparison, *, with_report: bool) -> Findings:
-    """Give how a coupled model stands against what was measured on the pipe."""
+def compared_on_pipe(comparison: PipeComparison, *, with_report: bool, progress: Progress) -> Findings:
+    """Give how a coupled model stands against what was measured on the pipe, and which parameter may be wrong."""
+    found = attribute(comparison, progress)
+    proposal = None
+    if found is not None and found.verdict == "ambiguous":
+        progress("look for a test that would tell")
+        proposal = propose(found)
+    sections: list[Section] = []
+    if with_report:
+        how, *others = pipe_comparison_sections(comparison)
+        sections = [how, attribution_section(found, proposal), *others]
+    tables = [probe_table(comparison), *([candidate_table(found, most=SHOWN)] if found else [])]
     return Findings(
-        pipe_comparison_json(comparison),
-        pipe_comparison_sections(comparison) if with_report else [],
-        [probe_table(comparison)],
-        [*how_much(comparison), *where_on_pipe(comparison)],
+        pipe_comparison_json(comparison) | {"attribution": found and attribution_json(found, proposal)},
+        sections,
+        tables,
+        [*how_much(comparison), *where_on_pipe(comparison), *attribution_words(found, proposal)],
     )
 
 

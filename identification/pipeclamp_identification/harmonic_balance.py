@@ -1,6 +1,6 @@
 """Steady state of a pipe with clamps under a sine, by harmonic balance: no time integration.
 
-The pipe is its frequency response G (python-control), each clamp the harmonics of its force F(Y) on a periodic motion:
+The pipe is its frequency response G, each clamp the harmonics of its force F(Y) on a periodic motion:
 
     Y_h = G_e(i h omega) U_h - G_c(i h omega) F_h(Y),   h = 0 .. H.
 
@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp.pipe import ReducedPipe
-from pipeclamp.pipe_response import ModalModel, state_space
 from pipeclamp_identification.continuation import Point, Steps, follow, solve
 from pipeclamp_identification.steady_clamp import SAMPLES, Complex, SteadyClamp
 
@@ -109,7 +108,7 @@ class SteadySystem:
         excitation: Callable[[float], float],
         harmonics: int = 7,
     ) -> None:
-        """Prepare the pipe's state space.
+        """Prepare the pipe's matrices.
 
         Args:
             pipe: the pipe.
@@ -123,12 +122,8 @@ class SteadySystem:
         self._shapes = np.array([pipe.clamp_shapes[index] for index, _ in clamps]).reshape(len(clamps), modes)
         probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), modes)
         self._stiffness, self._damping = pipe.stiffness_matrix, pipe.damping_matrix
-        coupling = None
-        if pipe.coupling_stiffness:
-            coupling = (np.array(pipe.coupling_stiffness), np.array(pipe.coupling_damping))
-        loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
-        observed = np.vstack([self._shapes, probes])
-        self._model = state_space(ModalModel(np.array(pipe.omega), np.array(pipe.damping), loads, observed, coupling))
+        self._loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
+        self._observed = np.vstack([self._shapes, probes])
         # A pipe that can move as a rigid body has no mean position of its own.
         self._has_mean = bool(np.linalg.cond(self._stiffness) < 1e14)
 
@@ -142,11 +137,13 @@ class SteadySystem:
         points = 2j * pi * np.outer(frequency, self._orders)
         if not self._has_mean:
             points[:, 0] = 1e-3 * points[:, 1]
-        found = MM * np.asarray(self._model(points.ravel(), squeeze=False), dtype=np.complex128)
-        found = np.moveaxis(found.reshape(*found.shape[:2], *points.shape), 2, 0)
+        s = points.ravel()[:, None, None]
+        dynamic = s**2 * np.eye(len(self._stiffness)) + s * self._damping + self._stiffness
+        found = MM * (self._observed @ np.linalg.solve(dynamic, self._loads.astype(np.complex128)))
+        found = np.moveaxis(found.reshape(*points.shape, *found.shape[1:]), 1, -1)
         if not self._has_mean:
             found[..., 0] = 0.0
-        return found
+        return np.asarray(found, dtype=np.complex128)
 
     def unpacked(self, unknowns: Array) -> Complex:
         """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import plotly.graph_objects as go
@@ -15,8 +14,9 @@ from pipeclamp_identification.comparison_report import bars_of, parts_table
 from pipeclamp_identification.error_pictures import ConditionsMap, conditions_picture, error_bars
 from pipeclamp_identification.levels import number_levels
 from pipeclamp_identification.pipe_comparison import PipeComparison
-from pipeclamp_identification.pipe_measurement import DRIVES, QUANTITIES, SWEEPS, ProbeTable
-from pipeclamp_identification.pipe_model import SAME_LEVEL, temperatures
+from pipeclamp_identification.pipe_measurement import QUANTITIES, ProbeTable
+from pipeclamp_identification.pipe_model import SAME_LEVEL
+from pipeclamp_identification.pipe_series import Series, series_of
 from pipeclamp_identification.pipe_where import how_much, where_words
 from pipeclamp_identification.report import MEASURED, MODEL, Section, Table, styled
 
@@ -31,35 +31,9 @@ EVEN = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Series:
-    """Sines of one level, temperature and sweep, by rising frequency."""
-
-    label: str
-    rows: Rows
-
-
-def series_of(comparison: PipeComparison) -> list[Series]:
-    """Give the sines as series."""
-    steady = comparison.measurement.steady
-    levels = number_levels(steady.level, relative=SAME_LEVEL)
-    found = []
-    for temperature, at_temperature in temperatures(steady):
-        for level in levels:
-            for word, way in SWEEPS.items():
-                rows = np.intersect1d(np.intersect1d(at_temperature, level.rows), np.flatnonzero(steady.sweep == way))
-                if rows.size:
-                    words = [f"{level.label} {DRIVES[steady.drive_unit].unit}"]
-                    words += [f"{temperature:g} °C"] if temperature is not None else []
-                    words += [word] if word else []
-                    rows = rows[np.argsort(steady.frequency[rows], kind="stable")]
-                    found.append(Series(", ".join(words), rows))
-    return found
-
-
 def pipe_comparison_sections(comparison: PipeComparison) -> list[Section]:
     """Give the report of a comparison: the numbers, the responses, the map, the breakdowns."""
-    series = series_of(comparison)
+    series = series_of(comparison.measurement.steady)
     probes = comparison.measurement.description.probes
     pictures = [response_picture(comparison, series, index) for index in range(len(probes))]
     broken = [

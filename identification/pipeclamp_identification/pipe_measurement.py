@@ -157,6 +157,12 @@ class SteadyMeasurement:
     phased: NDArray[np.bool_]
     scatter: Array
 
+    @property
+    def values(self) -> int:
+        """How many values were measured; an amplitude and a phase are two."""
+        there = np.isfinite(self.response)
+        return int(np.count_nonzero(there) + np.count_nonzero(there & self.phased))
+
 
 @dataclass(frozen=True, eq=False)
 class PipeMeasurement:

@@ -16,10 +16,11 @@ from pipeclamp_identification.pipe_comparison import PipeComparison
 from pipeclamp_identification.pipe_measurement import DRIVES, QUANTITIES
 from pipeclamp_identification.pipe_model import SAME_LEVEL, temperatures
 
+Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-PEAK_MOVED = 0.005
-"""A peak that is moved by less, as a share, isn't worth a sentence."""
+PEAK_MOVED, PEAK_OFF = 0.005, 0.05
+"""Shares by which a peak must be moved, or be too high, to be worth a sentence."""
 
 
 def where_words(comparison: PipeComparison) -> list[str]:
@@ -48,15 +49,16 @@ def _peak_words(comparison: PipeComparison) -> Iterator[str]:
                 if found is None:
                     continue
                 (f_measured, measured), (f_model, model) = found
-                if abs(f_model / f_measured - 1) < PEAK_MOVED and abs(model / measured - 1) < 10 * PEAK_MOVED:
-                    continue
-                at = "" if temperature is None else f", {temperature:g} °C"
-                of = f"{level.label} {DRIVES[steady.drive_unit].unit}{at}"
-                yield (
-                    f"At {name}, {of}: the model peaks at {f_model:.4g} Hz instead of {f_measured:.4g} Hz "
-                    f"({f_model / f_measured - 1:+.1%}), {abs(model / measured - 1):.0%} too "
-                    f"{'high' if model > measured else 'low'}."
-                )
+                moved, off = f_model / f_measured - 1, model / measured - 1
+                wrong = []
+                if abs(moved) > PEAK_MOVED:
+                    wrong.append(f"at {f_model:.4g} Hz instead of {f_measured:.4g} Hz ({moved:+.1%})")
+                if abs(off) > PEAK_OFF:
+                    wrong.append(f"{abs(off):.0%} too {'high' if off > 0 else 'low'}")
+                if wrong:
+                    at = "" if temperature is None else f", {temperature:g} °C"
+                    of = f"{level.label} {DRIVES[steady.drive_unit].unit}{at}"
+                    yield f"At {name}, {of}: the model peaks {', '.join(wrong)}."
 
 
 def _peaks(
@@ -86,13 +88,15 @@ def _branch_words(comparison: PipeComparison) -> Iterator[str]:
         if 0 < said < several.size:
             taken = "the one that the sweep's direction leads to, else the one nearest to what was measured"
         f = steady.frequency[several]
-        yield (
-            f"At {sines(several.size)} ({f.min():.4g} to {f.max():.4g} Hz) the model has several stable motions; "
-            f"compared is {taken}."
-        )
+        yield (f"At {sines(several.size)} ({_span(f)} Hz) the model has several stable motions; compared is {taken}.")
     lost = np.flatnonzero(~np.isfinite(prediction.response).any(axis=1))
     if lost.size:
         yield f"At {sines(lost.size)} no steady motion of the model was found: left out."
+
+
+def _span(values: Array) -> str:
+    low, high = f"{values.min():.4g}", f"{values.max():.4g}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _range_words(comparison: PipeComparison) -> Iterator[str]:

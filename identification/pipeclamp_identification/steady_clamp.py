@@ -32,6 +32,7 @@ class SteadyClamp:
         frequency: Hz, that the law is taken for where the amplitude is given; None for that of the excitation.
         range_A: mm, and range_f: Hz, inside which the motion's own A and f are held, as the clamp FMU holds them.
         further: other conditions that the law follows, by name, in its units; load cycles stand still.
+        samples: of a cycle, at which the law is evaluated.
     """
 
     law: Law
@@ -41,6 +42,7 @@ class SteadyClamp:
     range_A: Interval
     range_f: Interval
     further: Mapping[str, float] = field(default_factory=dict)
+    samples: int = SAMPLES
 
     def conditions(self, motion: Complex, frequency: Array) -> tuple[Array, Array]:
         """Give A (mm) and f (Hz) that the law is taken for, each (rows,).
@@ -69,7 +71,7 @@ class SteadyClamp:
             harmonics of the force in the same form, N, (rows, h).
         """
         orders = np.arange(motion.shape[1])
-        waves = np.exp(2j * pi * np.outer(orders, np.arange(SAMPLES)) / SAMPLES)
+        waves = np.exp(2j * pi * np.outer(orders, np.arange(self.samples)) / self.samples)
         omega = 2 * pi * frequency[:, None]
         turn = 1j * orders * omega
         velocity = motion * turn if faster is None else motion * turn + faster
@@ -85,11 +87,11 @@ class SteadyClamp:
             (velocity @ waves).real,
             (motion * turn**2 @ waves).real,
             slow,
-            1 / (frequency[:, None] * SAMPLES),
+            1 / (frequency[:, None] * self.samples),
         )
         equations = clamp_equations(self.law.structure)
         values = self.law.vector(equations)
         force = respond(equations, values, (self.law.v_r, self.law.y_r), cycle).force
-        harmonics = 2 / SAMPLES * (force @ waves.conj().T)
+        harmonics = 2 / self.samples * (force @ waves.conj().T)
         harmonics[:, 0] /= 2
         return np.asarray(harmonics, dtype=np.complex128)

@@ -49,11 +49,13 @@ class Balanced:
         unknowns: of the clamps' motion, mm, (P, m).
         slopes: derivatives of the residual near there, (P, m, m).
         found: whether the motion is balanced, (P,).
+        responses: of the pipe at the sines, as of `SteadySystem`.
     """
 
     unknowns: Array
     slopes: Array
     found: NDArray[np.bool_]
+    responses: Complex
 
 
 def balance(system: SteadySystem, operation: Operation, guess: Array, slopes: Array | None = None) -> Balanced:
@@ -90,7 +92,7 @@ def balance(system: SteadySystem, operation: Operation, guess: Array, slopes: Ar
         found[open_rows] = moved <= TOLERANCE
         if not np.all(np.isfinite(unknowns)) or found.all():
             break
-    return Balanced(unknowns, kept, found & np.all(np.isfinite(unknowns), axis=1))
+    return Balanced(unknowns, kept, found & np.all(np.isfinite(unknowns), axis=1), responses)
 
 
 def _solved(slopes: Array, residual: Array) -> Array:
@@ -121,8 +123,6 @@ def fundamentals(system: SteadySystem, operation: Operation, balanced: Balanced)
 
     The excitation is drive sin(2 pi f t); nan where no steady state was found.
     """
-    moved = system.moved(
-        balanced.unknowns, operation.frequency, operation.drive, system.responses(operation.frequency)
-    )[:, :, 1]
+    moved = system.moved(balanced.unknowns, operation.frequency, operation.drive, balanced.responses)[:, :, 1]
     ratio = 1e-3 * moved / (-1j * operation.drive[:, None])
     return np.where(balanced.found[:, None], ratio, np.nan)

@@ -131,6 +131,7 @@ class Assembly:
         stiffness: (d, d), N/m, of the pipe without axial force and flow.
         loads: what axial force and flow act through.
         translation: displacement of the free degrees of freedom when all moves by 1 m, (d,).
+        inertia: what holds them back when all, held ones too, is accelerated by 1 m/s2, kg, (d,).
     """
 
     nodes: Array
@@ -140,6 +141,7 @@ class Assembly:
     stiffness: Array
     loads: LoadShapes
     translation: Array
+    inertia: Array
 
     @property
     def moving_mass(self) -> float:
@@ -293,6 +295,7 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
         stiffness=stiffness[kept],
         loads=LoadShapes(straightening[kept], outflow[kept], crossing[kept]),
         translation=translation[free],
+        inertia=(mass @ translation)[free],
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import sympy as sp
 
@@ -120,7 +120,7 @@ class Equations:
     energy: sp.Expr
     lag: sp.Expr
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters in order."""
         return tuple(parameter.name for parameter in self.parameters)

@@ -14,8 +14,9 @@ them: full matrices are added to omega^2 and 2 zeta omega, and the motions that 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -229,34 +230,23 @@ def reduce(description: PipeDescription) -> ReducedPipe:
     Raises:
         UserError: a clamp or the force sits where the pipe can't move, or no mode lies below the stated frequency.
     """
-    assembly = finite_elements(description)
-    beam = beam_of(description)
-    omega, shapes = modes(beam, assembly)
-    inputs = _load_vectors(description, assembly)
+    full = _FullModel(description)
     up_to = 2 * pi * description.modes.up_to_Hz
-    in_band = int(np.count_nonzero(omega <= up_to))
+    in_band = int(np.count_nonzero(full.omega <= up_to))
     if in_band == 0:
         raise UserError(
             f"pipe {description.name!r}: no mode lies below modes.up_to_Hz = {description.modes.up_to_Hz:g}; "
-            f"the lowest is at {omega[0] / (2 * pi):.4g} Hz: raise it"
+            f"the lowest is at {full.omega[0] / (2 * pi):.4g} Hz: raise it"
         )
-    loaded = bool(beam.compression or beam.velocity)
-    clamp_rows = _rows(assembly, [entry.position_m for entry in description.clamps])
-    probe_rows = _rows(assembly, [entry.position_m for entry in description.probes])
-    rows = np.vstack([clamp_rows, probe_rows])
-
-    def modal(omega: Array, shapes: Array) -> ModalModel:
-        coupling = assembly.loads.over(shapes).matrices(beam) if loaded else None
-        return ModalModel(omega, _damping(description, omega), shapes.T @ inputs, rows @ shapes, coupling)
-
-    reference = Reference(modal(omega, shapes), in_band, up_to)
+    reference = Reference(full.modal(full.omega, full.shapes), in_band, up_to)
     for kept in range(in_band, reference.most + 1):
-        all_omega, all_shapes = _with_residual_modes(assembly, omega, shapes, kept, inputs)
-        reduced = modal(all_omega, all_shapes)
+        all_omega, all_shapes = full.with_residual_modes(kept)
+        reduced = full.modal(all_omega, all_shapes)
         errors = reference.errors(reduced, kept)
         if max(errors.response, errors.static) <= description.modes.error:
             break
-    over_modes = assembly.loads.over(all_shapes)
+    beam = full.beam
+    over_modes = full.assembly.loads.over(all_shapes)
     stiffness, damping = reduced.matrices(all_omega.size)
 
     def at_velocity(velocity: float) -> tuple[Array, Array]:
@@ -267,17 +257,10 @@ def reduce(description: PipeDescription) -> ReducedPipe:
     fastest = FASTEST / beam.length * float(np.sqrt(beam.bending_stiffness / beam.fluid_mass)) if beam.velocity else 0.0
     return ReducedPipe(
         name=description.name,
-        omega=_floats(all_omega),
-        damping=_floats(reduced.damping),
-        coupling_stiffness=tuple(map(_floats, reduced.coupling[0])) if reduced.coupling else (),
-        coupling_damping=tuple(map(_floats, reduced.coupling[1])) if reduced.coupling else (),
-        kept=kept,
+        **_modal_numbers(full, reduced, kept),
         clamp_names=tuple(entry.name for entry in description.clamps),
-        clamp_shapes=tuple(_floats(row) for row in clamp_rows @ all_shapes),
         probe_names=tuple(entry.name for entry in description.probes),
-        probe_shapes=tuple(_floats(row) for row in probe_rows @ all_shapes),
         excitation=description.excitation.kind,
-        excitation_participation=_floats(reduced.loads[:, -1]),
         up_to_Hz=description.modes.up_to_Hz,
         mass=beam.mass_per_length * beam.length + sum(entry.mass_kg for entry in description.masses),
         mass_per_length=beam.mass_per_length,
@@ -285,7 +268,7 @@ def reduce(description: PipeDescription) -> ReducedPipe:
         compression=beam.compression,
         buckling_load=buckling_load(all_omega, over_modes.straightening),
         velocity=beam.velocity,
-        stability=stability(stiffness, damping) if loaded else Stability("stable", 0.0, 0.0),
+        stability=stability(stiffness, damping) if full.loaded else Stability("stable", 0.0, 0.0),
         onset=onset(at_velocity, max(2 * beam.velocity, fastest)) if beam.velocity else None,
         errors=errors,
         shear_error=shear_error(description, up_to),
@@ -293,14 +276,58 @@ def reduce(description: PipeDescription) -> ReducedPipe:
     )
 
 
-def _with_residual_modes(
-    assembly: Assembly, omega: Array, shapes: Array, kept: int, inputs: Array
-) -> tuple[Array, Array]:
-    """Give the kept modes and, after them, the residual ones of those left out: omega (n,) and shapes (d, n)."""
-    above = omega[kept:]
-    residual = shapes[:, kept:] @ ((shapes[:, kept:].T @ inputs) / above[:, None] ** 2)
-    residual_omega, residual_shapes = _residual_modes(assembly, residual)
-    return np.concatenate([omega[:kept], residual_omega]), np.hstack([shapes[:, :kept], residual_shapes])
+@one_thread()
+def reduce_likewise(description: PipeDescription, neighbour: ReducedPipe) -> ReducedPipe:
+    """Reduce a pipe that differs a little from one that was reduced, keeping as many modes.
+
+    Only what decides its motion is computed again; what the reduction costs, mass and stability stay the neighbour's.
+
+    Raises:
+        UserError: a clamp or the force sits where the pipe can't move.
+    """
+    full = _FullModel(description)
+    reduced = full.modal(*full.with_residual_modes(neighbour.kept))
+    return replace(neighbour, **_modal_numbers(full, reduced, neighbour.kept))
+
+
+class _FullModel:
+    """All modes of a pipe's finite elements, with what acts on them and what is seen of them."""
+
+    def __init__(self, description: PipeDescription) -> None:
+        self.description, self.beam = description, beam_of(description)
+        self.assembly = finite_elements(description)
+        self.omega, self.shapes = modes(self.beam, self.assembly)
+        self.loaded = bool(self.beam.compression or self.beam.velocity)
+        self._inputs = _load_vectors(description, self.assembly)
+        self._rows = _rows(self.assembly, [entry.position_m for entry in (*description.clamps, *description.probes)])
+
+    def modal(self, omega: Array, shapes: Array) -> ModalModel:
+        """Give the model over modes: omega (n,), rad/s, and shapes (d, n)."""
+        coupling = self.assembly.loads.over(shapes).matrices(self.beam) if self.loaded else None
+        damping = _damping(self.description, omega)
+        return ModalModel(omega, damping, shapes.T @ self._inputs, self._rows @ shapes, coupling)
+
+    def with_residual_modes(self, kept: int) -> tuple[Array, Array]:
+        """Give the kept modes and, after them, the residual ones of those left out: omega (n,) and shapes (d, n)."""
+        left_out, above = self.shapes[:, kept:], self.omega[kept:]
+        residual = left_out @ ((left_out.T @ self._inputs) / above[:, None] ** 2)
+        omega, shapes = _residual_modes(self.assembly, residual)
+        return np.concatenate([self.omega[:kept], omega]), np.hstack([self.shapes[:, :kept], shapes])
+
+
+def _modal_numbers(full: _FullModel, reduced: ModalModel, kept: int) -> dict[str, Any]:
+    """Give what of a reduced pipe decides its motion."""
+    clamps = len(full.description.clamps)
+    return {
+        "omega": _floats(reduced.omega),
+        "damping": _floats(reduced.damping),
+        "coupling_stiffness": tuple(map(_floats, reduced.coupling[0])) if reduced.coupling else (),
+        "coupling_damping": tuple(map(_floats, reduced.coupling[1])) if reduced.coupling else (),
+        "kept": kept,
+        "clamp_shapes": tuple(map(_floats, reduced.shapes[:clamps])),
+        "probe_shapes": tuple(map(_floats, reduced.shapes[clamps:])),
+        "excitation_participation": _floats(reduced.loads[:, -1]),
+    }
 
 
 def _notes(description: PipeDescription) -> tuple[str, ...]:
@@ -339,7 +366,7 @@ def _load_vectors(description: PipeDescription, assembly: Assembly) -> Array:
             )
     position = description.excitation.position_m
     if position is None:
-        columns.append(-assembly.mass @ assembly.translation)
+        columns.append(-assembly.inertia)
     else:
         columns.append(assembly.displacement_at(position))
         if not columns[-1].any():

@@ -68,6 +68,17 @@ def test_base_excitation_moves_all_mass() -> None:
     assert effective < reduced.mass
 
 
+def test_a_rigid_end_is_the_limit_of_a_stiff_one_under_base_excitation() -> None:
+    """What a held degree of freedom carries of its neighbours' mass is shaken too."""
+    rigid = PIPE.replace("{ stiffness_N_mm = 200.0 }", '"pinned"')
+    responses = []
+    for text in (rigid, rigid.replace('right = "pinned"', "right = { stiffness_N_mm = 1e9 }")):
+        reduced = reduce(parse_pipe(text))
+        gain = np.array(reduced.probe_shapes[0]) / np.square(reduced.omega)
+        responses.append(float(gain @ np.array(reduced.excitation_participation)))
+    assert responses[0] == pytest.approx(responses[1], rel=1e-5)
+
+
 def test_mass_is_steel_and_water() -> None:
     steel = 8030 * pi / 4 * (0.0603**2 - 0.05248**2) * 6.0
     water = 998.2 * pi / 4 * 0.05248**2 * 6.0

@@ -1,0 +1,125 @@
+"""A virtual shaker test: a described system's sines, integrated in time, as a folder that `pipeclamp compare` reads.
+
+The motion is that of the monolithic integration from rest until its transient is gone; harmonic balance, which the
+comparison stands on, only says how long that takes and, where a law follows the motion's own amplitude, which it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, log, pi
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from pipeclamp.pipe import reduce
+from pipeclamp.pipe_description import PipeDescription, Place, read_pipe
+from pipeclamp_identification.frequency_response import steady_clamps
+from pipeclamp_identification.harmonic_balance import SteadySystem
+from pipeclamp_identification.harmonics import cycle_harmonics
+from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
+from pipeclamp_identification.pipe_measurement import FILE_NAME, UNITS, Unit
+from pipeclamp_identification.system import read_system
+
+CYCLES, STEPS = 4, 64
+"""Of the settled motion that are measured, and samples in each."""
+SETTLED, LONGEST = 1e-3, 200
+"""The transient is left to fall to this share, or for so many cycles."""
+BOUNDS = np.arange(CYCLES + 1) * STEPS
+SAME = 2e-3
+"""Share by which the cycles that are measured may differ."""
+ACCURACY = 1e-5
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A sensor: name, position in m, unit, and the factor by which it is out of calibration."""
+
+    name: str
+    position: float
+    unit: Unit
+    gain: float = 1.0
+
+
+@dataclass(frozen=True)
+class Sine:
+    """A sine of the excitation: Hz, m/s2 of the base or N, degC of the clamps."""
+
+    frequency: float
+    drive: float
+    temperature: float | None = None
+
+
+def measure(
+    system: Path, sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], folder: Path, noise: float, seed: int
+) -> None:
+    """Measure the sines on a described system and write them, a file a temperature.
+
+    Args:
+        system: SYSTEM.toml; its pipe's file holds what is true.
+        sensors: at which it is measured.
+        sines: of the excitation.
+        folder: to write to.
+        noise: rms of what is added to real and imaginary part each, as a share of the value; a tenth of it, of the
+            sensor's largest value at that level, is there always.
+        seed: of the noise.
+    """
+    rng = np.random.default_rng(seed)
+    pipe = read_pipe(system.parent / str(read_system(system).pipe.file))
+    pipe = pipe.model_copy(
+        update={"probes": tuple(Place(name=sensor.name, position_m=sensor.position) for sensor in sensors)}
+    )
+    exact = np.array([response(system, pipe, sensors, sine) for sine in sines])
+    of_level = [[sine.drive == other.drive for other in sines] for sine in sines]
+    highest = np.array([np.abs(exact[rows]).max(axis=0) for rows in of_level])
+    size = noise * (np.abs(exact) + 0.1 * highest)
+    seen = exact + size * (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape))
+    folder.mkdir(parents=True, exist_ok=True)
+    column = "acceleration_m_s2" if pipe.excitation.kind == "base" else "force_N"
+    lines = [f'name = "{folder.name}"']
+    for sensor in sensors:
+        lines += ["[[probes]]", f'name = "{sensor.name}"', f"position_m = {sensor.position}", f'unit = "{sensor.unit}"']
+    for number, temperature in enumerate(dict.fromkeys(sine.temperature for sine in sines)):
+        rows = [index for index, sine in enumerate(sines) if sine.temperature == temperature]
+        table = {"frequency_Hz": [sines[row].frequency for row in rows], column: [sines[row].drive for row in rows]}
+        for index, sensor in enumerate(sensors):
+            table[f"{sensor.name}_amplitude"] = np.abs(seen[rows, index]).tolist()
+            table[f"{sensor.name}_phase_deg"] = np.degrees(np.angle(seen[rows, index])).tolist()
+        pl.DataFrame(table).write_csv(folder / f"sines_{number}.csv")
+        lines += ["[[responses]]", f'file = "sines_{number}.csv"']
+        lines += [] if temperature is None else [f"temperature_C = {temperature}"]
+    (folder / FILE_NAME).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def response(system: Path, pipe: PipeDescription, sensors: tuple[Sensor, ...], sine: Sine) -> np.ndarray:
+    """Give the fundamental at each sensor in its unit, phase relative to the excitation, (sensors,)."""
+    reduced = reduce(pipe)
+    clamps = steady_clamps(read_system(system), reduced, system.parent, sine.temperature, str(system))
+    state = SteadySystem(reduced, clamps, lambda frequency: sine.drive).at(sine.frequency)
+    assert state is not None and state.stable
+    cycles = min(ceil(sine.frequency * log(1 / SETTLED) / -state.growth), LONGEST) + CYCLES
+    omega = 2 * pi * sine.frequency
+    equations = [
+        clamp_equations(clamp.law, *conditions, clamp.temperature)
+        for (_, clamp), conditions in zip(clamps, state.conditions.tolist(), strict=True)
+    ]
+    assert [index for index, _ in clamps] == list(range(len(reduced.clamp_names))), "a law for every clamp, in order"
+    for longer in (1, 2, 4):
+        time = np.arange(longer * cycles * STEPS + 1) / (STEPS * sine.frequency)
+        result = solve_monolithic(reduced, equations, lambda t: sine.drive * np.sin(omega * t), time, ACCURACY)
+        last = slice(-CYCLES * STEPS - 1, -1)
+        lines = cycle_harmonics(omega * time[last], BOUNDS, list(result.probes[last].T), 1)[:, :, 1]
+        if all(abs(after / before - 1) < SAME for line in np.abs(lines) for before, after in pairwise(line)):
+            break
+    else:
+        raise ArithmeticError(f"{system}: no steady motion at {sine}")
+    moved = lines.mean(axis=1) / -1j
+    seen = []
+    for sensor, displacement in zip(sensors, moved, strict=True):
+        order, scale = UNITS[sensor.unit]
+        # The base's acceleration is drive sin(omega t), its displacement the opposite over omega^2.
+        base = -sine.drive / omega**2 if order == 2 and pipe.excitation.kind == "base" else 0.0
+        seen.append(sensor.gain * (displacement + base) * (1j * omega) ** order / scale)
+    return np.array(seen)

@@ -1,0 +1,93 @@
+"""How often is the wrong parameter of a pipe and its clamps named rightly? Virtual shaker tests with something hidden.
+
+python build_scripts/pipe_truth/run.py -o FOLDER [--only WORD] [--jobs 2]
+
+The truth is integrated in time as one set of equations, the comparison stands on harmonic balance; sensors are noisy.
+A test that is already in the folder is not measured again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import joblib
+from designs import DESIGNS, TRIALS, Trial
+from rig import measure
+
+from pipeclamp_identification.pipe_attribution import Attribution, attribute
+from pipeclamp_identification.pipe_comparison import compare_pipe
+from pipeclamp_identification.pipe_measurement import FILE_NAME
+
+
+def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:
+    """Make a trial's test where it isn't there yet; give the stated system and the measurement."""
+    design, own = DESIGNS[trial.design], folder / f"{number:02d}"
+    stated = design.write(own, {}, {})
+    test = own / "measured"
+    if not (test / FILE_NAME).is_file():
+        sensors = design.sensors
+        if trial.gains:
+            sensors = tuple(replace(sensor, gain=gain) for sensor, gain in zip(sensors, trial.gains, strict=True))
+        true = design.write(own / "true", trial.fields, trial.laws)
+        measure(true, sensors, design.sines, test, trial.noise, seed=number)
+    return stated, test
+
+
+def outcome(trial: Trial, found: Attribution) -> str:
+    """Judge an answer."""
+    named = {suspect.id for suspect in found.suspects}
+    if trial.truth is None:
+        return "confidently wrong" if found.verdict == "wrong" else "right"
+    if found.verdict == "complete":
+        return "right" if not trial.truth else "missed"
+    if found.verdict == "unknown":
+        return "can't tell"
+    if not set(trial.truth) or not set(trial.truth) <= named:
+        return "confidently wrong" if found.verdict == "wrong" else "ambiguous without the truth"
+    if found.verdict == "wrong":
+        return "right"
+    return "ambiguous with the truth"
+
+
+def tried(number: int, trial: Trial, folder: Path) -> str:
+    """Make and judge a trial; give its outcome."""
+    system, test = measured(number, trial, folder)
+    begin = time.process_time()
+    comparison = compare_pipe(system, test)
+    found = attribute(comparison)
+    took = time.process_time() - begin
+    result = outcome(trial, found)
+    names = ", ".join(entry.id for entry in found.named)
+    print(
+        f"{number:2d} {trial.design:10s} {trial.hidden:44s} {comparison.nrmse:6.1%} {took:5.1f} s  {result:26s} "
+        f"{found.verdict}: {names} (left {found.left:.2f})",
+        flush=True,
+    )
+    return result
+
+
+def main() -> None:
+    """Run the trials and count."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--jobs", type=int, default=2)
+    asked = parser.parse_args()
+    chosen = [
+        (number, trial)
+        for number, trial in enumerate(TRIALS)
+        if asked.only in f"{number:02d} {trial.design} {trial.hidden}"
+    ]
+    outcomes = joblib.Parallel(n_jobs=asked.jobs)(
+        joblib.delayed(tried)(number, trial, asked.output) for number, trial in chosen
+    )
+    for result, count in Counter(outcomes).most_common():
+        print(f"{count:3d} of {len(outcomes)} {result}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,304 @@
+"""Which parameter of a coupled model is wrong: the pipe's or the clamp's, or can't these measurements tell?
+
+Each suspect is refitted alone, and all of them together. A suspect is judged by what it leaves over on frequencies that
+it was not fitted to, in units of the noise; one is named only if every other one leaves clearly more. Where no single
+one comes near to what all together reach, pairs are tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from pipeclamp_identification.pipe_comparison import PipeComparison
+from pipeclamp_identification.pipe_model import Prediction, predict
+from pipeclamp_identification.pipe_noise import first_guess, noise_of
+from pipeclamp_identification.pipe_refit import Refit, Task, as_stated, bounds_of, changed, refit, searched
+from pipeclamp_identification.pipe_series import series_of
+from pipeclamp_identification.pipe_suspects import Suspect, suspects_of, with_mounts
+
+Array = NDArray[np.float64]
+Tell = Callable[[str], None]
+Verdict = Literal["complete", "wrong", "ambiguous", "unknown"]
+
+FEWEST = 20
+"""Measured values, an amplitude and a phase being two, of which it can be asked what is wrong."""
+BLOCKS = 10
+"""Parts of neighbouring frequencies that are left out in turn."""
+CLEARLY = 15.0
+"""Half of it is the logarithm of the likelihood ratio at which one suspect rules out another."""
+WORTH = 0.97
+"""A suspect that leaves more than this share of the rms isn't worth a name."""
+SURELY = 1e-5
+"""Probability with which more parameters would be taken for needed where they aren't."""
+MUCH_LESS = 0.8
+"""More parameters must leave less than this share of the rms, too."""
+NEAR_ENOUGH = 2.0
+"""Rms in units of the first guess of the noise up to which a refit is on the branches that were measured."""
+NEXT_BEST = 3
+"""Rivals of such a refit that may be on another branch."""
+NOISE_ONLY = 1.4
+"""Rms in units of the noise up to which what is left is noise."""
+EXPLAINED = 0.7
+"""Share of the squared misfit that a suspect must take away to be named although more than noise is left."""
+HOPEFUL, PAIRS = 3, 5
+"""Suspects that pairs are made of, each with all others, and pairs that are refitted."""
+NEAR = 30.0
+"""Suspects that leave more squares than this times the best one's are not refitted once the noise is known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Suspects that were refitted together, alone as a rule.
+
+    Attributes:
+        refit: their refit.
+        heldout: squares that it leaves on parts that were left out, over the noise.
+        nrmse: rms of what it leaves over the rms of what was measured.
+    """
+
+    refit: Refit
+    heldout: float
+    nrmse: float
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """What was refitted."""
+        return self.refit.suspects
+
+    @property
+    def id(self) -> str:
+        """The suspects' ids."""
+        return " + ".join(suspect.id for suspect in self.suspects)
+
+    @property
+    def words(self) -> str:
+        """The suspects in words."""
+        return " and ".join(suspect.words for suspect in self.suspects)
+
+    @property
+    def overdispersion(self) -> float:
+        """Mean square of what is left, in units of the noise's; 1 at least."""
+        return max(1.0, self.refit.squared / max(1, self.refit.residual.size - len(self.refit.values)))
+
+    def told(self) -> str:
+        """Say the refitted values."""
+        parts = []
+        for suspect in self.suspects:
+            errors = self.refit.errors_of(suspect, self.overdispersion)
+            parts.append(f"{suspect.words}: {suspect.told(self.refit.values_of(suspect), errors)}")
+        return "; ".join(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class Attribution:
+    """What of a coupled model is wrong.
+
+    Attributes:
+        verdict: "complete": what is left is noise; "wrong": this is; "ambiguous": one of these is; "unknown": none of
+            these explains it.
+        named: what the verdict names, best first.
+        candidates: all that were tried, best first.
+        stated: the model as it is stated.
+        together: all suspects refitted at once.
+        left: rms of what the best leaves in units of the noise.
+        task: what was fitted.
+    """
+
+    verdict: Verdict
+    named: tuple[Candidate, ...]
+    candidates: tuple[Candidate, ...]
+    stated: Candidate
+    together: Candidate
+    left: float
+    task: Task
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """All suspects that are named, each once."""
+        return tuple({suspect.id: suspect for entry in self.named for suspect in entry.suspects}.values())
+
+
+def attribute(comparison: PipeComparison, tell: Tell = lambda what: None) -> Attribution | None:
+    """Find out which parameter of a coupled model is wrong; None where too little was measured to ask.
+
+    Args:
+        comparison: of the model with a measurement.
+        tell: told what is being done.
+    """
+    if comparison.measurement.steady.values < FEWEST:
+        return None
+    model = with_mounts(comparison.model)
+    measurement = comparison.measurement
+    prediction = predict(model, measurement, comparison.prediction)
+    task = Task(measurement, model, prediction, first_guess(measurement))
+    suspects = suspects_of(comparison.model)
+    refits = []
+    for suspect in suspects:
+        tell(f"refit {suspect.words}")
+        refits.append(refit(task, (suspect,), *searched(task, suspect)))
+    tell("look for other branches")
+    refits = _on_the_nearest_branches(task, sorted(refits, key=lambda one: one.squared), comparison)
+    tell("refit all together")
+    together = _together(task, suspects, min(refits, key=lambda one: one.squared))
+    noise = noise_of(measurement, together.prediction.response)
+    if noise is None:
+        freedoms = max(1, together.residual.size - len(together.values))
+        noise = task.noise * np.sqrt(together.squared / freedoms)
+    guessed, task = task, replace(task, noise=noise)
+    tell("refit with the noise that was found")
+    together = refit(task, together.suspects, together.values, together.prediction)
+    least = min(float(task.residual(one.prediction) @ task.residual(one.prediction)) for one in refits)
+    singles = [_candidate(comparison, task, _renewed(task, one, least, guessed)) for one in refits]
+    return _judged(comparison, task, sorted(singles, key=lambda one: one.heldout), together, tell)
+
+
+def _on_the_nearest_branches(task: Task, refits: Sequence[Refit], comparison: PipeComparison) -> list[Refit]:
+    """Refit once more where a refitted model has stable motions nearer to the measured ones than those it is on.
+
+    It takes following the response: all refits (best first) are looked at where none comes near, else those that come
+    next to it, and those only where the model as stated has several stable motions.
+    """
+    near = refits[0].squared < NEAR_ENOUGH**2 * refits[0].residual.size
+    several = bool(np.any(comparison.prediction.branches > 1))
+    looked_at = (NEXT_BEST if several else 0) if near else len(refits)
+    found = list(refits)
+    for index in range(1 if near else 0, min(looked_at + 1, len(refits))):
+        one = refits[index]
+        fresh = predict(changed(task.model, one.suspects, one.values), task.measurement)
+        residual = task.residual(fresh)
+        if float(residual @ residual) < MUCH_LESS**2 * one.squared:
+            found[index] = refit(task, one.suspects, one.values, fresh)
+    return found
+
+
+def _together(task: Task, suspects: Sequence[Suspect], best: Refit) -> Refit:
+    """Refit all suspects at once, from the best single one."""
+    values = [best.values if suspect.id == best.suspects[0].id else _neutral(suspect) for suspect in suspects]
+    return refit(task, tuple(suspects), tuple(value for part in values for value in part), best.prediction)
+
+
+def _neutral(suspect: Suspect) -> tuple[float, ...]:
+    """Give values that change nothing, and for what then is without effect the middle of its bounds."""
+    first, *others = zip(suspect.lower, suspect.upper, strict=True)
+    return (max(0.0, first[0]), *((low + high) / 2 for low, high in others))
+
+
+def _renewed(task: Task, one: Refit, least: float, guessed: Task) -> Refit:
+    """Refit once more where that can matter, now that the noise is another than was guessed."""
+    residual = task.residual(one.prediction)
+    if float(residual @ residual) < NEAR * max(least, residual.size):
+        return refit(task, one.suspects, one.values, one.prediction)
+    scale = guessed.noise / task.noise
+    return replace(one, residual=residual, jacobian=one.jacobian * task.flat(scale, scale)[:, None])
+
+
+def _candidate(comparison: PipeComparison, task: Task, one: Refit) -> Candidate:
+    return Candidate(one, _heldout(task, one), _nrmse(comparison, one.prediction))
+
+
+def _nrmse(comparison: PipeComparison, prediction: Prediction) -> float:
+    return replace(comparison, prediction=prediction).nrmse
+
+
+def _heldout(task: Task, one: Refit) -> float:
+    """Give the squares that are left where a part of the frequencies is left out of the fit in turn.
+
+    What the values would be without it is the Gauss-Newton step from the fit to all, within bounds.
+    """
+    total = 0.0
+    J, residual, values = one.jacobian, one.residual, np.array(one.values)
+    lower, upper = bounds_of(one.suspects)
+    for inside in _blocks(task):
+        rest = ~inside
+        step = np.linalg.lstsq(J[rest], -residual[rest], rcond=None)[0] if J.shape[1] else np.zeros(0)
+        left = residual[inside] + J[inside] @ (np.clip(values + step, lower, upper) - values)
+        total += float(left @ left)
+    return total
+
+
+def _blocks(task: Task) -> Iterator[NDArray[np.bool_]]:
+    """Give the parts that are left out in turn: neighbouring frequencies of a series, all probes."""
+    steady = task.measurement.steady
+    block = np.zeros(steady.frequency.size, dtype=np.intp)
+    series = series_of(steady)
+    each = max(1, round(BLOCKS / len(series)))
+    for number, one in enumerate(series):
+        block[one.rows] = number * each + np.arange(one.rows.size) * each // one.rows.size
+    of_rows = np.broadcast_to(block[:, None], steady.response.shape).astype(np.float64)
+    labels = task.flat(of_rows, of_rows)
+    for label in np.unique(labels):
+        yield labels == label
+
+
+def _judged(
+    comparison: PipeComparison, task: Task, singles: list[Candidate], together: Refit, tell: Tell
+) -> Attribution:
+    """Give the verdict."""
+    stated = _candidate(comparison, task, as_stated(task))
+    everything = _candidate(comparison, task, together)
+
+    def found(verdict: Verdict, named: Sequence[Candidate], candidates: Sequence[Candidate]) -> Attribution:
+        best = candidates[0].refit if verdict != "complete" else stated.refit
+        left = float(np.sqrt(best.squared / max(1, best.residual.size - len(best.values))))
+        return Attribution(verdict, tuple(named), tuple(candidates), stated, everything, left, task)
+
+    best = singles[0]
+    if not _better(best, stated):
+        enough = _rms(stated) <= NOISE_ONLY and not _needs_more(stated, everything)
+        return found("complete" if enough else "unknown", (), singles)
+    if _needs_more(best, everything):
+        tell("refit pairs")
+        pairs = sorted(_pairs(comparison, task, singles), key=lambda one: one.heldout)
+        singles = sorted([*singles, *pairs], key=lambda one: one.heldout)
+        if pairs and _better(pairs[0], best):
+            best = pairs[0]
+    explains = stated.refit.squared - best.refit.squared >= EXPLAINED * (
+        stated.refit.squared - best.refit.residual.size
+    )
+    if _needs_more(best, everything) or (_rms(best) > NOISE_ONLY and not explains):
+        return found("unknown", (), singles)
+    same_size = [one for one in singles if len(one.suspects) == len(best.suspects)]
+    rivals = [one for one in same_size if one.heldout - best.heldout < CLEARLY * best.overdispersion]
+    rivals = [one for one in rivals if one is best or _better(one, stated)]
+    return found("wrong" if len(rivals) == 1 else "ambiguous", rivals, singles)
+
+
+def _rms(one: Candidate) -> float:
+    return float(np.sqrt(one.refit.squared / max(1, one.refit.residual.size - len(one.refit.values))))
+
+
+def _better(one: Candidate, other: Candidate) -> bool:
+    """Tell whether a candidate leaves clearly less than another one, and less by an amount that matters."""
+    clearly = other.heldout - one.heldout > CLEARLY * one.overdispersion
+    return clearly and one.refit.squared < WORTH**2 * other.refit.squared
+
+
+def _needs_more(one: Candidate, everything: Candidate) -> bool:
+    """Tell whether all suspects together leave so much less that one alone (or one pair) can't be all."""
+    freedoms = len(everything.refit.values) - len(one.refit.values)
+    gained = (one.refit.squared - everything.refit.squared) / everything.overdispersion
+    return gained > chi2.isf(SURELY, freedoms) and everything.refit.squared < MUCH_LESS**2 * one.refit.squared
+
+
+def _pairs(comparison: PipeComparison, task: Task, singles: Sequence[Candidate]) -> Iterator[Candidate]:
+    """Refit the pairs that promise most, each begun from one of them alone."""
+    hopeful = singles[:HOPEFUL]
+    promised = []
+    for one in hopeful:
+        for other in singles:
+            if one is other or (other in hopeful and singles.index(other) < singles.index(one)):
+                continue
+            pair = (one.suspects[0], other.suspects[0])
+            values = (*one.refit.values, *_neutral(other.suspects[0]))
+            begun = refit(task, pair, values, one.refit.prediction, most=1)
+            step = np.linalg.lstsq(begun.jacobian, -begun.residual, rcond=None)[0]
+            left = begun.residual + begun.jacobian @ step
+            promised.append((float(left @ left), pair, values, one.refit.prediction))
+    for _, pair, values, near in sorted(promised, key=lambda entry: entry[0])[:PAIRS]:
+        yield _candidate(comparison, task, refit(task, pair, values, near))

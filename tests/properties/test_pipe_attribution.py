@@ -1,0 +1,38 @@
+"""What is hidden in a virtual shaker test, integrated in time, is named: the pipe's parameter, the clamp's, or none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from pipeclamp_identification.pipe_attribution import attribute
+from pipeclamp_identification.pipe_comparison import compare_pipe
+
+FOLDER = Path(__file__).parents[2] / "build_scripts" / "pipe_truth"
+
+
+@pytest.fixture(autouse=True)
+def trials_on_path(monkeypatch):
+    monkeypatch.syspath_prepend(FOLDER)
+
+
+@pytest.mark.parametrize("hidden", ["nothing", "damping 4 % instead of 2 %", "clamp 0.6 times as damped"])
+def test_what_is_hidden_is_named(hidden, tmp_path):
+    from designs import DESIGNS, TRIALS, sines
+    from rig import measure
+
+    trial = next(trial for trial in TRIALS if (trial.design, trial.hidden) == ("cantilever", hidden))
+    design = replace(DESIGNS[trial.design], sines=sines(5.0, 12.0, 9, (0.5, 2.0)))
+    stated = design.write(tmp_path, {}, {})
+    true = design.write(tmp_path / "true", trial.fields, trial.laws)
+    measure(true, design.sensors, design.sines, tmp_path / "measured", trial.noise, seed=5)
+    found = attribute(compare_pipe(stated, tmp_path / "measured"))
+    assert found is not None
+    named = {suspect.id for suspect in found.suspects}
+    if trial.truth:
+        assert found.verdict in ("wrong", "ambiguous")
+        assert set(trial.truth) <= named
+    else:
+        assert found.verdict == "complete"

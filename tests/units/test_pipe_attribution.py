@@ -1,0 +1,141 @@
+"""Suspects change nothing at their neutral values; what can't be told apart is said to be ambiguous."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.pipe_attribution import attribute
+from pipeclamp_identification.pipe_attribution_report import attribution_json, attribution_section, attribution_words
+from pipeclamp_identification.pipe_comparison import compare_pipe
+from pipeclamp_identification.pipe_model import predict
+from pipeclamp_identification.pipe_next_test import propose
+from pipeclamp_identification.pipe_noise import noise_of
+from pipeclamp_identification.pipe_refit import changed
+from pipeclamp_identification.pipe_suspects import suspects_of, with_mounts
+from pipeclamp_identification.report import render
+
+PIPE = """
+name = "symmetric"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 4.0
+material = "316L"
+[ends]
+left = {left}
+right = "pinned"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[damping]
+ratio = 0.02
+[modes]
+up_to_Hz = 80
+"""
+SYSTEM = """
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "clamp1"
+law = "law.json"
+temperature_C = 20.0
+amplitude_mm = 1.0
+frequency_Hz = 12.0
+[excitation]
+kind = "sine"
+acceleration_m_s2 = 1.0
+frequency_Hz = 12.0
+[run]
+stop_s = 1.0
+step_s = 0.001
+"""
+MEASUREMENT = """
+[[probes]]
+name = "middle"
+position_m = 2.0
+unit = "mm"
+[[responses]]
+file = "sines.csv"
+"""
+SINES = [(f, level) for level in (1.0, 4.0) for f in np.linspace(6.0, 18.0, 13).tolist()]
+
+
+@pytest.fixture
+def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
+    """A pipe that is the same from both ends, measured in the middle; its left end is softer than stated."""
+    write_law(tmp_path / "law.json", {"k10": 20.0, "k30": 4.0, "c0": 2.0, "alpha0": 0.6}, v_r=0.5)
+    (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
+    measured = tmp_path / "measured"
+    measured.mkdir()
+    (measured / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
+    head = "frequency_Hz,acceleration_m_s2,middle_real,middle_imag\n"
+    (measured / "sines.csv").write_text(head + "".join(f"{f},{a},1,1\n" for f, a in SINES), encoding="utf-8")
+    (tmp_path / "pipe.toml").write_text(PIPE.format(left="{ stiffness_N_mm = 150 }"), encoding="utf-8")
+    true = compare_pipe(tmp_path / "system.toml", measured).prediction.response[:, 0]
+    rng = np.random.default_rng(2)
+    noisy = true * (1 + 0.01 * (rng.standard_normal(true.size) + 1j * rng.standard_normal(true.size)))
+    rows = [f"{f},{a},{1e3 * a * x.real},{1e3 * a * x.imag}\n" for (f, a), x in zip(SINES, noisy, strict=True)]
+    (measured / "sines.csv").write_text(head + "".join(rows), encoding="utf-8")
+    (tmp_path / "pipe.toml").write_text(PIPE.format(left='"pinned"'), encoding="utf-8")
+    return tmp_path
+
+
+def test_suspects_change_nothing_at_zero_and_something_elsewhere(bench):
+    comparison = compare_pipe(bench / "system.toml", bench / "measured")
+    model = with_mounts(comparison.model)
+    stated = predict(model, comparison.measurement, comparison.prediction)
+    assert stated.response == pytest.approx(comparison.prediction.response, rel=1e-6)
+    suspects = suspects_of(comparison.model)
+    assert {suspect.id for suspect in suspects} == {
+        "left.stiffness", "left.rotational", "right.stiffness", "right.rotational", "damping", "mass_per_length",
+        "added_mass", "clamp1.stiffness", "clamp1.damping",
+    }  # fmt: skip
+    for suspect in suspects:
+        for values, same in ((tuple(0.0 for _ in suspect.lower), True), (suspect.starts[-1], False)):
+            response = predict(changed(model, (suspect,), values), comparison.measurement, stated).response
+            assert np.allclose(response, stated.response, rtol=1e-6) == same, suspect.id
+    nearly_rigid = changed(model, (suspects[0],), (1e-6,))
+    response = predict(nearly_rigid, comparison.measurement, stated).response
+    assert response == pytest.approx(stated.response, rel=1e-3)
+
+
+def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(bench):
+    comparison = compare_pipe(bench / "system.toml", bench / "measured")
+    found = attribute(comparison)
+    assert found.verdict == "ambiguous"
+    named = {suspect.id for suspect in found.suspects}
+    assert {"left.stiffness", "right.stiffness"} <= named
+    proposal = propose(found)
+    answer = attribution_json(found, proposal)
+    assert "pipe" in answer["sides"]
+    assert answer["nrmse"]["stated"] > 3 * min(entry["nrmse"] for entry in answer["candidates"])
+    if named == {"left.stiffness", "right.stiffness"}:
+        assert "a probe at" in proposal.test
+        assert any("it is a support's stiffness" in words for words in attribution_words(found, proposal))
+    assert "ambiguous" in render("test", "", [attribution_section(found, proposal)])
+
+
+def test_roughness_tells_the_noise_whatever_the_misfit(bench):
+    comparison = compare_pipe(bench / "system.toml", bench / "measured")
+    response = comparison.measurement.steady.response
+    smooth = 1.1 * predict(comparison.model, comparison.measurement, comparison.prediction).response
+    rng = np.random.default_rng(3)
+    noise = 0.02 * np.abs(smooth) * (rng.standard_normal(smooth.shape) + 1j * rng.standard_normal(smooth.shape))
+    measured = replace(comparison.measurement.steady, response=smooth + noise)
+    found = noise_of(replace(comparison.measurement, steady=measured), smooth / 1.1)
+    assert found is not None and found.shape == response.shape
+    assert float(np.median(found / np.abs(smooth))) == pytest.approx(0.02, rel=0.35)
+
+
+def test_too_few_values_are_not_asked(bench):
+    measured = bench / "measured" / "sines.csv"
+    lines = measured.read_text(encoding="utf-8").splitlines()
+    measured.write_text("\n".join(lines[:8]) + "\n", encoding="utf-8")
+    found = attribute(compare_pipe(bench / "system.toml", bench / "measured"))
+    assert found is None
+    assert "at least" in attribution_words(found, None)[0]
