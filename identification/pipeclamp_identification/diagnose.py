@@ -24,9 +24,8 @@ SIGNIFICANT = 1e-3
 """Lack of fit less likely than this under noise alone is real."""
 MATERIAL = 0.1
 """Lack of fit below this share of the force noise (rms) isn't worth an effect: it costs half a percent of the floor."""
-PRECISE = 6e-4
-"""Nor is what lies below this share of the force (rms): no load cell is truer, and identification itself errs by so
-much where friction steps between samples."""
+PRECISE = 2e-4
+"""Nor is what lies below this share of the force (rms): few load cells are truer."""
 FORM = 0.1
 """An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
 exact form."""
@@ -34,6 +33,8 @@ MOST_FORM = 1.0
 """But a law that leaves over more than the force noise itself is not complete, whatever its effects' form."""
 EXPLAINS = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
+SHOWS = 0.7
+"""Nor does one that leaves over more than this share, even where it makes the rest look like scatter."""
 CLOSE = 0.1
 """A rival stays in the answer's set when resampling the runs makes it the best in this share of the draws."""
 DRAWS = 2000
@@ -252,7 +253,7 @@ def _verdict(
 
 
 def _explains(candidate: Judged, law: Judged, tolerance: Tolerance) -> bool:
-    left, missing = candidate.lack.share, law.lack.share
+    left, missing = candidate.lack.sure_share, law.lack.share
     return _adequate(candidate.lack, tolerance) or left < EXPLAINS * missing or left < tolerance.form < missing
 
 

@@ -19,6 +19,8 @@ from pipeclamp_identification.observations import Rows
 
 INDEPENDENT = 0.05
 """A change of which the law's parameters leave less than this share is one that they make themselves."""
+BY_CHANCE = 2.0
+"""Standard errors by which scatter may have added to what follows the conditions."""
 LOW_HARMONICS = 7
 """Most of what loops can miss shows up to this harmonic."""
 
@@ -112,15 +114,17 @@ class LackOfFit:
     """What of the residuals follows the conditions, against what noise alone would make of it.
 
     Attributes:
-        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, or as stiffness or
-            damping that follows one condition, whichever is least likely, times three.
+        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, in one harmonic
+            alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
+        sure_share: the same, less what scatter may have added to it by chance.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
             small.
     """
 
     p_value: float
     share: float
+    sure_share: float
     by_channel: Array
 
     @property
@@ -149,6 +153,8 @@ def lack_of_fit(
     freedoms = smooth.shape[1] - taken
     low = 2 * LOW_HARMONICS + 1
     p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
+    alone = stats.chi2.sf(explained, np.maximum(freedoms, 1.0))
+    p_values.append(min(1.0, channels * float(alone.min())))
     p_values.append(_least_likely(directed, fitted.residual, flat, runs - smooth.shape[1]))
     leverage = np.sum(smooth**2, axis=1)
     seen = noise.variance < UNSEEN
@@ -157,8 +163,15 @@ def lack_of_fit(
     by_channel = (np.sum((smooth.T @ np.where(seen, plain, 0.0)) ** 2, axis=0) - expected) / runs
     # A harmonic's mean square is half its squared amplitude.
     by_channel[1:] /= 2
-    share = np.sqrt(max(float(by_channel.sum()), 0.0) / float(np.mean(noise_rms**2)))
-    return LackOfFit(min(1.0, len(p_values) * min(p_values)), float(share), by_channel)
+    # Of a sum of as many squares as there are freedoms.
+    error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
+    error[1:] /= 2
+    excess = float(by_channel.sum())
+    share, sure_share = (
+        float(np.sqrt(max(one, 0.0) / float(np.mean(noise_rms**2))))
+        for one in (excess, excess - BY_CHANCE * float(np.linalg.norm(error)))
+    )
+    return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, by_channel)
 
 
 def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:

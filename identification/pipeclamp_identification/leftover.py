@@ -23,8 +23,10 @@ NEAREST = 3
 """Bins nearer to a line than this hold some of the line itself."""
 FEWEST_NEIGHBOURS = 8
 """Bins on either side from which a line's neighbouring level is told."""
-FEWEST_SHARE = 0.3
-"""A line must be looked for in this share of the runs: a few spectra have outliers of their own."""
+FEWEST_SHARE = 0.2
+"""A line must be looked for in this share of the runs."""
+IN_MOST = 2.0
+"""Half of these runs must show it so many times above the noise: a few spectra have outliers of their own."""
 SURELY = 12.0
 """Standard errors by which the pooled power of a line must exceed its neighbours': hundreds of bins are looked at."""
 
@@ -181,10 +183,14 @@ def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates:
     seen = np.isfinite(level)
     count = seen.sum(axis=0)
     mean = np.where(seen, level, 0.0).sum(axis=0) / np.maximum(count, 1)
-    beyond = (count >= max(4.0, FEWEST_SHARE * len(misfits))) & (mean > 1 + SURELY / np.sqrt(np.maximum(count, 1)))
-    return tuple(
-        float(candidates[index]) for index in np.flatnonzero(beyond) if mean[index] == _largest_near(mean, int(index))
-    )
+    looked_for = count >= max(FEWEST_RUNS, FEWEST_SHARE * len(misfits))
+    middle = np.zeros(len(candidates))
+    middle[looked_for] = np.nanmedian(level[:, looked_for], axis=0)
+    beyond = looked_for & (middle > IN_MOST) & (mean > 1 + SURELY / np.sqrt(np.maximum(count, 1)))
+    found = np.array([index for index in np.flatnonzero(beyond) if mean[index] == _largest_near(mean, int(index))], int)
+    # Neighbouring candidates may share their lines in all runs.
+    lines = np.split(found, np.flatnonzero(np.diff(found) > 1) + 1) if len(found) else []
+    return tuple(float(np.mean(candidates[line])) for line in lines)
 
 
 def _backgrounds(spectrum: Array, usable: npt.NDArray[np.bool_]) -> Array:

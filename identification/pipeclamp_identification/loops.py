@@ -6,6 +6,7 @@ acceleration by multiplication with i n omega, which delays nothing against the 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -91,9 +92,9 @@ class Loops:
     force_per_cycle: tuple[ComplexArray, ...]
     """R arrays (cycles, H + 1) N, turned likewise."""
     phases: tuple[Array, ...] = ()
-    """R arrays (samples,) rad: where in the cycle each steady sample lies; none for rows that are single cycles."""
+    """R arrays (samples,) rad: where in the cycle each steady sample lies, in the order of time."""
     at_reversals: tuple[Bridged, ...] = ()
-    """R entries: the samples at reversals, which stand for the mean over their interval; none for single cycles."""
+    """R entries: the samples at reversals, which stand for the mean over their interval."""
     force_average: float = 0.0
     """Share of the period over which the force was averaged before it was recorded."""
 
@@ -175,6 +176,7 @@ def per_cycle(loops: Loops) -> Loops:
     row = np.repeat(np.arange(len(counts)), counts)
     kept = loops.displacement != 0
     displacement = np.concatenate(loops.displacement_per_cycle) * kept[row]
+    starts = [_starts(phase) for phase in loops.phases]
     return Loops(
         run=tuple(loops.run[r] for r in row),
         specimen=tuple(loops.specimen[r] for r in row),
@@ -195,8 +197,21 @@ def per_cycle(loops: Loops) -> Loops:
         cycles=tuple(np.concatenate(loops.cycles)[:, None]),
         displacement_per_cycle=tuple(displacement[:, None, :]),
         force_per_cycle=tuple(np.concatenate(loops.force_per_cycle)[:, None, :]),
+        phases=tuple(
+            part for phase, own in zip(loops.phases, starts, strict=True) for part in np.split(phase, own[1:])
+        ),
+        at_reversals=tuple(
+            at.within(first, last)
+            for at, phase, own in zip(loops.at_reversals, loops.phases, starts, strict=True)
+            for first, last in itertools.pairwise([*own, len(phase)])
+        ),
         force_average=loops.force_average,
     )
+
+
+def _starts(phase: Array) -> IntArray:
+    """Return where each cycle begins: the phase within the cycle falls back there."""
+    return np.concatenate([[0], np.flatnonzero(np.diff(phase) < -np.pi) + 1])
 
 
 def on_grid(harmonics: ComplexArray, count: int, derivative: int = 0) -> Array:

@@ -12,7 +12,6 @@ from pipeclamp.law import Law, compose
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import law_response
 from pipeclamp_identification.campaign import Campaign, Run
-from pipeclamp_identification.harmonics import cycle_harmonics
 from pipeclamp_identification.loops import Loops, on_grid, per_cycle
 from pipeclamp_identification.observations import loop_motion
 from pipeclamp_identification.smoothing import averaged
@@ -22,8 +21,6 @@ FINE_SAMPLES = 2048
 at a reversal costs less than 0.03 % of the force, where 512 points cost up to 0.2 %."""
 DRAWN_SAMPLES = 512
 """Points of a loop that is drawn."""
-TURNING = 3
-"""Harmonics of the displacement from which a sample's phase within its own cycle is found."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +65,8 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
     """Compare a law with every steady sample of a campaign.
 
     The law sees the measured motion as its harmonics say it: noise of the displacement sensor is not taken for force.
+    A sample in whose interval the motion reverses errs as its neighbours do, each for its own side: where a law steps,
+    its timing decides which side it shows.
     Where the law's force is known up to a constant only (a state that never loses its beginning), the run's measured
     mean is taken for that constant.
 
@@ -84,7 +83,7 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
     _refuse_unknown(law, loops, force)
     edges = np.concatenate([[0], np.cumsum([len(cycles) if changing else 1 for cycles in loops.cycles])])
     return tuple(
-        _run_misfit(run, force[edges[index] : edges[index + 1]], float(loops.scatter_rms_N[index]))
+        _run_misfit(run, loops, index, force[edges[index] : edges[index + 1]])
         for index, run in enumerate(campaign.runs)
     )
 
@@ -114,23 +113,22 @@ def slow_signals(law: Law) -> frozenset[str]:
     return frozenset(str(symbol) for symbol in compose(law.structure).slow_signals)
 
 
-def _run_misfit(run: Run, force: Array, noise: float) -> RunMisfit:
+def _run_misfit(run: Run, loops: Loops, index: int, force: Array) -> RunMisfit:
     """Interpolate a run's computed loops, one for all cycles or one a cycle, shape (1 or cycles, n), to its samples."""
     cycles = run.cycles
     measured = run.record.force_N[cycles.steady]
-    phase = cycles.phase(run.record)
-    bounds = cycles.bounds - cycles.bounds[0]
-    y = run.record.displacement_mm[cycles.steady]
-    lag = np.angle(cycle_harmonics(phase, bounds, [y], TURNING)[0, :, 1])
-    cycle = np.repeat(np.arange(cycles.count), np.diff(bounds))
-    within = (phase + lag[cycle]) % (2 * np.pi)
+    phase = loops.phases[index] % (2 * np.pi)
     n = force.shape[1]
-    place = within * (n / (2 * np.pi))
+    place = phase * (n / (2 * np.pi))
     left = np.floor(place).astype(np.intp) % n
     share = place - np.floor(place)
+    cycle = np.repeat(np.arange(cycles.count), np.diff(cycles.bounds))
     row = np.minimum(cycle, len(force) - 1)
     computed = (1 - share) * force[row, left] + share * force[row, (left + 1) % n]
-    return RunMisfit(run.name, within, measured, computed, noise)
+    at_reversals = loops.at_reversals[index]
+    error = measured - computed
+    computed[at_reversals.sample] = measured[at_reversals.sample] - at_reversals.between(error[at_reversals.places])
+    return RunMisfit(run.name, phase, measured, computed, float(loops.scatter_rms_N[index]))
 
 
 def overall_nrmse(runs: tuple[RunMisfit, ...]) -> float:

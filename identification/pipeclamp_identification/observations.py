@@ -102,7 +102,7 @@ def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: 
 
 def _transforms(loops: Loops) -> Array | None:
     """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
-    few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=False)]
+    few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=True)]
     if not any(few) and not loops.force_average:
         return None
     count = loops.force.shape[1] - 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,24 +22,47 @@ class Bridged:
 
     Attributes:
         places: of the sample before, the sample itself, and the one after, shape (3, K).
-        weights: of what is left over at these places, in the change of the sample, shape (3, K).
+        before: the share of the sample's interval that lies before the reversal, shape (K,).
+        yielding: by how much a change of the sample by one moves it against its neighbours, once the harmonics have
+            followed; shape (K,).
     """
 
     places: IntArray
-    weights: Array
+    before: Array
+    yielding: Array
 
     @property
     def sample(self) -> IntArray:
         """Places of the samples themselves, shape (K,)."""
         return np.asarray(self.places[1])
 
+    def within(self, first: int, last: int) -> Bridged:
+        """Give those of one whole cycle, of samples `first` to `last` - 1, that begins and ends with itself."""
+        inside = slice(*np.searchsorted(self.sample, (first, last)))
+        places = (self.places[:, inside] - first) % (last - first)
+        return Bridged(places, self.before[inside], self.yielding[inside])
+
+    def between(self, error: Array) -> Array:
+        """Give what the neighbours say of an error, each for its own side of the reversal.
+
+        Args:
+            error: at `places`, shape (..., 3, K).
+
+        Returns:
+            at the samples, shape (..., K).
+        """
+        return np.asarray(self.before * error[..., 0, :] + (1 - self.before) * error[..., 2, :])
+
     def change(self, left_over: Array) -> Array:
-        """Give by how much bridging changes the samples, shape (..., K).
+        """Give by how much bridging changes the samples, so that harmonics fitted to them leave over what they should.
 
         Args:
             left_over: what the harmonics leave over at `places`, shape (..., 3, K).
+
+        Returns:
+            at the samples, shape (..., K).
         """
-        return np.asarray(np.sum(self.weights * left_over, axis=-2))
+        return np.asarray((self.between(left_over) - left_over[..., 1, :]) / self.yielding)
 
 
 def bridged(displacement: ComplexArray, phase: Array, per_cycle: float, count: int) -> Bridged:
@@ -66,12 +89,11 @@ def bridged(displacement: ComplexArray, phase: Array, per_cycle: float, count: i
     apart = (gap > 1) & (np.roll(gap, 1) > 1)
     sample, before = sample[apart], np.concatenate(shares)[order][apart]
     places = np.stack([sample - 1, sample, sample + 1]) % len(phase)
-    weights = np.stack([before, -np.ones_like(before), 1 - before])
-    # The harmonics follow a change of the sample, and leave over less of it than all; nothing of it may stay.
+    # The harmonics follow a change of the sample, and leave over less of it than all.
     off = phase[places] - phase[sample]
     followed = (1 + 2 * np.sum(np.cos(off[..., None] * np.arange(1, count + 1)), axis=-1)) / per_cycle
-    left = np.sum(weights * (np.array([[0.0], [1.0], [0.0]]) - followed), axis=0)
-    return Bridged(places, -weights / left)
+    at = Bridged(places, before, np.ones_like(before))
+    return replace(at, yielding=at.change(followed) + 1.0)
 
 
 def _within_a_turn(angle: Array) -> Array:
