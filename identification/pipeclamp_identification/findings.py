@@ -12,6 +12,7 @@ from pipeclamp.parameter_file import LawFile
 from pipeclamp_identification import comparison_report, diagnosis_report, metric_diagnosis_report, metric_law
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.compare import Comparison, compare, comparison_json, where_words
+from pipeclamp_identification.comparison_report import parts_table
 from pipeclamp_identification.diagnosis_report import Answer
 from pipeclamp_identification.fit import Progress
 from pipeclamp_identification.identify import Method, identify, law_file
@@ -32,6 +33,8 @@ from pipeclamp_identification.pipe_attribution_report import (
 from pipeclamp_identification.pipe_comparison import PipeComparison
 from pipeclamp_identification.pipe_comparison_report import pipe_comparison_sections, probe_table
 from pipeclamp_identification.pipe_next_test import propose
+from pipeclamp_identification.pipe_records import RecordsComparison, records_json, records_words
+from pipeclamp_identification.pipe_records_report import records_sections
 from pipeclamp_identification.pipe_where import how_much, pipe_comparison_json
 from pipeclamp_identification.pipe_where import where_words as where_on_pipe
 from pipeclamp_identification.report import Section, Table
@@ -149,6 +152,16 @@ def compared_on_pipe(comparison: PipeComparison, *, with_report: bool, progress:
         sections,
         tables,
         [*how_much(comparison), *where_on_pipe(comparison), *attribution_words(found, proposal)],
+    )
+
+
+def compared_on_records(comparison: RecordsComparison, *, with_report: bool) -> Findings:
+    """Give how a coupled model stands against records of any motion."""
+    return Findings(
+        records_json(comparison),
+        records_sections(comparison) if with_report else [],
+        [parts_table(parts) for parts in comparison.breakdowns()],
+        records_words(comparison),
     )
 
 

@@ -21,7 +21,8 @@ from pipeclamp_identification.concentration import (
     is_scatter,
 )
 from pipeclamp_identification.levels import name_levels, number_levels
-from pipeclamp_identification.pipe_measurement import DRIVES, PipeMeasurement, read_measurement
+from pipeclamp_identification.measured_table import DRIVES
+from pipeclamp_identification.pipe_measurement import PipeMeasurement, read_measurement
 from pipeclamp_identification.pipe_model import (
     SAME_LEVEL,
     CoupledModel,

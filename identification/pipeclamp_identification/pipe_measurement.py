@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -13,9 +12,17 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from pipeclamp.errors import UserError
-from pipeclamp.toml_file import Name, NotNegative, Number, Table, read_table, unknown
+from pipeclamp.toml_file import Name, NotNegative, Number, Table, read_table
 from pipeclamp_identification.cycles import find_cycles
 from pipeclamp_identification.harmonics import cycle_harmonics
+from pipeclamp_identification.measured_table import (
+    DRIVES,
+    Drive,
+    ascending_time,
+    csv_frame,
+    drive_column,
+    numbers,
+)
 from pipeclamp_identification.records import Record, UnusableRecord, check_samples
 
 Array = NDArray[np.float64]
@@ -38,26 +45,6 @@ UNITS: dict[Unit, tuple[int, float]] = {
 """How often the displacement is differentiated by time, and the unit's size in SI."""
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
-
-Drive = Literal["acceleration_m_s2", "displacement_mm", "force_N"]
-
-
-@dataclass(frozen=True)
-class DriveKind:
-    """What an excitation's column holds: what of the pipe it shakes, the unit's size in SI, the unit."""
-
-    shakes: Literal["base", "force"]
-    scale: float
-    unit: str
-
-
-DRIVES: dict[Drive, DriveKind] = {
-    "acceleration_m_s2": DriveKind("base", 1.0, "m/s²"),
-    "displacement_mm": DriveKind("base", 1e-3, "mm"),
-    "force_N": DriveKind("force", 1.0, "N"),
-}
-"""Columns that the excitation may stand in."""
-
 
 SWEEPS = {"up": 1, "down": -1, None: 0}
 
@@ -108,6 +95,13 @@ class SineTable(Table):
     from_s: NotNegative = 0.0
 
 
+class RecordTable(Table):
+    """A record of any motion, begun at rest: a sweep, a burst, random excitation."""
+
+    file: str
+    temperature_C: Annotated[Number, Field(gt=-273.15)] | None = None
+
+
 class MeasurementDescription(Table):
     """What was measured on a pipe; paths are relative to the file they stand in."""
 
@@ -116,6 +110,7 @@ class MeasurementDescription(Table):
     probes: Annotated[tuple[ProbeTable, ...], Field(min_length=1)]
     responses: tuple[ResponseTable, ...] = ()
     sines: tuple[SineTable, ...] = ()
+    records: tuple[RecordTable, ...] = ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -123,8 +118,10 @@ class MeasurementDescription(Table):
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"probes: the name {name!r} is there twice; expected a name of its own for each")
-        if not self.responses and not self.sines:
-            raise ValueError("nothing was measured; expected [[responses]] or [[sines]], each with its file")
+        if not self.responses and not self.sines and not self.records:
+            raise ValueError("nothing was measured; expected [[responses]], [[sines]] or [[records]], with their files")
+        if self.records and (self.responses or self.sines):
+            raise ValueError("[[records]] are compared over time, sines are not; expected a folder for each")
         return self
 
 
@@ -189,14 +186,23 @@ def is_system(path: Path) -> bool:
     return path.suffix == ".toml"
 
 
+def read_description(path: Path) -> tuple[Path, MeasurementDescription]:
+    """Read the description of a measurement, a folder with measurement.toml or that file; give the file, too.
+
+    Raises:
+        UserError: it is missing or can't serve.
+    """
+    file = path / FILE_NAME if path.is_dir() else path
+    return file, read_table(file, MeasurementDescription)
+
+
 def read_measurement(path: Path) -> PipeMeasurement:
-    """Read what was measured on a pipe: a folder with measurement.toml, or that file.
+    """Read the sines that were measured on a pipe: a folder with measurement.toml, or that file.
 
     Raises:
         UserError: a file is missing or can't serve; the message names file, row and column.
     """
-    file = path / FILE_NAME if path.is_dir() else path
-    description = read_table(file, MeasurementDescription)
+    file, description = read_description(path)
     parts: list[tuple[ResponseTable | SineTable, _Rows]] = [
         *((entry, _response_rows(file.parent / entry.file, entry, description)) for entry in description.responses),
         *((entry, _sine_rows(file.parent / entry.file, entry, description)) for entry in description.sines),
@@ -238,9 +244,9 @@ def read_measurement(path: Path) -> PipeMeasurement:
 
 def _response_rows(path: Path, entry: ResponseTable, description: MeasurementDescription) -> _Rows:
     """Read a frequency response: frequency_Hz, the excitation's amplitude, and one or two columns a probe."""
-    frame = _frame(path)
-    unit = _drive_column(frame, path)
-    frequency, level = _numbers(frame, "frequency_Hz", path), _numbers(frame, unit, path)
+    frame = csv_frame(path)
+    unit = drive_column(frame, path)
+    frequency, level = numbers(frame, "frequency_Hz", path), numbers(frame, unit, path)
     for name, values in (("frequency_Hz", frequency), (unit, level)):
         bad = np.flatnonzero(~(values > 0))
         if bad.size:
@@ -262,18 +268,18 @@ def _probe_columns(frame: pl.DataFrame, probe: ProbeTable, path: Path) -> tuple[
     real, imaginary = f"{probe.name}_real", f"{probe.name}_imag"
     present = set(frame.columns)
     if {real, imaginary} <= present:
-        parts = [_numbers(frame, name, path, blank=True) for name in (real, imaginary)]
+        parts = [numbers(frame, name, path, blank=True) for name in (real, imaginary)]
         return np.asarray(parts[0] + 1j * parts[1], dtype=np.complex128), True
     if amplitude not in present:
         missing = f"{path}: no column for probe {probe.name!r}; it has {', '.join(frame.columns)}"
         raise UserError(f"{missing}; expected {amplitude} and {phase}, or {real} and {imaginary}, or {amplitude} alone")
-    values = _numbers(frame, amplitude, path, blank=True)
+    values = numbers(frame, amplitude, path, blank=True)
     if np.any(values < 0):
         row = int(np.flatnonzero(values < 0)[0])
         raise UserError(f"{path}, row {row + 2}, column {amplitude!r}: got {values[row]:g}; expected no less than 0")
     if phase not in present:
         return values.astype(np.complex128), False
-    turned = np.exp(1j * np.radians(_numbers(frame, phase, path, blank=True)))
+    turned = np.exp(1j * np.radians(numbers(frame, phase, path, blank=True)))
     return np.asarray(values * turned, dtype=np.complex128), True
 
 
@@ -282,13 +288,13 @@ def _sine_rows(path: Path, entry: SineTable, description: MeasurementDescription
 
     Each cycle gives the response once; what they scatter by is the scatter of their mean.
     """
-    frame = _frame(path)
-    unit = _drive_column(frame, path)
-    time = _ascending_time(frame, path)
+    frame = csv_frame(path)
+    unit = drive_column(frame, path)
+    time = ascending_time(frame, path)
     chosen = time >= entry.from_s
     if np.count_nonzero(chosen) < 2:
         raise UserError(f"{path}: no sample lies after from_s = {entry.from_s:g} s; it ends at {time[-1]:g} s")
-    columns = [_numbers(frame, name, path)[chosen] for name in (unit, *(probe.name for probe in description.probes))]
+    columns = [numbers(frame, name, path)[chosen] for name in (unit, *(probe.name for probe in description.probes))]
     try:
         record = Record(time[chosen], columns[0], columns[0])
         check_samples(record)
@@ -310,56 +316,3 @@ def _sine_rows(path: Path, entry: SineTable, description: MeasurementDescription
     return _Rows(
         np.array([cycles.frequency_Hz]), level, unit, response, np.ones(response.shape, dtype=np.bool_), scatter
     )
-
-
-def _frame(path: Path) -> pl.DataFrame:
-    try:
-        frame = pl.read_csv(path, infer_schema_length=None)
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise UserError(f"{path}: can't read this file ({error}); expected CSV with names in row 1") from error
-    if frame.height == 0:
-        raise UserError(f"{path}: has no rows below its names; expected numbers")
-    return frame
-
-
-def _drive_column(frame: pl.DataFrame, path: Path) -> Drive:
-    found = [name for name in DRIVES if name in frame.columns]
-    if len(found) != 1:
-        got = " and ".join(found) or f"none of them in {', '.join(frame.columns)}"
-        raise UserError(
-            f"{path}: got {got}; expected one column of the excitation: {', '.join(DRIVES)} (of the base, or a force)"
-        )
-    return found[0]
-
-
-def _numbers(frame: pl.DataFrame, name: str, path: Path, *, blank: bool = False) -> Array:
-    """Give a column of finite numbers; blank cells are nan where they are allowed."""
-    if name not in frame.columns:
-        raise UserError(f"{path}: {unknown(name, frame.columns, 'column')}")
-    column = frame[name]
-    if not column.dtype.is_numeric() and not (blank and column.null_count() == column.len()):
-        bad = next((row for row, cell in enumerate(column.to_list()) if not _is_number(cell)), 0)
-        raise UserError(f"{path}, row {bad + 2}, column {name!r}: got {column[bad]!r}; expected a number")
-    values = column.cast(pl.Float64).to_numpy().astype(np.float64)
-    missing = np.zeros(values.size, dtype=np.bool_) if not blank else column.is_null().to_numpy()
-    bad_rows = np.flatnonzero(~np.isfinite(values) & ~missing)
-    if bad_rows.size:
-        cell = column[int(bad_rows[0])]
-        raise UserError(f"{path}, row {bad_rows[0] + 2}, column {name!r}: got {cell}; expected a finite number")
-    return values
-
-
-def _is_number(cell: object) -> bool:
-    try:
-        float(str(cell))
-    except ValueError:
-        return False
-    return True
-
-
-def _ascending_time(frame: pl.DataFrame, path: Path) -> Array:
-    time = _numbers(frame, "time_s", path)
-    for row, (before, after) in enumerate(pairwise(time.tolist())):
-        if after <= before:
-            raise UserError(f"{path}, row {row + 3}: time_s goes from {before:g} to {after:g}; expected it to ascend")
-    return time

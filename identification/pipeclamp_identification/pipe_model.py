@@ -16,7 +16,8 @@ from pipeclamp.pipe_description import PipeDescription, Place, read_pipe
 from pipeclamp_identification.frequency_response import steady_clamps
 from pipeclamp_identification.harmonic_balance import Passage, SteadyState, SteadySystem, passages
 from pipeclamp_identification.levels import number_levels
-from pipeclamp_identification.pipe_measurement import DRIVES, PipeMeasurement, SteadyMeasurement
+from pipeclamp_identification.measured_table import DRIVES, Drive
+from pipeclamp_identification.pipe_measurement import MeasurementDescription, PipeMeasurement, SteadyMeasurement
 from pipeclamp_identification.steady_clamp import SteadyClamp
 from pipeclamp_identification.steady_points import Balanced, Operation, balance, fundamentals
 from pipeclamp_identification.system import SystemDescription, read_system
@@ -98,21 +99,7 @@ def read_model(path: Path, measurement: PipeMeasurement) -> tuple[SystemDescript
     Raises:
         UserError: the system can't be read or built, or the measurement doesn't belong to it.
     """
-    system = read_system(path)
-    if system.pipe.file is None:
-        raise UserError(
-            f"{path}: pipe: a comparison needs the pipe's equations; expected file = 'PIPE.toml', not an FMU"
-        )
-    pipe_path = path.parent / system.pipe.file
-    pipe = with_probes(read_pipe(pipe_path), measurement, str(pipe_path))
-    kind = DRIVES[measurement.steady.drive_unit].shakes
-    if kind != pipe.excitation.kind:
-        raise UserError(
-            f"{pipe_path}: excitation: the pipe is excited by {pipe.excitation.kind}, the measurement by {kind} "
-            f"({measurement.steady.drive_unit}); expected the same; set excitation.kind = {kind!r}"
-        )
-    modes = pipe.modes.model_copy(update={"error": min(pipe.modes.error, REDUCTION)})
-    pipe = pipe.model_copy(update={"modes": modes})
+    system, pipe, pipe_path = measured_pipe(path, measurement.description, measurement.steady.drive_unit)
     highest = float(measurement.steady.frequency.max())
     if highest > pipe.modes.up_to_Hz:
         raise UserError(
@@ -132,7 +119,32 @@ def read_model(path: Path, measurement: PipeMeasurement) -> tuple[SystemDescript
     return system, CoupledModel(pipe, clamps, names, harmonics, reduced)
 
 
-def with_probes(pipe: PipeDescription, measurement: PipeMeasurement, where: str) -> PipeDescription:
+def measured_pipe(
+    path: Path, description: MeasurementDescription, drive: Drive
+) -> tuple[SystemDescription, PipeDescription, Path]:
+    """Read a coupled system; give it, its pipe with a measurement's probes, and the pipe's file.
+
+    Raises:
+        UserError: they can't be read, or the measurement doesn't belong to them.
+    """
+    system = read_system(path)
+    if system.pipe.file is None:
+        raise UserError(
+            f"{path}: pipe: a comparison needs the pipe's equations; expected file = 'PIPE.toml', not an FMU"
+        )
+    pipe_path = path.parent / system.pipe.file
+    pipe = with_probes(read_pipe(pipe_path), description, str(pipe_path))
+    kind = DRIVES[drive].shakes
+    if kind != pipe.excitation.kind:
+        raise UserError(
+            f"{pipe_path}: excitation: the pipe is excited by {pipe.excitation.kind}, the measurement by {kind} "
+            f"({drive}); expected the same; set excitation.kind = {kind!r}"
+        )
+    modes = pipe.modes.model_copy(update={"error": min(pipe.modes.error, REDUCTION)})
+    return system, pipe.model_copy(update={"modes": modes}), pipe_path
+
+
+def with_probes(pipe: PipeDescription, measurement: MeasurementDescription, where: str) -> PipeDescription:
     """Give a pipe with the probes of a measurement in place of its own; `where` is named in errors.
 
     Raises:
@@ -140,7 +152,7 @@ def with_probes(pipe: PipeDescription, measurement: PipeMeasurement, where: str)
     """
     known = {place.name: place.position_m for place in (*pipe.probes, *pipe.clamps)}
     places = []
-    for probe in measurement.description.probes:
+    for probe in measurement.probes:
         position = known.get(probe.name) if probe.position_m is None else probe.position_m
         if position is None:
             raise UserError(

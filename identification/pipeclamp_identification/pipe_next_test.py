@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from pipeclamp.errors import UserError
 from pipeclamp.pipe_description import Place
+from pipeclamp_identification.measured_table import DRIVES
 from pipeclamp_identification.pipe_attribution import Attribution, Candidate
 from pipeclamp_identification.pipe_measurement import (
-    DRIVES,
     MeasurementDescription,
     PipeMeasurement,
     ProbeTable,

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp_identification.levels import number_levels
-from pipeclamp_identification.pipe_measurement import DRIVES, SWEEPS, SteadyMeasurement
+from pipeclamp_identification.measured_table import DRIVES
+from pipeclamp_identification.pipe_measurement import SWEEPS, SteadyMeasurement
 from pipeclamp_identification.pipe_model import SAME_LEVEL, temperatures
 
 Rows = NDArray[np.intp]

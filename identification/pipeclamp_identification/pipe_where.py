@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from pipeclamp_identification.breakdown import parts_json
 from pipeclamp_identification.concentration import is_scatter, region_sentence
 from pipeclamp_identification.levels import number_levels
+from pipeclamp_identification.measured_table import DRIVES
 from pipeclamp_identification.pipe_comparison import PipeComparison
-from pipeclamp_identification.pipe_measurement import DRIVES, QUANTITIES
+from pipeclamp_identification.pipe_measurement import QUANTITIES
 from pipeclamp_identification.pipe_model import SAME_LEVEL, temperatures
 
 Array = NDArray[np.float64]

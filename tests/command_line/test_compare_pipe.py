@@ -44,3 +44,17 @@ def test_a_mistake_is_one_message(refused, bench):
     (bench / "measured" / "sines.csv").write_text(SINES.replace("8.1", "eight"), encoding="utf-8")
     assert "row 4, column 'midspan_amplitude'" in refused("compare", bench / "system.toml", bench / "measured")
     assert "measurement.toml" in refused("compare", bench / "system.toml", bench)
+
+
+def test_a_record_of_any_motion_is_compared_over_time(pipeclamp, bench):
+    folder = bench / "record"
+    folder.mkdir()
+    description = MEASUREMENT.replace("[[responses]]", "[[records]]").replace("sines.csv", "burst.csv")
+    (folder / "measurement.toml").write_text(description, encoding="utf-8")
+    rows = "".join(f"{0.02 * i:.2f},{1.0 if 5 <= i < 10 else 0.0},{0.1 * (i % 7)}\n" for i in range(60))
+    (folder / "burst.csv").write_text("time_s,acceleration_m_s2,midspan\n" + rows, encoding="utf-8")
+    answer, report = bench / "compare.json", bench / "compare.html"
+    done = pipeclamp("compare", bench / "system.toml", folder, "--json", answer, "--report", report)
+    found = json.loads(answer.read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert f"errs by {found['nrmse']:.2%}" in done.stdout
+    assert "Record burst.csv" in report.read_text(encoding="utf-8")

@@ -1,0 +1,145 @@
+"""Records of any motion: what the model itself would show errs by nothing, what is changed shows where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeclamp.errors import UserError
+from pipeclamp.parameter_file import law_of, read_law
+from pipeclamp.pipe import reduce
+from pipeclamp.pipe_description import Place, parse_pipe
+from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
+from pipeclamp_identification.pipe_records import RecordsComparison, compare_records, has_records, records_json
+from pipeclamp_identification.pipe_records_report import records_sections
+from pipeclamp_identification.report import render
+
+PIPE = """
+name = "cantilever"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 3.0
+material = "316L"
+[ends]
+left = "clamped"
+right = "free"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[damping]
+ratio = 0.03
+[modes]
+up_to_Hz = 50
+error = 0.001
+"""
+SYSTEM = """
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "clamp1"
+law = "law.json"
+temperature_C = 20.0
+{motion}
+[excitation]
+kind = "sine"
+acceleration_m_s2 = 1.0
+frequency_Hz = 8.0
+[run]
+stop_s = 1.0
+step_s = 0.001
+"""
+GIVEN = "amplitude_mm = 0.5\nfrequency_Hz = 8.0"
+MEASUREMENT = """
+[[probes]]
+name = "tip"
+position_m = 3.0
+unit = "mm"
+[[probes]]
+name = "middle"
+position_m = 1.5
+unit = "m/s2"
+[[records]]
+file = "sweep.csv"
+"""
+
+
+@pytest.fixture
+def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
+    """A sweep from 4 to 14 Hz, integrated in time."""
+    write_law(tmp_path / "law.json", {"k10": 8.0, "k30": 1.0, "c0": 2.0, "alpha0": 0.7}, v_r=1.0)
+    (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
+    (tmp_path / "system.toml").write_text(SYSTEM.format(motion=GIVEN), encoding="utf-8")
+    time = np.arange(1200) / 400
+    base = np.sin(2 * np.pi * (4.0 * time + 10.0 / 6 * time**2))
+    places = (Place(name="tip", position_m=3.0), Place(name="middle", position_m=1.5))
+    pipe = reduce(parse_pipe(PIPE).model_copy(update={"probes": places}))
+    equations = clamp_equations(law_of(read_law(tmp_path / "law.json")), 0.5, 8.0, 293.15)
+    moved = solve_monolithic(pipe, [equations], lambda t: float(np.interp(t, time, base)), time, 1e-6).probes
+    middle = np.gradient(np.gradient(moved[:, 1], time, edge_order=2), time, edge_order=2) + base
+    write(tmp_path, np.column_stack([time, base, 1e3 * moved[:, 0], middle]))
+    (tmp_path / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
+    return tmp_path
+
+
+def write(folder: Path, rows: np.ndarray, drive: str = "acceleration_m_s2") -> None:
+    lines = [f"time_s,{drive},tip,middle", *(",".join(map(repr, row)) for row in rows.tolist())]
+    (folder / "sweep.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def rows(bench: Path) -> np.ndarray:
+    return np.loadtxt(bench / "sweep.csv", delimiter=",", skiprows=1)
+
+
+def compared(bench: Path) -> RecordsComparison:
+    return compare_records(bench / "system.toml", bench)
+
+
+def test_a_record_of_the_model_itself(bench):
+    assert has_records(bench)
+    assert compared(bench).nrmse < 2e-3
+
+
+def test_what_is_added_is_found_at_its_probe_and_frequency(bench):
+    table = rows(bench)
+    table[:, 2] += 0.5 * np.sin(2 * np.pi * 11.0 * table[:, 0])
+    write(bench, table)
+    found = compared(bench)
+    added = 0.5 / np.sqrt(2) / np.sqrt(np.mean(table[:, 2] ** 2))
+    assert found.breakdowns()[0].parts[0].nrmse == pytest.approx(added, rel=0.02)
+    region = found.region()
+    assert region.words[0] == "at probe tip"
+    assert region.share > 0.9
+    answer = records_json(found)
+    for parts in (answer["where"]["probes"], answer["where"]["conditions"]["frequency_Hz"]):
+        assert sum(part["share"] for part in parts) == pytest.approx(1.0)
+    worst = max(answer["where"]["conditions"]["frequency_Hz"], key=lambda part: part["share"])
+    low, high = map(float, worst["part"].split(" to "))
+    assert low <= 11.0 <= high
+    assert "sweep.csv" in render("test", "", records_sections(found))
+
+
+def test_a_law_that_follows_its_motion_is_taken_for_the_records_own(bench):
+    text = SYSTEM.format(motion=f"{GIVEN}\nsolve = true")
+    (bench / "system.toml").write_text(text, encoding="utf-8")
+    (amplitude, frequency), = compared(bench).pairs[0].conditions  # fmt: skip
+    assert 0.01 < amplitude < 5.0
+    assert 4.0 < frequency < 14.0
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda bench: write(bench, rows(bench), "displacement_mm"), "differentiated twice"),
+        (lambda bench: write(bench, rows(bench)[[*range(20), *range(30, 60)]]), "uneven steps"),
+        (lambda bench: write(bench, rows(bench) * [1, 1, 0, 0]), "nothing other than 0"),
+        (lambda bench: write(bench, rows(bench)[::-1]), "expected it to ascend"),
+    ],
+)
+def test_a_record_that_cant_serve_is_named(bench, change, said):
+    change(bench)
+    with pytest.raises(UserError, match=said):
+        compared(bench)
