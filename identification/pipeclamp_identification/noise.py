@@ -15,6 +15,7 @@ import numpy as np
 
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response
+from pipeclamp_identification.fit import varies
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.observations import LoopObservations, Rows
 
@@ -166,8 +167,8 @@ def smooth_basis(loops: Loops) -> Array:
 
 def trends(loops: Loops) -> Array:
     """Give each condition that varies, centred and scaled, and each specimen, one a column, shape (R, c)."""
-    main = [np.log(loops.amplitude_mm), np.log(loops.frequency_Hz), loops.temperature_K]
-    columns = _varied([*main, loops.density_g_cm3, loops.cycle, *loops.conditions.values()])
+    columns = _main(loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K)
+    columns += _varied((loops.density_g_cm3, loops.cycle, *loops.conditions.values()))
     columns += _specimens(loops.specimen)
     return np.stack(columns, axis=1) if columns else np.zeros((len(loops.run), 0))
 
@@ -185,11 +186,11 @@ def smooth_functions(
         further: further conditions, shape (R,) each.
         specimen: label of each run's specimen.
     """
-    main = [np.log(amplitude), np.log(frequency), temperature]
+    main = _main(amplitude, frequency, temperature)
     specimens = _specimens(specimen)
     runs = len(amplitude)
     for degree in range(DEGREE, 0, -1):
-        functions = [*_monomials(_varied(main), degree, runs), *_powers(_varied(further), min(degree, 2)), *specimens]
+        functions = [*_monomials(main, degree, runs), *_powers(_varied(further), min(degree, 2)), *specimens]
         columns = _independent(functions)
         if columns.shape[1] <= (1 - FREE_RUNS) * runs:
             return columns
@@ -202,10 +203,23 @@ def _specimens(specimen: Sequence[str | None]) -> list[Array]:
     return [np.array([float((name or "") == label) for name in specimen]) for label in names]
 
 
+def _main(amplitude: Array, frequency: Array, temperature: Array) -> list[Array]:
+    """Give log A, log f and T, those that vary, centred and scaled; what is meant to be alike scatters."""
+    known = (np.log(amplitude), varies("A", amplitude)), (np.log(frequency), varies("f", frequency))
+    chosen = [value for value, varied in known if varied]
+    if np.all(np.isfinite(temperature)) and varies("T", temperature):
+        chosen.append(temperature)
+    return [_scaled(value) for value in chosen]
+
+
 def _varied(values: Sequence[Array]) -> list[Array]:
     """Give those quantities that are known and vary, centred and scaled."""
     usable = [value for value in values if np.all(np.isfinite(value)) and np.ptp(value) > 1e-3 * np.max(np.abs(value))]
-    return [(value - value.mean()) / value.std() for value in usable]
+    return [_scaled(value) for value in usable]
+
+
+def _scaled(values: Array) -> Array:
+    return np.asarray((values - values.mean()) / values.std())
 
 
 def _monomials(values: Sequence[Array], degree: int, runs: int) -> list[Array]:
