@@ -185,10 +185,14 @@ class _Path:
             self._near = self._task.prediction
             inside = np.clip(np.zeros_like(inside), self._lower, self._upper)
             self._known.pop(tuple(inside.tolist()), None)
-        found = least_squares(
-            self.residual, inside, self.jacobian, bounds=(self._lower, self._upper), x_scale=self._scales,
-            ftol=tolerance, xtol=tolerance, gtol=None, max_nfev=most,
-        )  # fmt: skip
+        # A step to where there is no steady state is infinitely bad, and shortened; numpy needn't warn of it.
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            found = least_squares(
+                self.residual, inside, self.jacobian, bounds=(self._lower, self._upper), x_scale=self._scales,
+                ftol=tolerance, xtol=tolerance, gtol=None, max_nfev=most,
+            )  # fmt: skip
+        if not np.all(np.isfinite(found.x)):
+            return inside, self.jacobian(inside)
         return np.asarray(found.x, dtype=np.float64), np.asarray(found.jac, dtype=np.float64)
 
     def at(self, values: Array) -> Prediction:
