@@ -33,8 +33,6 @@ MOST_FORM = 1.0
 """But a law that leaves over more than the force noise itself is not complete, whatever its effects' form."""
 EXPLAINS = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
-SHOWS = 0.7
-"""Nor does one that leaves over more than this share, even where it makes the rest look like scatter."""
 CLOSE = 0.1
 """A rival stays in the answer's set when resampling the runs makes it the best in this share of the draws."""
 DRAWS = 2000
