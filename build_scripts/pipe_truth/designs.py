@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from rig import Sensor, Sine
+from pipe_rig import Sensor, Sine
 
 from pipeclamp.law import Structure, compose
 

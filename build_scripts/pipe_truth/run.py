@@ -16,7 +16,7 @@ from pathlib import Path
 
 import joblib
 from designs import DESIGNS, TRIALS, Trial
-from rig import measure
+from pipe_rig import measure
 
 from pipeclamp_identification.pipe_attribution import Attribution, attribute
 from pipeclamp_identification.pipe_comparison import compare_pipe

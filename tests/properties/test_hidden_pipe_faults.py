@@ -21,7 +21,7 @@ def trials_on_path(monkeypatch):
 @pytest.mark.parametrize("hidden", ["nothing", "damping 4 % instead of 2 %", "clamp 0.6 times as damped"])
 def test_what_is_hidden_is_named(hidden, tmp_path):
     from designs import DESIGNS, TRIALS, sines
-    from rig import measure
+    from pipe_rig import measure
 
     trial = next(trial for trial in TRIALS if (trial.design, trial.hidden) == ("cantilever", hidden))
     design = replace(DESIGNS[trial.design], sines=sines(5.0, 12.0, 9, (0.5, 2.0)))
