@@ -37,6 +37,16 @@ class Material:
     expansions: Curve
     poisson: float = 0.3
 
+    @property
+    def hottest(self) -> float:
+        """The temperature up to which all of it is tabulated, degC."""
+        return min(self.moduli[0][-1], self.expansions[0][-1])
+
+    @property
+    def coldest(self) -> float:
+        """The temperature down to which all of it is tabulated, degC."""
+        return max(self.moduli[0][0], self.expansions[0][0])
+
     def youngs_modulus(self, temperature: float) -> float:
         """Give Young's modulus in Pa at a temperature in degC."""
         return 1e9 * _at(temperature, self.moduli)

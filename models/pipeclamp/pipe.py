@@ -24,7 +24,7 @@ from scipy.linalg import eigh
 
 from pipeclamp.beam import ELEMENT_PHASE, Assembly, Attachment, assemble, mesh, modes, upright
 from pipeclamp.errors import UserError
-from pipeclamp.materials import find_fluid
+from pipeclamp.materials import find_fluid, find_material
 from pipeclamp.one_thread import one_thread
 from pipeclamp.pipe_description import Condition, PipeDescription, Springs
 from pipeclamp.pipe_response import ModalModel, ReductionErrors, Reference
@@ -40,7 +40,7 @@ FASTEST = 15.0
 """Dimensionless flow velocity u = U L sqrt(M/(E I)) up to which the onset of instability is looked for."""
 
 WARM = 50.0
-"""K by which a pipe may be hotter than its fluid's table reaches, before it is said."""
+"""K by which a pipe may be beyond the table of its fluid or its material, before it is said."""
 
 RIGID: dict[str, tuple[float, float]] = {
     "free": (0.0, 0.0),
@@ -272,7 +272,7 @@ def reduce(description: PipeDescription) -> ReducedPipe:
         onset=onset(at_velocity, max(2 * beam.velocity, fastest)) if beam.velocity else None,
         errors=errors,
         shear_error=shear_error(description, up_to),
-        notes=_notes(description),
+        notes=(*_about_reduction(description, kept, errors), *_about_tables(description)),
     )
 
 
@@ -330,18 +330,37 @@ def _modal_numbers(full: _FullModel, reduced: ModalModel, kept: int) -> dict[str
     }
 
 
-def _notes(description: PipeDescription) -> tuple[str, ...]:
-    """Say what the description leaves open."""
+def _about_reduction(description: PipeDescription, kept: int, errors: ReductionErrors) -> list[str]:
+    """Say where the stated error isn't reached."""
+    reached = max(errors.response, errors.static)
+    if reached <= description.modes.error:
+        return []
+    return [
+        f"modes.error = {description.modes.error:g} isn't reached: with {kept} modes, as many as are tried, the error "
+        f"is {reached:.2g}; raise modes.up_to_Hz or allow a larger error"
+    ]
+
+
+def _about_tables(description: PipeDescription) -> list[str]:
+    """Say where fluid and material are taken beyond their tables."""
     table = description.pipe
-    if not isinstance(table.fluid, str) or table.fluid == "empty":
-        return ()
-    fluid = find_fluid(table.fluid)
-    if table.temperature_C <= fluid.hottest + WARM:
-        return ()
-    return (
-        f"{table.fluid} is taken with its density at {fluid.hottest:g} degC, the pipe is at "
-        f"{table.temperature_C:g} degC; give fluid = {{ density_kg_m3 = ... }} where that matters",
-    )
+    lines = []
+    if isinstance(table.fluid, str) and table.fluid != "empty":
+        hottest = find_fluid(table.fluid).hottest
+        if table.temperature_C > hottest + WARM:
+            lines.append(
+                f"{table.fluid} is taken with its density at {hottest:g} degC, the pipe is at "
+                f"{table.temperature_C:g} degC; give fluid = {{ density_kg_m3 = ... }} where that matters"
+            )
+    if isinstance(table.material, str):
+        material = find_material(table.material)
+        known = min(max(table.temperature_C, material.coldest), material.hottest)
+        if abs(table.temperature_C - known) > WARM:
+            lines.append(
+                f"{table.material} is taken with its stiffness and expansion at {known:g} degC, where its table ends; "
+                f"the pipe is at {table.temperature_C:g} degC; give material = {{ E_GPa = ..., density_kg_m3 = ... }}"
+            )
+    return lines
 
 
 def _floats(values: Array) -> tuple[float, ...]:

@@ -223,8 +223,22 @@ class PipeDescription(Table):
                     f"the name {entry.name!r} is taken; expected a name of its own for each clamp and probe"
                 )
             seen.add(entry.name)
+        self._refuse_flow_of_nothing()
         self._refuse_impossible_ends()
         return self
+
+    def _refuse_flow_of_nothing(self) -> None:
+        """Refuse a flow that nothing flows in."""
+        if not self.flow.velocity_m_s:
+            return
+        fluid = self.pipe.fluid
+        if fluid == "empty" or (isinstance(fluid, FluidTable) and not fluid.density_kg_m3):
+            raise ValueError(
+                f"flow.velocity_m_s = {self.flow.velocity_m_s:g} needs a fluid, and pipe.fluid is without mass; "
+                "expected for example pipe.fluid = 'water', or no velocity"
+            )
+        if 2 * self.pipe.wall_mm == self.pipe.outer_diameter_mm:
+            raise ValueError("flow.velocity_m_s needs a bore, and pipe.wall_mm leaves none; expected a thinner wall")
 
     def _refuse_impossible_ends(self) -> None:
         """Refuse ends that can't carry what flow and anchors put on them."""

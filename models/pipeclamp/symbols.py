@@ -105,6 +105,11 @@ def signed_power(velocity: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     return velocity / v_0 * ((velocity**2 + v_r**2) / v_0**2) ** ((exponent - 1) / 2)
 
 
+def compliance(stiffness: sp.Expr) -> sp.Expr:
+    """1/k; 0 where there is no stiffness, for a spring that isn't there stores no energy."""
+    return sp.Piecewise((1 / stiffness, stiffness > 0), (0, True))
+
+
 def smooth_sign(quantity: sp.Expr, width: sp.Expr) -> sp.Expr:
     """Sgn q, smooth at q = 0 within the given width of the same unit."""
     return quantity / sp.sqrt(quantity**2 + width**2)

@@ -255,6 +255,22 @@ def test_stored_energy_is_the_forces_own(structure):
 
 
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_force_and_energy_have_values_at_the_bounds(structure):
+    """A fit may come to rest on a bound."""
+    values = sound_values(structure)
+    for parameter in compose(structure, ("base", "clamp")).parameters:
+        for bound in (parameter.lower, parameter.upper):
+            at_bound = float(sp.sympify(bound).subs(SCALES))
+            if not math.isfinite(at_bound) or parameter.name in structure.held():
+                continue
+            scope = executed(Law(structure, values | {parameter.name: at_bound}, *SMOOTHING))
+            k = scope["coefficients"](0.8, 3.0, 450.0, *(FURTHER[name] for name in scope["CONDITIONS"]))
+            force, energy, _ = scope["step"](k, tuple(start for _, start in scope["STATES"]), 0.0, 0.3, 12.0, 1e-3)
+            assert math.isfinite(force), (parameter.name, at_bound)
+            assert math.isfinite(energy), (parameter.name, at_bound)
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
 def test_a_record_becomes_its_steady_cycle(structure):
     """Marching a record from rest ends in the periodic response that is found directly, but for the samples at
     reversals, which stand for the mean over their interval in a cycle."""

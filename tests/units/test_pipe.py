@@ -117,6 +117,14 @@ def test_more_modes_are_kept_until_the_stated_error_is_met() -> None:
     assert kept[0] < kept[1] < kept[2]
 
 
+def test_a_stated_error_that_is_not_reached_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pipeclamp.pipe_response.MOST_MODES", 2)
+    reduced = reduce(parse_pipe(PIPE.replace("up_to_Hz = 300", "up_to_Hz = 300\nerror = 1e-6")))
+    assert max(reduced.errors.response, reduced.errors.static) > 1e-6
+    assert f"modes.error = 1e-06 isn't reached: with {reduced.kept} modes" in reduced.summary()
+    assert "isn't reached" not in reduce(parse_pipe(PIPE)).summary()
+
+
 @pytest.mark.parametrize("distance", [1e-10, 1e-5, 1e-4, 1e-3, 1e-2])
 def test_positions_that_nearly_coincide_cost_no_digits(distance: float) -> None:
     plain = reduce(parse_pipe(PIPE))

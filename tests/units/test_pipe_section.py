@@ -120,6 +120,29 @@ def test_a_hot_fluid_without_a_table_is_said() -> None:
     assert "density at" not in reduce(described(temperature=200.0)).summary()
 
 
+@pytest.mark.parametrize(("temperature", "end"), [(600.0, "at 200 degC, where its table ends"), (-150.0, "at 25 degC")])
+def test_a_material_beyond_its_table_is_said(temperature: float, end: str) -> None:
+    def aluminium(temperature: float) -> str:
+        text = PIPE.format(more="", temperature=temperature, pipe="", left="pinned").replace('"water"', '"empty"')
+        return reduce(parse_pipe(text.replace('"carbon steel"', '"aluminium 6061"'))).summary()
+
+    assert f"aluminium 6061 is taken with its stiffness and expansion {end}" in aluminium(temperature)
+    assert "aluminium 6061" not in aluminium(20.0)
+
+
+@pytest.mark.parametrize("fluid", ['"empty"', "{ density_kg_m3 = 0.0 }"])
+def test_a_flow_of_nothing_is_refused(fluid: str) -> None:
+    text = PIPE.format(more="[flow]\nvelocity_m_s = 2.0", temperature=20.0, pipe="", left="pinned")
+    with pytest.raises(UserError, match=r"flow\.velocity_m_s = 2 needs a fluid.*expected for example"):
+        parse_pipe(text.replace('"water"', fluid))
+
+
+def test_a_flow_in_a_solid_bar_is_refused() -> None:
+    text = PIPE.format(more="[flow]\nvelocity_m_s = 2.0", temperature=20.0, pipe="", left="pinned")
+    with pytest.raises(UserError, match=r"needs a bore"):
+        parse_pipe(text.replace("wall_mm = 3.6", "wall_mm = 57.15"))
+
+
 def test_a_free_inlet_is_refused() -> None:
     with pytest.raises(UserError, match=r"flow\.velocity_m_s.*ends\.left is 'free'"):
         described("[flow]\nvelocity_m_s = 1.0", left="free")

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from pipeclamp.effect import Coefficient, Effect, Family, Parameter, State
-from pipeclamp.symbols import A_typical, F_typical, y, y_previous
+from pipeclamp.symbols import A_typical, F_typical, compliance, y, y_previous
 
 MOST_ELEMENTS = 6
 
@@ -49,7 +49,7 @@ def elements(argument: str) -> Effect:
                 update=sp.Piecewise((strength, trial > strength), (-strength, trial < -strength), (trial, True)),
             )
         )
-        energy += z**2 / (2 * k_s)
+        energy += compliance(k_s) * z**2 / 2
     return Effect(
         id="memory",
         part="clamp",

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from pipeclamp.effect import Effect, Parameter, State
-from pipeclamp.symbols import A_typical, F_typical, f_highest, f_lowest, h, y, y_previous
+from pipeclamp.symbols import A_typical, F_typical, compliance, f_highest, f_lowest, h, y, y_previous
 
 k_m, tau, q = sp.symbols("k_m tau q", real=True)
 decay = sp.exp(-h / tau)
@@ -30,5 +30,5 @@ EFFECT = Effect(
     ),
     force=q,
     states=(State(q, "N", "force of the arm", update=decay * q + k_m * ramp * (y - y_previous)),),
-    energy=q**2 / (2 * k_m),
+    energy=compliance(k_m) * q**2 / 2,
 )
