@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
 from pipeclamp_fmu.model_description import xml_bytes
 from pipeclamp_fmu.packing import zipped
@@ -62,7 +63,7 @@ def write_ssp(structure: SystemStructure, output: Path) -> None:
     """Write an SSP, whole or not at all.
 
     Raises:
-        UserError: the file can't be written.
+        UserError: an FMU is not of FMI 2.0, or the file can't be written.
     """
     files = {"SystemStructure.ssd": _description(structure)}
     for component in structure.components:
@@ -98,9 +99,18 @@ def parameter_set(component: Component) -> bytes:
 
 
 def _ports(fmu: Path) -> Iterable[tuple[str, str, str]]:
-    """Give the FMU's inputs and outputs: name, causality and type."""
+    """Give the FMU's inputs and outputs: name, causality and type.
+
+    Raises:
+        UserError: the FMU is not of FMI 2.0.
+    """
     with zipfile.ZipFile(fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    if root.get("fmiVersion") != "2.0":
+        raise UserError(
+            f"{fmu}: FMI {root.get('fmiVersion')}; expected FMI 2.0, as masters take it in an SSP 1.0: "
+            "build it without --fmi 3"
+        )
     for variable in root.iter("ScalarVariable"):
         if variable.get("causality") in ("input", "output"):
             yield variable.get("name", ""), variable.get("causality", ""), variable[0].tag

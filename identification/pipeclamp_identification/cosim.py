@@ -18,7 +18,6 @@ from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import LawFile, read_law
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
-from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import (
     build_clamp,
     build_excitation,
@@ -26,11 +25,11 @@ from pipeclamp_fmu.build import (
     build_native_excitation,
     build_native_pipe,
     build_pipe,
-    condition_parameter,
 )
 from pipeclamp_fmu.excitation import Samples
 from pipeclamp_identification.broyden import Tolerance
 from pipeclamp_identification.cosim_result import CosimResult
+from pipeclamp_identification.coupled_variables import PipeVariables, clamp_parameters, pipe_variables
 from pipeclamp_identification.coupling import ROLLS_BACK, Participant, Point, System, march
 from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
@@ -42,8 +41,6 @@ from pipeclamp_identification.system import ClampSource, LawMode, PipeSource, Sy
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
-
-CELSIUS = 273.15
 
 PIPE_ENERGIES = ("energyPipe", "energyDissipated", "workExcitation", "workClamps")
 CLAMP_WATCHED = ("A_used", "f_used", "T_used", "energyDissipated")
@@ -75,20 +72,6 @@ PYTHON = Builders()
 
 NATIVE = Builders(build_native_clamp, build_native_pipe, build_native_excitation)
 """Native FMUs: they take a C compiler, and run wherever they were compiled for."""
-
-
-@dataclass(frozen=True)
-class PipeVariables:
-    """What a pipe FMU couples, read off its variables."""
-
-    excitation: str
-    clamps: tuple[str, ...]
-    probes: tuple[str, ...]
-
-    @property
-    def kind(self) -> str:
-        """What shakes the pipe: "base" or "force"."""
-        return "base" if self.excitation == "base.a" else "force"
 
 
 def run_system(path: Path, progress: Progress | None = None) -> CosimResult:
@@ -176,10 +159,7 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
         pipe.rename(description.pipe.variables)
         for fmu, source in zip(clamps, description.clamps, strict=True):
             fmu.rename(source.variables)
-        variables = pipe_variables(pipe)
-        for index, clamp in enumerate(description.clamps, 1):
-            if clamp.at not in variables.clamps:
-                raise UserError(f"{where}: clamps[{index}].at: {unknown(clamp.at, list(variables.clamps), 'clamp')}")
+        variables = pipe_variables(pipe.variables, pipe.path, description, where)
         run = description.run
         signal = excitation_signal(description.excitation, variables.kind, run.stop_s, folder, where)
         stuck = [fmu.instance for fmu in (pipe, *clamps) if not fmu.can_roll_back]
@@ -190,10 +170,7 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
             start["inputsAtStepEnd"] = scheme in ROLLS_BACK
         pipe.initialise(start)
         for fmu, source in zip(clamps, description.clamps, strict=True):
-            parameters = clamp_parameters(source, description)
-            if "A_used" not in fmu.variables:  # no clamp of ours: what it has of them
-                parameters = {name: value for name, value in parameters.items() if name in fmu.variables}
-            fmu.initialise(parameters)
+            fmu.initialise(clamp_parameters(source, description, fmu.variables))
         result = _run(description, variables, signal, pipe, clamps, progress)
         if scheme == run.scheme:
             return result
@@ -237,40 +214,6 @@ def law_in(folder: Path, name: str) -> LawFile:
     return read_law(path) if path.suffix or path.exists() else open_law(name)
 
 
-def pipe_variables(pipe: LoadedFmu) -> PipeVariables:
-    """Read off a pipe FMU what it couples.
-
-    Raises:
-        UserError: it is no pipe FMU.
-    """
-    inputs = [name for name, variable in pipe.variables.items() if variable.causality == "input"]
-    outputs = [name for name, variable in pipe.variables.items() if variable.causality == "output"]
-    excitation = [name for name in inputs if name in ("base.a", "excitation.f")]
-    if len(excitation) != 1:
-        raise UserError(
-            f"{pipe.path}: this isn't a pipe FMU: expected one of the inputs base.a and excitation.f, or variables "
-            f"that say what stands for it; got inputs {', '.join(inputs) or 'none'}"
-        )
-    clamps = tuple(name.removesuffix(".f") for name in inputs if name.endswith(".f") and name != excitation[0])
-    places = [name.removesuffix(".s") for name in outputs if name.endswith(".s")]
-    return PipeVariables(
-        excitation[0],
-        clamps,
-        tuple(name for name in places if name not in clamps),
-    )
-
-
-def clamp_parameters(source: ClampSource, description: SystemDescription) -> dict[str, float | bool]:
-    """Give the parameters that a clamp's FMU starts with."""
-    frequency = source.frequency_Hz or description.excitation.frequency_Hz
-    parameters: dict[str, float | bool] = {"T": source.temperature_C + CELSIUS, "track": source.track}
-    if source.amplitude_mm is not None:
-        parameters["A"] = 1e-3 * source.amplitude_mm
-    if frequency is not None:
-        parameters["f"] = frequency
-    return parameters | dict(condition_parameter(column, value) for column, value in source.conditions.items())
-
-
 def _run(
     description: SystemDescription,
     variables: PipeVariables,
@@ -304,10 +247,9 @@ def _run(
     in_range = [True] * len(clamps)
     guard = EnergyGuard()
     energy, work = (3 * len(variables.probes) + PIPE_ENERGIES.index(name) for name in ("energyPipe", "workExcitation"))
-    h = run.stop_s / run.steps
     advance = advance_of(run.scheme, system, tolerance)
     if run.energy_tolerance is None or run.scheme not in ROLLS_BACK:
-        marched = march(system, advance, h, run.steps)
+        marched = march(system, advance, run.even_step_s, run.steps)
     else:
         marched = march_controlled(system, advance, run.step_s, run.stop_s, run.energy_tolerance)
     told = -1
@@ -397,7 +339,7 @@ def _result(
     return CosimResult(
         name=description.name,
         scheme=description.run.scheme,
-        step=description.run.stop_s / description.run.steps,
+        step=description.run.even_step_s,
         excitation_kind=variables.kind,
         clamp_names=names,
         probe_names=variables.probes,

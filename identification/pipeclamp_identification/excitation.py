@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
-from itertools import pairwise
 from math import cos, pi, sin
 from pathlib import Path
 
-import polars as pl
-
 from pipeclamp.errors import UserError
+from pipeclamp_identification.measured_table import ascending_time, csv_frame, numbers
 from pipeclamp_identification.system import ExcitationTable
 
 Signal = Callable[[float], float]
@@ -79,21 +77,9 @@ def _record(path: Path, column: str, stop: float) -> Signal:
     Raises:
         UserError: the record can't be read, lacks a column, isn't finite, isn't ascending in time or ends too early.
     """
-    try:
-        frame = pl.read_csv(path)
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise UserError(
-            f"{path}: can't read the excitation ({error}); expected CSV with columns time_s, {column}"
-        ) from error
-    for name in ("time_s", column):
-        if name not in frame.columns:
-            raise UserError(f"{path}: column {name!r} is missing, got {frame.columns}; expected time_s and {column}")
-        if not frame[name].dtype.is_numeric() or not frame[name].cast(pl.Float64).is_finite().fill_null(False).all():
-            raise UserError(f"{path}: column {name!r} holds something that isn't a finite number")
-    time = [float(value) for value in frame["time_s"]]
-    values = [float(value) for value in frame[column]]
-    if len(time) < 2 or any(after <= before for before, after in pairwise(time)):
-        raise UserError(f"{path}: time_s doesn't ascend; expected at least two samples, each later than the one before")
+    frame = csv_frame(path)
+    time: list[float] = ascending_time(frame, path).tolist()
+    values: list[float] = numbers(frame, column, path).tolist()
     if time[0] > 0 or time[-1] < stop * (1 - 1e-9):
         raise UserError(
             f"{path}: time_s covers {time[0]:g} to {time[-1]:g} s; expected 0 to run.stop_s = {stop:g} s at least"

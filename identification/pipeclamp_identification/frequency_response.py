@@ -16,9 +16,10 @@ from pipeclamp.parameter_file import law_of
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.realise.stepping import CONDITIONS_FIRST, clamp_equations, conditions_of
+from pipeclamp.symbols import CELSIUS
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import clamp_model, condition_parameter
-from pipeclamp_identification.cosim import CELSIUS, finished, law_in, run_described
+from pipeclamp_identification.cosim import finished, law_in, run_described
 from pipeclamp_identification.excitation import require_kind, sine_amplitude
 from pipeclamp_identification.harmonic_balance import SteadyState, SteadySystem, half_range
 from pipeclamp_identification.steady_clamp import SteadyClamp

@@ -31,7 +31,7 @@ from fmpy.fmi2 import (
 )
 
 from pipeclamp.errors import UserError
-from pipeclamp.toml_file import unknown
+from pipeclamp_identification.fmu_variables import find_variables, read_description, renamed, variables_of
 
 
 @dataclass
@@ -48,15 +48,6 @@ class Messages:
             (self.warnings if status == fmi2Warning else self.errors).append(text)
 
 
-@dataclass(frozen=True)
-class Variable:
-    """A variable of an FMU: its reference, its type, its causality."""
-
-    reference: int
-    kind: str
-    causality: str
-
-
 class LoadedFmu:
     """An FMU of FMI 2.0 co-simulation that is loaded and instantiated."""
 
@@ -68,22 +59,12 @@ class LoadedFmu:
         """
         self.path, self.instance = path, instance
         self.messages = Messages()
+        description = read_description(path)
         try:
-            description = fmpy.read_model_description(str(path))
             fmpy.extract(str(path), unzipdir=str(folder))
         except Exception as error:  # fmpy raises bare Exceptions for all that can be wrong with a file
-            raise UserError(
-                f"{path}: not a readable FMU ({error}); expected one of FMI 2.0 for co-simulation"
-            ) from error
-        if description.fmiVersion != "2.0" or description.coSimulation is None:
-            raise UserError(
-                f"{path}: FMI {description.fmiVersion}, "
-                f"{'co-simulation' if description.coSimulation else 'no co-simulation'}; expected FMI 2.0 co-simulation"
-            )
-        self.variables: Mapping[str, Variable] = {
-            variable.name: Variable(variable.valueReference, variable.type, variable.causality)
-            for variable in description.modelVariables
-        }
+            raise UserError(f"{path}: this FMU can't be unpacked ({error}); expected one that is whole") from error
+        self.variables = variables_of(description)
         self.can_roll_back = bool(description.coSimulation.canGetAndSetFMUstate)
         self.has_derivatives = bool(description.coSimulation.providesDirectionalDerivative)
         self._callbacks = fmi2CallbackFunctions()
@@ -112,10 +93,7 @@ class LoadedFmu:
         Raises:
             UserError: the FMU has no such variable.
         """
-        for name in names:
-            if name not in self.variables:
-                raise UserError(f"{self.path}: {unknown(name, list(self.variables), 'variable')}")
-        return [self.variables[name].reference for name in names]
+        return [variable.reference for variable in find_variables(self.variables, names, self.path)]
 
     def rename(self, names: Mapping[str, str]) -> None:
         """Let variables be known by our names: ours to the FMU's.
@@ -123,11 +101,7 @@ class LoadedFmu:
         Raises:
             UserError: the FMU has no such variable.
         """
-        self.references(list(names.values()))
-        theirs = set(names.values())
-        self.variables = {name: entry for name, entry in self.variables.items() if name not in theirs} | {
-            ours: self.variables[name] for ours, name in names.items()
-        }
+        self.variables = renamed(self.variables, names, self.path)
 
     def set_parameters(self, values: Mapping[str, float | bool]) -> None:
         """Set parameters, and inputs before the start."""

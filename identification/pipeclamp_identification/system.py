@@ -135,6 +135,11 @@ class RunTable(Table):
         """How many macro steps."""
         return max(1, round(self.stop_s / self.step_s))
 
+    @property
+    def even_step_s(self) -> float:
+        """The macro step that is taken, s: `step_s`, or so near to it that whole steps end at `stop_s`."""
+        return self.stop_s / self.steps
+
 
 class ResponseTable(Table):
     """What `pipeclamp response` draws.

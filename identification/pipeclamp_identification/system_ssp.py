@@ -7,13 +7,15 @@ from pathlib import Path
 
 from pipeclamp.errors import UserError
 from pipeclamp_fmu.excitation import Samples
-from pipeclamp_fmu.ssp import Component, SystemStructure, write_ssp
-from pipeclamp_identification.cosim import Builders, clamp_parameters, finished, pipe_variables
+from pipeclamp_fmu.ssp import Component, Port, SystemStructure, write_ssp
+from pipeclamp_identification.cosim import Builders, finished
+from pipeclamp_identification.coupled_variables import clamp_parameters, pipe_variables
 from pipeclamp_identification.excitation import excitation_signal
-from pipeclamp_identification.importer import opened
+from pipeclamp_identification.fmu_variables import find_variables, read_description, renamed, variables_of
 from pipeclamp_identification.system import read_system
 
 PIPE, EXCITATION = "pipe", "excitation"
+FLANGE = ("flange.s", "flange.v", "flange.f")
 UNITS = {"base": "m/s2", "force": "N"}
 
 MOST_SAMPLES = 200_000
@@ -40,22 +42,26 @@ def write_system(path: Path, output: Path, build: Builders) -> None:
         )
     with finished(described, folder, build) as description, tempfile.TemporaryDirectory(prefix="pipeclamp_") as scratch:
         pipe_fmu = folder / str(description.pipe.fmu)
-        with opened([(pipe_fmu, PIPE)]) as (pipe,):
-            variables = pipe_variables(pipe)
-        signal = excitation_signal(description.excitation, variables.kind, run.stop_s, folder, str(path))
-        values = [signal(min(index * run.step_s, run.stop_s)) for index in range(run.steps + 1)]
+        pipe = renamed(variables_of(read_description(pipe_fmu)), description.pipe.variables, pipe_fmu)
+        coupled = pipe_variables(pipe, pipe_fmu, description, str(path))
+        signal = excitation_signal(description.excitation, coupled.kind, run.stop_s, folder, str(path))
+        values = [signal(min(index * run.even_step_s, run.stop_s)) for index in range(run.steps + 1)]
         excitation_fmu = Path(scratch) / "excitation.fmu"
-        build.excitation(Samples(run.step_s, values, UNITS[variables.kind]), excitation_fmu)
-        clamps = [
-            Component(clamp.at, folder / str(clamp.fmu), clamp_parameters(clamp, description))
-            for clamp in description.clamps
-        ]
-        connections = [((EXCITATION, "signal"), (PIPE, variables.excitation))]
-        for name in (clamp.at for clamp in description.clamps):
+        build.excitation(Samples(run.even_step_s, values, UNITS[coupled.kind]), excitation_fmu)
+        connections: list[tuple[Port, Port]] = [((EXCITATION, "signal"), (PIPE, pipe[coupled.excitation].name))]
+        components = [Component(EXCITATION, excitation_fmu, {}), Component(PIPE, pipe_fmu, {})]
+        for source in description.clamps:
+            name, fmu = source.at, folder / str(source.fmu)
+            clamp = renamed(variables_of(read_description(fmu)), source.variables, fmu)
+            parameters = clamp_parameters(source, description, clamp)
+            theirs = [variable.name for variable in find_variables(clamp, list(parameters), fmu)]
+            components.append(Component(name, fmu, dict(zip(theirs, parameters.values(), strict=True))))
+            s, v, f = (variable.name for variable in find_variables(clamp, FLANGE, fmu))
+            places = [f"{name}.{kind}" for kind in "svf"]
+            pipe_s, pipe_v, pipe_f = (variable.name for variable in find_variables(pipe, places, pipe_fmu))
             connections += [
-                ((PIPE, f"{name}.s"), (name, "flange.s")),
-                ((PIPE, f"{name}.v"), (name, "flange.v")),
-                ((name, "flange.f"), (PIPE, f"{name}.f")),
+                ((PIPE, pipe_s), (name, s)),
+                ((PIPE, pipe_v), (name, v)),
+                ((name, f), (PIPE, pipe_f)),
             ]
-        components = (Component(EXCITATION, excitation_fmu, {}), Component(PIPE, pipe_fmu, {}), *clamps)
         write_ssp(SystemStructure(description.name, components, connections, run.stop_s), output)

@@ -11,7 +11,9 @@ from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import write_law
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model
 from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_identification.cosim import clamp_parameters, run_system
+from pipeclamp_identification.cosim import run_system
+from pipeclamp_identification.coupled_variables import clamp_parameters
+from pipeclamp_identification.fmu_variables import read_description, variables_of
 from pipeclamp_identification.frequency_response import steady_clamp
 from pipeclamp_identification.system import read_system
 
@@ -171,7 +173,9 @@ def test_a_system_gives_its_clamps_conditions_by_column(system, tmp_path, law_wi
     file = law_with_further_conditions
     path = system(CONDITIONS)
     (source,) = read_system(path).clamps
-    given = clamp_parameters(source, read_system(path))
+    build_clamp(file, tmp_path / "further.fmu")
+    variables = variables_of(read_description(tmp_path / "further.fmu"))
+    given = clamp_parameters(source, read_system(path), variables)
     assert (given["rho"], given["condition.current_A"], given["firstCycle"]) == (2500.0, 1.5, 190.0)
     steady = steady_clamp(source, tmp_path, None, "here")
     assert steady.further == {"N": 190.0, "rho": 2.5, "u_current_A": 1.5}

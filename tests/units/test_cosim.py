@@ -7,9 +7,11 @@ import sys
 import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from itertools import pairwise
 from math import pi
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import polars as pl
@@ -19,8 +21,11 @@ from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
-from pipeclamp_fmu.build import build_clamp, build_pipe
-from pipeclamp_identification.cosim import run_system
+from pipeclamp_fmu.build import build_clamp, build_excitation, build_native_clamp, build_pipe
+from pipeclamp_fmu.excitation import Samples
+from pipeclamp_fmu.ssp import NAMESPACES, Component, SystemStructure, write_ssp
+from pipeclamp_identification import system_ssp
+from pipeclamp_identification.cosim import PYTHON, run_system
 from pipeclamp_identification.cosim_report import cosim_sections
 from pipeclamp_identification.cosim_result import CosimResult, write_result
 from pipeclamp_identification.divergence import IMPOSSIBLE
@@ -49,6 +54,8 @@ ratio = 0.01
 [modes]
 up_to_Hz = 200
 """
+
+SSD = f"{{{NAMESPACES['ssd']}}}"
 
 PIPE_STIFFNESS = 20.23
 """N/mm, static, at clamp1."""
@@ -285,26 +292,30 @@ def renamed(fmu: Path, names: Mapping[str, str], output: Path) -> None:
             theirs.writestr(entry, content)
 
 
-@pytest.mark.parametrize("scheme", ["parallel", "implicit", "iterated"])
-def test_foreign_fmus_stand_in_for_both_sides(bench: Path, scheme: str) -> None:
-    """Mapped names, no energies, no parameters of ours; the pipe holds its inputs over a step."""
+def foreign_system(bench: Path, scheme: str) -> Path:
+    """Write a system whose FMUs have other names, no energies, no parameters of ours but A, f and T."""
     energies = ("energyPipe", "energyDissipated", "workExcitation", "workClamps", "inputsAtStepEnd")
     pipe = {"base.a": "shaking", "clamp1.s": "x", "clamp1.v": "xdot", "clamp1.f": "push", "tip.s": "end"}
     renamed(
         bench / "pipe.fmu", pipe | {"tip.v": "ev", "tip.a": "ea"} | {n: f"z_{n}" for n in energies}, bench / "fp.fmu"
     )
-    clamp = {"flange.s": "in1", "flange.v": "in2", "flange.f": "out"}
+    clamp = {"flange.s": "in1", "flange.v": "in2", "flange.f": "out", "T": "heat"}
     others = ("A_used", "f_used", "T_used", "energyDissipated", "inRange", "track")
     renamed(bench / "smooth.fmu", clamp | {name: f"z_{name}" for name in others}, bench / "fc.fmu")
 
     def table(names: Mapping[str, str]) -> str:
         return "{ " + ", ".join(f'"{ours}" = "{theirs}"' for ours, theirs in names.items()) + " }"
 
-    laws = {"clamp1": f'fmu = "fc.fmu"\nvariables = {table(clamp)}'}
-    file = write_system(bench, scheme, laws, step=5e-4)
+    file = write_system(bench, scheme, {"clamp1": f'fmu = "fc.fmu"\nvariables = {table(clamp)}'}, step=5e-4)
     text = file.read_text(encoding="utf-8")
     file.write_text(text.replace('fmu = "pipe.fmu"', f'fmu = "fp.fmu"\nvariables = {table(pipe)}'), encoding="utf-8")
-    foreign = run_system(file)
+    return file
+
+
+@pytest.mark.parametrize("scheme", ["parallel", "implicit", "iterated"])
+def test_foreign_fmus_stand_in_for_both_sides(bench: Path, scheme: str) -> None:
+    """The pipe holds its inputs over a step."""
+    foreign = run_system(foreign_system(bench, scheme))
     own = run_system(write_system(bench, scheme, step=5e-4))
     scale = np.abs(own.columns["clamp1.s"]).max()
     difference = np.abs(foreign.columns["clamp1.s"] - own.columns["clamp1.s"]).max() / scale
@@ -313,6 +324,58 @@ def test_foreign_fmus_stand_in_for_both_sides(bench: Path, scheme: str) -> None:
     assert np.isnan(foreign.columns["clamp1.A_used"]).all()
     assert np.isfinite(foreign.coupling_share)
     assert "clamp1: amplitude" in foreign.summary()
+
+
+def test_an_ssp_of_foreign_fmus_speaks_their_names(bench: Path, tmp_path: Path) -> None:
+    system_ssp.write_system(foreign_system(bench, "parallel"), tmp_path / "system.ssp", PYTHON)
+    with zipfile.ZipFile(tmp_path / "system.ssp") as archive:
+        archive.extractall(tmp_path)
+    ssd = ElementTree.parse(tmp_path / "SystemStructure.ssd")
+    ports = {
+        (element.get("name"), connector.get("name"))
+        for element in ssd.iter(f"{SSD}Component")
+        for connector in element.iter(f"{SSD}Connector")
+    }
+    connections = {
+        tuple((entry.get(f"{end}Element"), entry.get(f"{end}Connector")) for end in ("start", "end"))
+        for entry in ssd.iter(f"{SSD}Connection")
+    }
+    assert connections == {
+        (("excitation", "signal"), ("pipe", "shaking")),
+        (("pipe", "x"), ("clamp1", "in1")),
+        (("pipe", "xdot"), ("clamp1", "in2")),
+        (("clamp1", "out"), ("pipe", "push")),
+    }
+    assert all(end in ports for connection in connections for end in connection)
+    values = ElementTree.parse(tmp_path / "resources" / "clamp1.ssv")
+    assert {entry.get("name") for entry in values.iter() if entry.get("name")} == {"parameters", "A", "f", "heat"}
+
+
+def test_an_ssp_s_excitation_ends_with_the_run(bench: Path, tmp_path: Path) -> None:
+    """Also where the step doesn't divide the run: the steps that are taken do."""
+    made: list[Samples] = []
+
+    def kept(samples: Samples, output: Path) -> None:
+        made.append(samples)
+        build_excitation(samples, output)
+
+    file = write_system(bench, laws={"clamp1": 'fmu = "smooth.fmu"'}, stop=1.0, step=0.3)
+    system_ssp.write_system(file, tmp_path / "system.ssp", replace(PYTHON, excitation=kept))
+    (samples,) = made
+    assert samples.step * (len(samples.values) - 1) == pytest.approx(1.0, rel=1e-12)
+    assert samples.step == run_system(file).step
+
+
+def test_an_fmu_of_fmi_3_is_refused(bench: Path, tmp_path: Path) -> None:
+    build_native_clamp(read_law(bench / "smooth.json"), bench / "three.fmu", 3, ())
+    file = write_system(bench, laws={"clamp1": 'fmu = "three.fmu"'})
+    for use in (run_system, lambda file: system_ssp.write_system(file, tmp_path / "system.ssp", PYTHON)):
+        with pytest.raises(UserError, match=r"three\.fmu: FMI 3\.0.*expected FMI 2\.0.*unless they are told --fmi 3"):
+            use(file)
+    structure = SystemStructure("alone", [Component("clamp1", bench / "three.fmu", {})], [], 1.0)
+    with pytest.raises(UserError, match=r"three\.fmu: FMI 3\.0; expected FMI 2\.0.*without --fmi 3"):
+        write_ssp(structure, tmp_path / "system.ssp")
+    assert not (tmp_path / "system.ssp").exists()
 
 
 def test_a_mapped_name_that_is_not_there_is_named(bench: Path) -> None:

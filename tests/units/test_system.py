@@ -117,12 +117,12 @@ def test_a_record_is_linear_between_its_samples(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("time_s,force_N\n0,0\n3,1\n", ["'acceleration_m_s2' is missing", "force_N"]),
+        ("time_s,force_N\n0,0\n3,1\n", ["column 'acceleration_m_s2' is not known", "force_N"]),
         ("time_s,acceleration_m_s2\n0,0\n1,1\n", ["0 to 1 s", "stop_s = 2"]),
-        ("time_s,acceleration_m_s2\n0,0\n2,1\n1,3\n", ["doesn't ascend"]),
-        ("time_s,acceleration_m_s2\n0,0\n2,x\n", ["'acceleration_m_s2'", "finite number"]),
-        ("time_s,acceleration_m_s2\n0,0\n2,\n", ["'acceleration_m_s2'", "finite number"]),
-        ("", ["can't read the excitation"]),
+        ("time_s,acceleration_m_s2\n0,0\n2,1\n1,3\n", ["row 4", "from 2 to 1", "expected it to ascend"]),
+        ("time_s,acceleration_m_s2\n0,0\n2,x\n", ["row 3", "'acceleration_m_s2'", "'x'; expected a number"]),
+        ("time_s,acceleration_m_s2\n0,0\n2,\n", ["row 3", "'acceleration_m_s2'", "finite number"]),
+        ("", ["can't read this file"]),
     ],
 )
 def test_a_wrong_record_is_refused(tmp_path: Path, text: str, words: list[str]) -> None:
