@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
@@ -118,10 +118,7 @@ def cosim(
     if report:
         write(None, report, None, f"Co-simulation {system.stem}", "pipe and clamps", sections)
     write_result(result, output)
-    for line in sections[0].paragraphs:
-        shown, style = (errors, "bold red") if line.startswith("NOT TO BE TRUSTED") else (console, None)
-        shown.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
-    console.print(str(output))
+    _say(sections[0].paragraphs, output)
 
 
 @app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
@@ -140,9 +137,7 @@ def response(
     if report:
         write(None, report, None, f"Frequency response {system.stem}", "pipe and clamps", sections)
     write_response(found, output)
-    for line in sections[0].paragraphs:
-        console.print(line, highlight=False)
-    console.print(str(output))
+    _say(sections[0].paragraphs, output)
 
 
 @app.command("system", epilog="Example: pipeclamp system system.toml -o system.ssp --kind native")
@@ -183,6 +178,14 @@ def sweep(
         write(None, report, None, f"Study {study.stem}", read.description.notes, sections)
     for line in sections[0].paragraphs:
         console.print(line, highlight=False, markup=False)
+    console.print(str(output))
+
+
+def _say(lines: Sequence[str], output: Path) -> None:
+    """Print what came out, and on stderr what isn't to be trusted."""
+    for line in lines:
+        shown, style = (errors, "bold red") if line.startswith("NOT TO BE TRUSTED") else (console, None)
+        shown.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
     console.print(str(output))
 
 

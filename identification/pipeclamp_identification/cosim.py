@@ -34,6 +34,7 @@ from pipeclamp_identification.coupling import ROLLS_BACK, Participant, Point, Sy
 from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
+from pipeclamp_identification.hidden_motion import hidden_share
 from pipeclamp_identification.importer import FmuParticipant, HeldInputs, LoadedFmu, opened
 from pipeclamp_identification.schemes import advance_of, best_allowed
 from pipeclamp_identification.step_control import march_controlled
@@ -334,8 +335,6 @@ def _result(
     for name in balance.final():
         keep(f"energy.{name}", "J", getattr(balance, name))
     keep("trials", "1", [point.trials for point in points])
-    trusted_share = description.run.trusted_share
-    keep("trusted", "1 yes, 0 no", np.full(len(points), float(balance.coupling_share <= trusted_share)))
     return CosimResult(
         name=description.name,
         scheme=description.run.scheme,
@@ -348,6 +347,7 @@ def _result(
         energy=balance,
         out_of_range=tuple(name for name, inside in zip(names, in_range, strict=True) if not inside),
         modes=tuple(clamp.mode for clamp in description.clamps),
-        trusted_share=trusted_share,
+        trusted_share=description.run.trusted_share,
+        hidden_share=hidden_share(columns["time"], displacement, velocity),
         warnings=tuple(f"{fmu.instance}: {text}" for fmu in fmus for text in fmu.messages.warnings),
     )

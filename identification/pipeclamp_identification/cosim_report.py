@@ -47,9 +47,7 @@ def history_picture(result: CosimResult, column: str, factor: float, unit: str, 
 
 def _mark(result: CosimResult) -> str:
     """Give the word that a picture of a result that isn't to be trusted carries."""
-    return (
-        "" if result.trusted else f" (NOT TO BE TRUSTED: the coupling made {result.coupling_share:.0%} of the energy)"
-    )
+    return "".join(f" (NOT TO BE TRUSTED: {what})" for what, _ in result.doubts()[:1])
 
 
 def _loop_picture(result: CosimResult, name: str) -> go.Figure:

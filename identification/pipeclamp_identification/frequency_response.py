@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil, log
 from pathlib import Path
 
 import numpy as np
@@ -19,9 +18,10 @@ from pipeclamp.realise.stepping import CONDITIONS_FIRST, clamp_equations, condit
 from pipeclamp.symbols import CELSIUS
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import clamp_model, condition_parameter
-from pipeclamp_identification.cosim import finished, law_in, run_described
+from pipeclamp_identification.cosim import finished, law_in
 from pipeclamp_identification.excitation import require_kind, sine_amplitude
 from pipeclamp_identification.harmonic_balance import SteadyState, SteadySystem, half_range
+from pipeclamp_identification.response_dots import MOST_HALVINGS, Dot, co_simulated
 from pipeclamp_identification.steady_clamp import SteadyClamp
 from pipeclamp_identification.system import ClampSource, ResponseTable, SystemDescription, read_system
 
@@ -29,12 +29,6 @@ Progress = Callable[[str], None]
 
 AROUND = 0.7
 """Of the excitation's frequency: where the response begins unless told, and the inverse of where it ends."""
-
-SETTLED = 1e-3
-"""A co-simulation runs until its transient has fallen to this share."""
-
-FEWEST_CYCLES, MOST_CYCLES, LAST_CYCLES = 15, 600, 4
-"""Of a co-simulation; its amplitude is that of the last ones."""
 
 
 @dataclass(frozen=True)
@@ -52,32 +46,6 @@ class Curve:
     level: float
     states: tuple[SteadyState, ...]
     whole: bool
-
-
-@dataclass(frozen=True)
-class Dot:
-    """A co-simulation.
-
-    Attributes:
-        temperature, level: as of its curve.
-        frequency: Hz.
-        amplitudes: half the peak-to-peak displacement of each clamp and probe, mm.
-        expected: the same of the stable state of the curve that is nearest to it.
-        settled: whether it ran until its transient was gone.
-    """
-
-    temperature: float | None
-    level: float
-    frequency: float
-    amplitudes: tuple[float, ...]
-    expected: tuple[float, ...]
-    settled: bool
-
-    @property
-    def difference(self) -> float:
-        """Largest difference between co-simulation and harmonic balance, as a share of the latter."""
-        pairs = zip(self.amplitudes, self.expected, strict=True)
-        return max((abs(found / wanted - 1) for found, wanted in pairs if wanted > 0), default=0.0)
 
 
 @dataclass(frozen=True)
@@ -116,13 +84,25 @@ class FrequencyResponse:
             branch = f"; unstable from {min(unstable):.4g} to {max(unstable):.4g} Hz" if unstable else ""
             broken = "" if curve.whole else f"; followed to {curve.states[-1].frequency:.4g} Hz only"
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{broken}")
-        if self.dots:
-            settled = [dot.difference for dot in self.dots if dot.settled]
-            lines.append(
-                f"{len(self.dots)} co-simulations; those that settled ({len(settled)}) differ by at most "
-                f"{max(settled, default=0.0):.2%} from the stable branches"
-            )
+        lines += self._about_dots() if self.dots else []
         return "\n".join(lines)
+
+    def _about_dots(self) -> list[str]:
+        """Say how well the co-simulations agree, in which steps, and which of them aren't to be trusted."""
+        steps = [1e3 * dot.step for dot in self.dots]
+        good = [dot.difference for dot in self.dots if dot.settled and dot.trusted]
+        lines = [
+            f"{len(self.dots)} co-simulations in steps of {min(steps):.3g} to {max(steps):.3g} ms; those that settled "
+            f"and can be trusted ({len(good)}) differ by at most {max(good, default=0.0):.2%} from the stable branches"
+        ]
+        doubtful = [dot for dot in self.dots if not dot.trusted]
+        if doubtful:
+            places = "; ".join(f"{label(dot.temperature, dot.level)}, {dot.frequency:.4g} Hz" for dot in doubtful)
+            lines.append(
+                f"NOT TO BE TRUSTED: {len(doubtful)} co-simulations, drawn as crosses: 1/{2**MOST_HALVINGS} of step_s "
+                f"is still too long a step for them; use a smaller step_s or scheme = 'implicit' ({places})"
+            )
+        return lines
 
 
 def label(temperature: float | None, level: float) -> str:
@@ -167,7 +147,9 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
                 for frequency in _dot_frequencies(table):
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
                     stable = [state for state in system.crossings(curve.states, frequency) if state.stable]
-                    dots.append(_dot(ready, curve, frequency, stable, path))
+                    amplitudes = [amplitudes_of(state) for state in stable]
+                    decay = max((-state.growth for state in stable), default=0.0)
+                    dots.append(co_simulated(ready, temperature, level, frequency, amplitudes, decay, path))
     excitation = description.excitation
     amount = excitation.model_dump(include={"acceleration_m_s2", "displacement_mm", "force_N"}, exclude_none=True)
     return FrequencyResponse(
@@ -278,36 +260,6 @@ def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
     return np.linspace(table.from_Hz, table.to_Hz, table.dots + 2)[1:-1].tolist() if table.dots else ()
 
 
-def _dot(ready: SystemDescription, curve: Curve, frequency: float, stable: Sequence[SteadyState], path: Path) -> Dot:
-    """Co-simulate at a frequency until the transient is gone; `stable` are the curve's states there."""
-    decay = max((-state.growth for state in stable), default=0.0)
-    cycles = ceil(frequency * log(1 / SETTLED) / decay) if decay > 0 else MOST_CYCLES
-    settled = cycles <= MOST_CYCLES
-    cycles = min(max(cycles, FEWEST_CYCLES), MOST_CYCLES) + LAST_CYCLES
-    excitation, run = ready.excitation, ready.run
-    middle = excitation.frequency_Hz or ((excitation.from_Hz or 0.0) + (excitation.to_Hz or 0.0)) / 2
-    steps = max(16, round(1 / (middle * run.step_s)))
-    amplitudes = {
-        name: curve.level * value
-        for name in ("acceleration_m_s2", "displacement_mm", "force_N")
-        if (value := getattr(excitation, name)) is not None
-    }
-    sine = excitation.model_copy(
-        update={"kind": "sine", "frequency_Hz": frequency, "from_Hz": None, "to_Hz": None, **amplitudes}
-    )
-    timed = run.model_copy(update={"stop_s": cycles / frequency, "step_s": 1 / (frequency * steps)})
-    clamps = ready.clamps
-    if curve.temperature is not None:
-        clamps = tuple(clamp.model_copy(update={"temperature_C": curve.temperature}) for clamp in clamps)
-    described = ready.model_copy(update={"excitation": sine, "run": timed, "clamps": clamps})
-    result = run_described(described, path.parent, str(path))
-    names = (*result.clamp_names, *result.probe_names)
-    found = tuple(1e3 * result.amplitude(f"{name}.s", LAST_CYCLES / cycles) for name in names)
-    choices = [amplitudes_of(state) for state in stable]
-    expected = min(choices, key=lambda choice: abs(choice[-1] - found[-1]), default=found)
-    return Dot(curve.temperature, curve.level, frequency, found, expected, settled)
-
-
 def write_response(response: FrequencyResponse, path: Path) -> None:
     """Write curves and dots as CSV, whole or not at all: a row each, "name [unit]" as header.
 
@@ -326,7 +278,7 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
             rows.append(row)
     for dot in response.dots:
         row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)
-        rows.append(row | {"settled": float(dot.settled)})
+        rows.append(row | {"settled": float(dot.settled), "trusted": float(dot.trusted), "step [s]": dot.step})
     write_whole(path, pl.from_dicts(rows, infer_schema_length=None).write_csv())
 
 

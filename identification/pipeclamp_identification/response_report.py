@@ -9,19 +9,26 @@ import plotly.graph_objects as go
 from pipeclamp_identification.frequency_response import Curve, FrequencyResponse, amplitudes_of, label
 from pipeclamp_identification.harmonic_balance import SteadyState
 from pipeclamp_identification.report import SERIES, Section, Table, styled
+from pipeclamp_identification.response_dots import Dot
 
 WIDE = 4.0
 """Levels that differ by more than this factor are drawn on a logarithmic axis."""
+
+TRUSTED = {"size": 7, "line": {"color": "white", "width": 1}}
+DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
+"""Marks of co-simulations."""
 
 
 def response_sections(response: FrequencyResponse) -> list[Section]:
     """Give the report of a frequency response; the first section holds the summary in words."""
     pictures = [response_picture(response, index) for index in range(len(response.points))]
-    header = ("clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve", "")
-    rows = [
+    header = (
+        "clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve", "step / ms", "",
+    )  # fmt: skip
+    rows: list[tuple[str | float, ...]] = [
         (
             "own" if dot.temperature is None else f"{dot.temperature:g} °C", dot.level, dot.frequency, *dot.amplitudes,
-            f"{dot.difference:.2%}", "" if dot.settled else "not settled",
+            f"{dot.difference:.2%}", 1e3 * dot.step, _remark(dot),
         )
         for dot in response.dots
     ]  # fmt: skip
@@ -31,6 +38,13 @@ def response_sections(response: FrequencyResponse) -> list[Section]:
         Section("Frequency response", ("Half the peak-to-peak displacement. Dotted: unstable.",), (), pictures),
         Section("Co-simulations", (), tables),
     ]
+
+
+def _remark(dot: Dot) -> str:
+    """Give what a table says besides of a co-simulation."""
+    return ", ".join(
+        words for words, said in (("not settled", not dot.settled), ("NOT TO BE TRUSTED", not dot.trusted)) if said
+    )
 
 
 def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
@@ -47,13 +61,20 @@ def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
                 line={"color": colour, "width": 1.6, "dash": "solid" if stable else "dot"},
                 opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
             )  # fmt: skip
-        own = [dot for dot in response.dots if (dot.temperature, dot.level) == (curve.temperature, curve.level)]
-        if own:
-            figure.add_scatter(
-                x=[dot.frequency for dot in own], y=[dot.amplitudes[point] for dot in own], mode="markers",
-                name="co-simulation", legendgroup="co-simulation", showlegend=curve is response.curves[0],
-                marker={"color": colour, "size": 7, "line": {"color": "white", "width": 1}},
-            )  # fmt: skip
+        for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
+            own = [
+                dot for dot in response.dots
+                if (dot.temperature, dot.level, dot.trusted) == (curve.temperature, curve.level, trusted)
+            ]  # fmt: skip
+            if own:
+                figure.add_scatter(
+                    x=[dot.frequency for dot in own], y=[dot.amplitudes[point] for dot in own], mode="markers",
+                    showlegend=False, marker={"color": colour, **mark},
+                )  # fmt: skip
+    for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
+        if any(dot.trusted == trusted for dot in response.dots):
+            name = "co-simulation" if trusted else "co-simulation, not to be trusted"
+            figure.add_scatter(x=[None], y=[None], mode="markers", name=name, marker={"color": "#777777", **mark})
     levels = [curve.level for curve in response.curves]
     wide = max(levels) > WIDE * min(levels)
     figure.update_xaxes(title_text="f / Hz")

@@ -106,8 +106,8 @@ class RunTable(Table):
     """How to run: until when, in which macro steps, coupled how, to which tolerance.
 
     With `energy_tolerance` the macro step follows the energy that the coupling makes, as a share of what is exchanged;
-    `step_s` is then the longest. A result whose coupling made more than `trusted_share` of all the energy is
-    marked.
+    `step_s` is then the longest. A result whose coupling made more than `trusted_share` of all the energy, or hid more
+    than that of a clamp's motion between the steps, is marked.
     """
 
     stop_s: Positive
