@@ -20,7 +20,7 @@ from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import clamp_model, condition_parameter
 from pipeclamp_identification.cosim import finished, law_in
 from pipeclamp_identification.excitation import require_kind, sine_amplitude
-from pipeclamp_identification.harmonic_balance import SteadyState, SteadySystem, half_range
+from pipeclamp_identification.harmonic_balance import FollowedResponse, SteadyState, SteadySystem, half_range
 from pipeclamp_identification.response_dots import MOST_HALVINGS, Dot, co_simulated
 from pipeclamp_identification.steady_clamp import SteadyClamp
 from pipeclamp_identification.system import ClampSource, ResponseTable, SystemDescription, read_system
@@ -38,14 +38,12 @@ class Curve:
     Attributes:
         temperature: degC; None where each clamp has its own.
         level: factor on the excitation's amplitude.
-        states: along the curve, round its turning points.
-        whole: whether the curve was followed over all frequencies.
+        followed: states along the curve, round its turning points.
     """
 
     temperature: float | None
     level: float
-    states: tuple[SteadyState, ...]
-    whole: bool
+    followed: FollowedResponse
 
 
 @dataclass(frozen=True)
@@ -75,14 +73,16 @@ class FrequencyResponse:
         """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
         lines = [f"system {self.name!r}, {self.excitation}"]
         for curve in self.curves:
-            peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
+            peaks = [
+                max((amplitudes_of(s)[i], s.frequency) for s in curve.followed.states) for i in range(len(self.points))
+            ]
             peak_text = ", ".join(
                 f"{name} {peak:.4g} mm at {frequency:.4g} Hz"
                 for name, (peak, frequency) in zip(self.points, peaks, strict=True)
             )
-            unstable = [state.frequency for state in curve.states if not state.stable]
+            unstable = [state.frequency for state in curve.followed.states if not state.stable]
             branch = f"; unstable from {min(unstable):.4g} to {max(unstable):.4g} Hz" if unstable else ""
-            broken = "" if curve.whole else f"; followed to {curve.states[-1].frequency:.4g} Hz only"
+            broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{broken}")
         lines += self._about_dots() if self.dots else []
         return "\n".join(lines)
@@ -146,7 +146,8 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
                 curves.append(curve)
                 for frequency in _dot_frequencies(table):
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
-                    stable = [state for state in system.crossings(curve.states, frequency) if state.stable]
+                    passed = [state for piece in curve.followed.pieces for state in system.crossings(piece, frequency)]
+                    stable = [state for state in passed if state.stable]
                     amplitudes = [amplitudes_of(state) for state in stable]
                     decay = max((-state.growth for state in stable), default=0.0)
                     dots.append(co_simulated(ready, temperature, level, frequency, amplitudes, decay, path))
@@ -242,17 +243,18 @@ def steady_system(
 
 
 def _curve(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
-    """Follow one curve from its lower end, and from its upper end where that doesn't reach it."""
-    states = system.curve(table.from_Hz, table.to_Hz)
-    whole = bool(states) and states[-1].frequency == table.to_Hz
-    if not whole:
-        states = [*states, *reversed(system.curve(table.to_Hz, table.from_Hz))]
-    if not states:
+    """Follow one curve.
+
+    Raises:
+        UserError: it is found at neither end.
+    """
+    followed = system.followed(table.from_Hz, table.to_Hz)
+    if not followed.pieces:
         raise UserError(
             f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
             f"{table.to_Hz:g} Hz; try other ends of [response]"
         )
-    return Curve(temperature, level, tuple(states), whole)
+    return Curve(temperature, level, followed)
 
 
 def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
@@ -268,9 +270,9 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
     """
     rows = []
     for curve in response.curves:
-        for state in curve.states:
+        for number, state in ((n, state) for n, piece in enumerate(curve.followed.pieces, 1) for state in piece):
             row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
-            row |= {"stable": float(state.stable), "growth [1/s]": state.growth}
+            row |= {"piece": number, "stable": float(state.stable), "growth [1/s]": state.growth}
             for name, (amplitude, frequency), force in zip(
                 response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), strict=True
             ):

@@ -62,6 +62,30 @@ class SteadyState:
 
 
 @dataclass(frozen=True, eq=False)
+class FollowedResponse:
+    """A frequency response as far as it could be followed.
+
+    Attributes:
+        pieces: states from end to end; or what was followed from each end until it was given up, the lower one first.
+        whole: whether it is one piece from end to end.
+    """
+
+    pieces: tuple[tuple[SteadyState, ...], ...]
+    whole: bool
+
+    @property
+    def states(self) -> tuple[SteadyState, ...]:
+        """The states of all pieces."""
+        return tuple(state for piece in self.pieces for state in piece)
+
+    def reach(self) -> str:
+        """Say which frequencies the pieces reach."""
+        frequencies = [[state.frequency for state in piece] for piece in self.pieces]
+        ranges = " and ".join(f"from {min(piece):.4g} to {max(piece):.4g} Hz" for piece in frequencies)
+        return f"followed {ranges} only{': what lies between them is missing' if len(self.pieces) > 1 else ''}"
+
+
+@dataclass(frozen=True, eq=False)
 class Passage:
     """Where a curve passes a frequency, by interpolation between two of its states.
 
@@ -245,6 +269,16 @@ class SteadySystem:
             return [self._state(start, frequency) for frequency in np.linspace(first, last, 200).tolist()]
         path = follow(self._over_frequency(1.0), Point(first, start), last, float(self.sizes(start[None])[0]))
         return [self._state(point.unknowns, point.parameter) for point in path]
+
+    def followed(self, first: float, last: float) -> FollowedResponse:
+        """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached."""
+        lower = tuple(self.curve(first, last))
+        if lower and lower[-1].frequency == last:
+            return FollowedResponse((lower,), whole=True)
+        upper = tuple(reversed(self.curve(last, first)))
+        if upper and upper[0].frequency == first:
+            return FollowedResponse((upper,), whole=True)
+        return FollowedResponse(tuple(piece for piece in (lower, upper) if piece), whole=False)
 
     def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
         """Give the states at a frequency (Hz) at which a curve passes it."""

@@ -286,7 +286,4 @@ def _states(system: SteadySystem, first: float, last: float) -> list[SteadyState
     if first == last:
         state = system.at(first)
         return [] if state is None else [state]
-    states = system.curve(first, last)
-    if states and states[-1].frequency == last:
-        return states
-    return [*states, *reversed(system.curve(last, first))]
+    return list(system.followed(first, last).states)

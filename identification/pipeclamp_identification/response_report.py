@@ -83,11 +83,12 @@ def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
 
 
 def _pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
-    """Cut a curve into stable and unstable pieces that share their ends."""
+    """Cut a curve into stable and unstable pieces that share their ends; a gap in it stays open."""
     pieces: list[tuple[bool, list[SteadyState]]] = []
-    for stable, group in groupby(curve.states, key=lambda state: state.stable):
-        piece = list(group)
-        if pieces:
-            piece.insert(0, pieces[-1][1][-1])
-        pieces.append((stable, piece))
+    for followed in curve.followed.pieces:
+        before: list[SteadyState] = []
+        for stable, group in groupby(followed, key=lambda state: state.stable):
+            piece = [*before[-1:], *group]
+            pieces.append((stable, piece))
+            before = piece
     return pieces

@@ -18,6 +18,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pipeclamp.errors import UserError
 from pipeclamp.pipe_description import PipeDescription
 from pipeclamp.toml_file import Number, Table, read_table, unknown, validated
+from pipeclamp_fmu.build import version
 from pipeclamp_identification.system import SystemDescription
 
 MOST_CASES = 1_000_000
@@ -93,7 +94,7 @@ class Study:
         description: of the study.
         folder: of SYSTEM.toml, to which its paths are relative.
         pipe, system: the tables of PIPE.toml and SYSTEM.toml.
-        fingerprint: of all files that decide the results.
+        fingerprint: of all files, and this program, that decide the results.
     """
 
     description: StudyDescription
@@ -117,11 +118,24 @@ class Study:
         tables = {"pipe": copy.deepcopy(dict(self.pipe)), "system": copy.deepcopy(dict(self.system))}
         for place, value in values.items():
             if place == NUMBER:
-                tables["system"]["clamps"] = tables["system"].get("clamps", [])[: int(value)]
+                tables["system"]["clamps"] = _first_clamps(tables["system"].get("clamps", []), value)
             else:
                 _put(tables, place.split("."), value, place)
         where = ", ".join(f"{place} = {value:g}" for place, value in values.items())
         return validated(tables["pipe"], PipeDescription, where), validated(tables["system"], SystemDescription, where)
+
+
+def _first_clamps(clamps: list[Any], number: float) -> list[Any]:
+    """Give so many of a system's clamps.
+
+    Raises:
+        UserError: there aren't so many, or it is no whole number.
+    """
+    if number not in range(len(clamps) + 1):
+        raise UserError(
+            f"vary.{NUMBER!r}: got {number:g}; expected a whole number from 0 to {len(clamps)}, the clamps there are"
+        )
+    return clamps[: int(number)]
 
 
 def _put(table: Any, keys: list[str], value: float, place: str) -> None:
@@ -165,9 +179,12 @@ def read_study(path: Path) -> Study:
     pipe_path = system_path.parent / file
     read_table(pipe_path, PipeDescription)
     pipe = tomllib.loads(pipe_path.read_text(encoding="utf-8"))
-    laws = [system_path.parent / str(clamp.get("law", clamp.get("fmu"))) for clamp in system.get("clamps", [])]
-    for used in (system_path, pipe_path, *(law for law in laws if law.is_file())):
+    named = [clamp.get("law", clamp.get("fmu")) for clamp in system.get("clamps", [])]
+    named.append(system["excitation"].get("file"))
+    beside = [system_path.parent / name for name in named if name is not None]  # a bundled law's name is no file
+    for used in (system_path, pipe_path, *(path for path in beside if path.is_file())):
         digest.update(used.read_bytes())
+    digest.update(version().encode())
     study = Study(description, system_path.parent.resolve(), pipe, system, digest.hexdigest())
     for place in description.vary:
         if place != NUMBER and place.split(".")[0] not in ("pipe", "system"):

@@ -61,7 +61,10 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
     table = response_table(system, where)
     steady = steady_system(system, pipe, study.folder, None, 1.0, table.harmonics, where)
     if study.description.measure == "peak":
-        states = steady.curve(table.from_Hz, table.to_Hz)
+        followed = steady.followed(table.from_Hz, table.to_Hz)
+        states = list(followed.states)
+        if states and not followed.whole:
+            raise UserError(f"the response was {followed.reach()}; its peak isn't known: try other ends of [response]")
     else:
         frequency = system.excitation.frequency_Hz
         if frequency is None:

@@ -15,8 +15,10 @@ from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_identification.cosim import run_system
+from pipeclamp_identification.frequency_response import Curve, FrequencyResponse
 from pipeclamp_identification.harmonic_balance import SteadySystem, half_range
 from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
+from pipeclamp_identification.response_report import response_picture
 from pipeclamp_identification.steady_clamp import SteadyClamp
 
 PIPE = """
@@ -135,6 +137,30 @@ def test_a_hardening_clamp_folds_and_the_middle_branch_is_unstable(bench: Path, 
     assert amplitudes[0] > amplitudes[1] > amplitudes[2]
     outside = [state.stable for state in curve if not bottom - 0.05 < state.frequency < top + 0.05]
     assert all(outside)
+
+
+def test_a_response_that_is_given_up_keeps_its_pieces_apart(
+    bench: Path, write_law: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = hardening(bench, write_law)
+    assert system.followed(4.0, 14.0).whole
+    follow = SteadySystem.curve
+    monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[:12])
+    followed = system.followed(4.0, 14.0)
+    assert not followed.whole
+    lower, upper = followed.pieces
+    assert (lower[0].frequency, upper[-1].frequency) == (4.0, 14.0)
+    low, high = lower[-1].frequency, upper[0].frequency
+    assert f"followed from 4 to {low:.4g} Hz and from {high:.4g} to 14 Hz only" in followed.reach()
+    response = FrequencyResponse("hard", ("clamp1",), ("tip",), "", (Curve(None, 1.0, followed),), ())
+    assert followed.reach() in response.summary()
+    drawn = [line.x for line in response_picture(response, 0).data]
+    assert not any(min(x) < (low + high) / 2 < max(x) for x in drawn)
+    # Given up from below alone: what comes from above is whole.
+    monkeypatch.setattr(
+        SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[: 12 if first < last else None]
+    )
+    assert system.followed(4.0, 14.0).whole
 
 
 def test_time_integration_ends_on_a_stable_branch(bench: Path, write_law: Callable[..., None]) -> None:

@@ -12,6 +12,7 @@ import polars as pl
 import pytest
 
 from pipeclamp.errors import UserError
+from pipeclamp_identification.harmonic_balance import SteadySystem
 from pipeclamp_identification.study import read_study
 from pipeclamp_identification.study_case import evaluate
 from pipeclamp_identification.study_report import study_sections
@@ -116,6 +117,45 @@ def test_other_measures(write, measure: str) -> None:
     rows = [evaluate(study, number, values) for number, values in study.cases()]
     assert [row["error"] for row in rows] == ["", ""]
     assert rows[0]["middle.s [mm]"] < rows[1]["middle.s [mm]"]
+
+
+def test_a_peak_that_was_not_reached_is_no_result(write, monkeypatch: pytest.MonkeyPatch) -> None:
+    study = read_study(write('"system.excitation.acceleration_m_s2" = [0.2]', 'measure = "peak"'))
+    follow = SteadySystem.curve
+    monkeypatch.setattr(SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[:5])
+    ((number, values),) = study.cases()
+    row = evaluate(study, number, values)
+    assert "its peak isn't known" in row["error"]
+    assert "middle.s [mm]" not in row
+    # What is given up from below may be whole from above.
+    monkeypatch.setattr(
+        SteadySystem, "curve", lambda self, first, last: follow(self, first, last)[: 5 if first < last else None]
+    )
+    assert evaluate(study, number, values)["error"] == ""
+
+
+@pytest.mark.parametrize("number", [-1.0, 0.5, 3.0])
+def test_a_number_of_clamps_that_cannot_be_is_refused(write, number: float) -> None:
+    with pytest.raises(
+        UserError, match=rf"system\.clamps\.number.*got {number:g}; expected a whole number from 0 to 2"
+    ):
+        read_study(write(f'"system.clamps.number" = [{number}]'))
+
+
+def test_every_file_decides_whether_a_study_goes_on(write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write()
+    system = SYSTEM.replace(
+        'kind = "sine"\nacceleration_m_s2 = 1.0\nfrequency_Hz = 3.7', 'kind = "record"\nfile = "r.csv"'
+    )
+    system = system.replace("amplitude_mm = 0.5", "amplitude_mm = 0.5\nfrequency_Hz = 3.7")
+    (tmp_path / "system.toml").write_text(system, encoding="utf-8")
+    prints = []
+    for last in (1.0, 1.0, 2.0):
+        (tmp_path / "r.csv").write_text(f"time_s,acceleration_m_s2\n0,0\n1,{last}\n", encoding="utf-8")
+        prints.append(read_study(path).fingerprint)
+    assert prints[0] == prints[1] != prints[2]
+    monkeypatch.setattr("pipeclamp_identification.study.version", lambda: "another")
+    assert read_study(path).fingerprint not in prints
 
 
 @pytest.mark.parametrize(
