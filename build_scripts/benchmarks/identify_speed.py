@@ -30,7 +30,7 @@ def campaign_runs():
     for specimen in range(SPECIMENS):
         for run in virtual_runs(law, replace(PLAN, seed=specimen)):
             row = {**run.row, "run": f"S{specimen}_{run.row['run']}", "specimen": f"S{specimen}"}
-            yield WrittenRun(row, run.time_s, run.displacement_mm, run.force_N)
+            yield WrittenRun(row, run.record)
 
 
 def seconds(work) -> float:

@@ -21,12 +21,21 @@ MOST_EFFECTS = 8
 
 @dataclass(frozen=True)
 class Settled:
-    """Where the repetition ended: the law, the last answer, what was added on the way, and what to mind of each."""
+    """Where the repetition ended.
+
+    Attributes:
+        file: the law.
+        answer: the last answer.
+        additions: what was added on the way.
+        cautions: what to mind of each addition.
+        in_vain: what the last answer named, where adding it didn't lower the error on left-out conditions.
+    """
 
     file: LawFile
     answer: Answer | MetricAnswer
     additions: tuple[Addition, ...]
     cautions: tuple[tuple[str, ...], ...]
+    in_vain: Addition | None = None
 
     def words(self) -> list[str]:
         """Say what each addition did to the error on left-out conditions, and what to mind of it."""
@@ -35,6 +44,12 @@ class Settled:
             before, after = one.heldout
             words += [f"{one.effect}: error on left-out conditions {before:.2%} -> {after:.2%}"]
             words += [f"  {caution}" for caution in cautions]
+        if self.in_vain:
+            before, after = self.in_vain.heldout
+            words.append(
+                f"{self.in_vain.effect} was tried and not added: the error on left-out conditions didn't fall "
+                f"({before:.2%} -> {after:.2%}); tests at further conditions would tell whether it is real"
+            )
         return words
 
 
@@ -63,7 +78,7 @@ def add_until_settled(
             file, named(answer), campaign, command=command, date=file.date, declared=declared, progress=progress
         )
         if addition.heldout[1] >= addition.heldout[0]:
-            return Settled(file, answer, tuple(additions), tuple(cautions))
+            return Settled(file, answer, tuple(additions), tuple(cautions), in_vain=addition)
         additions.append(addition)
         cautions.append(tuple(answer.cautions()) if isinstance(answer, MetricAnswer) else ())
         file = addition.after

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
@@ -13,9 +14,9 @@ import polars as pl
 
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_folder
-from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.description import description_text
+from pipeclamp_identification.records import Record
 
 
 @dataclass(frozen=True)
@@ -23,12 +24,13 @@ class WrittenRun:
     """One run as it is written: its row in runs.csv and its record."""
 
     row: Mapping[str, str | float | None]
-    time_s: Array
-    displacement_mm: Array
-    force_N: Array
+    record: Record
 
 
 Format = Literal["csv", "csv.gz", "parquet"]
+
+PLAIN = re.compile(r"(?!(con|prn|aux|nul|com\d|lpt\d)$)\w[\w-]{0,63}", re.ASCII | re.IGNORECASE)
+"""Names of runs that are names of files on every system too; records of others are numbered."""
 
 
 def campaign_files(
@@ -40,13 +42,19 @@ def campaign_files(
 ) -> Iterator[tuple[str, bytes]]:
     """Give the files of a campaign in CAMPAIGN.md's layout as (path inside the folder, content)."""
     rows = []
-    for run in runs:
-        file = f"runs/{run.row['run']}.{format}"
-        rows.append({"run": run.row["run"], "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
-        table = pl.DataFrame({"time_s": run.time_s, "displacement_mm": run.displacement_mm, "force_N": run.force_N})
-        yield file, _encoded(table, format)
+    taken: set[str] = set()
+    for number, run in enumerate(runs, 1):
+        run_name = str(run.row["run"])
+        stem = run_name if PLAIN.fullmatch(run_name) else f"{number:04d}"
+        while stem.casefold() in taken:  # Windows takes "a" and "A" for one
+            stem += "_"
+        taken.add(stem.casefold())
+        file = f"runs/{stem}.{format}"
+        rows.append({"run": run_name, "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
+        samples = {key: values for key, values in vars(run.record).items() if values is not None}
+        yield file, _encoded(pl.DataFrame(samples), format)
         if progress:
-            progress(str(run.row["run"]))
+            progress(run_name)
     yield "runs.csv", _encoded(pl.DataFrame(rows), "csv")
     yield "campaign.toml", description_text(name, notes).encode()
 
@@ -110,4 +118,4 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 **{column: run.conditions[column] for column in columns},
                 "first_cycle": run.first_cycle,
             }
-            yield WrittenRun(row, run.record.time_s, run.record.displacement_mm, run.record.force_N)
+            yield WrittenRun(row, run.record)

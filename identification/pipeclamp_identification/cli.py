@@ -91,10 +91,7 @@ def main() -> None:
     """Run the command line; a user's mistake is one message on stderr and exit status 1."""
     try:
         app(prog_name="pipeclamp")
-    except UserError as error:
-        errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
-        sys.exit(1)
-    except OSError as error:
+    except (UserError, OSError) as error:
         errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
 
@@ -484,7 +481,7 @@ def _command() -> str:
     """Give the command as it was called, paths by their last part, so that it reads the same everywhere."""
 
     def last(word: str) -> str:
-        return ",".join(Path(part).name or part for part in word.split(","))
+        return ",".join(part if part.startswith("condition:") else Path(part).name or part for part in word.split(","))
 
     words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
     return " ".join(["pipeclamp", *words])

@@ -89,7 +89,10 @@ def compare(file: LawFile, campaign: Campaign) -> Comparison:
 
 
 def _outside(file: LawFile, loops: Loops) -> dict[str, str]:
-    columns = {"A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": loops.temperature_K, **loops.conditions}
+    columns = {
+        "A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": loops.temperature_K, "rho": loops.density_g_cm3,
+        **loops.conditions,
+    }  # fmt: skip
     return outside_range(file, loops.run, columns)
 
 

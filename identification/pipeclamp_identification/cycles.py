@@ -169,6 +169,8 @@ def _coarse_frequency(time: Array, y: Array, interval: float) -> float:
     peak = int(np.argmax(level[1:])) + 1
     if peak < 4:
         return _best_sine(time, y)
+    if peak == len(level) - 1:
+        return float(peak / (count * step))
     # a Hann window's line is near enough a parabola in the logarithm
     left, top, right = np.log(np.maximum(level[peak - 1 : peak + 2], level[peak] * 1e-9))
     offset = (left - right) / (2 * (left - 2 * top + right)) if left + right < 2 * top else 0.0

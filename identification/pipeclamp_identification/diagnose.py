@@ -338,7 +338,7 @@ def _rivals(best: Judged, sound: Sequence[Judged], problem: Problem, tolerance: 
 
 def _scatter_words(lack: LackOfFit, problem: Problem) -> str:
     return (
-        f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is scatter: cycle noise, and "
+        f"what follows the conditions is {lack.share:.1%} of the force noise; the rest doesn't follow them: noise, and "
         f"{problem.noise.stiffness_scatter:.2%} of stiffness and {problem.noise.damping_scatter:.2%} of damping from "
         "run to run"
     )

@@ -50,7 +50,6 @@ class Fit:
         at_bound: parameters that ended at a bound.
         response: force (R, n) and Jacobian at the solution.
         cost: half the sum of squared weighted residuals.
-        evaluations: how often the law was evaluated, all starts together.
     """
 
     law: Law
@@ -61,7 +60,6 @@ class Fit:
     at_bound: frozenset[str]
     response: Response
     cost: float
-    evaluations: int
 
     @property
     def places(self) -> npt.NDArray[np.intp]:
@@ -94,7 +92,6 @@ class _Evaluator:
     smoothing: tuple[float, float]
     values: Array
     free: npt.NDArray[np.intp]
-    count: int = 0
     _at: Array | None = None
     _response: Response | None = field(default=None)
 
@@ -105,7 +102,6 @@ class _Evaluator:
             values[self.free] = free_values
             self._response = respond(self.equations, values, self.smoothing, self.observations.motion, derivatives=True)
             self._at = np.array(free_values)
-            self.count += 1
         return self._response
 
     def residual(self, free_values: Array) -> Array:
@@ -196,7 +192,6 @@ def fit(
     A, f = observations.motion.slow["A"], observations.motion.slow["f"]
     smooth = smoothing(float(np.min(A)), float(np.min(f)))
     best: tuple[float, Array] | None = None
-    evaluations = 0
     starts = _starts(equations, start or {}, scales)
     with one_thread():
         for attempt, values in enumerate(starts):
@@ -205,14 +200,11 @@ def fit(
             begin = np.array(
                 [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]
             )
-            cost, solution, count = _minimise(
-                equations, observations, smooth, begin, frozenset(reasons), scales, tolerance
-            )
-            evaluations += count
+            cost, solution = _minimise(equations, observations, smooth, begin, frozenset(reasons), scales, tolerance)
             if best is None or cost < best[0]:
                 best = cost, solution
         assert best is not None
-        return _finish(structure, equations, observations, smooth, best[1], reasons, scales, evaluations)
+        return _finish(structure, equations, observations, smooth, best[1], reasons, scales)
 
 
 def starting_points(
@@ -292,7 +284,6 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
         at_bound=frozenset(),
         response=response,
         cost=float(np.sum(residual**2)) / 2,
-        evaluations=1,
     )
 
 
@@ -342,13 +333,13 @@ def _minimise(
     held: frozenset[str],
     scales: Mapping[sp.Symbol, float],
     tolerance: float,
-) -> tuple[float, Array, int]:
-    """Minimise from one start; give the cost, all values and the number of evaluations."""
+) -> tuple[float, Array]:
+    """Minimise from one start; give the cost and all values."""
     free = np.array([index for index, name in enumerate(equations.names) if name not in held], dtype=np.intp)
     evaluator = _Evaluator(observations, equations, smooth, begin, free)
     if len(free) == 0:
         residual = evaluator.residual(begin[free])
-        return float(residual @ residual) / 2, begin, evaluator.count
+        return float(residual @ residual) / 2, begin
     lower, upper = (bound[free] for bound in parameter_bounds(equations, scales))
     x0 = np.clip(begin[free], lower, upper)
     inside = 1e-9 * np.maximum(1.0, np.abs(x0))
@@ -384,7 +375,7 @@ def _minimise(
         result = minimise("dogbox", result.x)
     values = begin.copy()
     values[free] = result.x
-    return float(result.cost), values, evaluator.count
+    return float(result.cost), values
 
 
 def _finish(
@@ -395,7 +386,6 @@ def _finish(
     values: Array,
     reasons: Mapping[str, str],
     scales: Mapping[sp.Symbol, float],
-    evaluations: int,
 ) -> Fit:
     """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
     lower, upper = parameter_bounds(equations, scales)
@@ -434,7 +424,6 @@ def _finish(
         at_bound=frozenset(at_bound),
         response=evaluator.response(values[free]),
         cost=float(residual @ residual) / 2,
-        evaluations=evaluations,
     )
 
 

@@ -2,35 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp.errors import UserError
 from pipeclamp.law import Law
 from pipeclamp.response import law_response
 from pipeclamp_identification.fit import fit
-from pipeclamp_identification.levels import number_levels
+from pipeclamp_identification.levels import Level, number_levels
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.observations import LoopObservations, Rows
 
 FOLDS = 8
 SAME = 0.05
-"""Conditions closer than this share of each other count as the same: drives never hit their set points."""
+"""Conditions closer than this share of each other count as the same: drives never hit their set points. Where they lie
+so dense that they would all be the same, classes of them are left out."""
 
 
-def condition_groups(amplitude: npt.ArrayLike, frequency: npt.ArrayLike) -> npt.NDArray[np.intp]:
-    """Give each run the number of its (amplitude, frequency) group.
+def condition_groups(loops: Loops) -> npt.NDArray[np.intp]:
+    """Give each loop the number of its (amplitude, frequency) group, shape (R,).
 
-    Args:
-        amplitude: mm, shape (R,).
-        frequency: Hz, shape (R,).
-
-    Returns:
-        group numbers, shape (R,).
+    Where all tests are at one amplitude and frequency, each run is a group of its own.
     """
-    levels = np.stack([_levels(np.asarray(values, dtype=float)) for values in (amplitude, frequency)], axis=1)
-    return np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
+    conditions = (loops.amplitude_mm, loops.frequency_Hz)
+    levels = np.stack([_numbers(number_levels(values, relative=SAME)) for values in conditions], axis=1)
+    groups = np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1)
+    if groups.max() == 0:
+        groups = np.unique(loops.run, return_inverse=True)[1]
+    return groups.astype(np.intp)
 
 
 def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
@@ -43,27 +44,30 @@ def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
     for name, values in conditions.items():
         levels = number_levels(values, relative=SAME)
         if len(levels) >= 3:
-            groups[name] = np.empty(len(values), dtype=np.intp)
-            for number, level in enumerate(levels):
-                groups[name][level.rows] = number
+            groups[name] = _numbers(levels)
     specimens = np.unique([name or "" for name in loops.specimen], return_inverse=True)[1]
     if specimens.max() > 0:
         groups["specimen"] = specimens.astype(np.intp)
     return groups
 
 
-def _levels(values: npt.NDArray[np.float64], within: float = SAME) -> npt.NDArray[np.intp]:
-    """Number the levels of positive values; neighbours that differ by less than a share belong together."""
-    order = np.argsort(values)
-    steps = np.diff(np.log(values[order])) > within
-    levels = np.empty(len(values), dtype=np.intp)
-    levels[order] = np.concatenate([[0], np.cumsum(steps)])
-    return levels
+def _numbers(levels: Sequence[Level]) -> npt.NDArray[np.intp]:
+    """Give the number of each run's level."""
+    numbers = np.empty(sum(len(level.rows) for level in levels), dtype=np.intp)
+    for number, level in enumerate(levels):
+        numbers[level.rows] = number
+    return numbers
 
 
 def folds(groups: npt.NDArray[np.intp], most: int) -> Iterator[tuple[Rows, Rows]]:
-    """Give (rows to fit, rows left out), whole groups left out at a time, in at most so many folds."""
+    """Give (rows to fit, rows left out), whole groups left out at a time, in at most so many folds.
+
+    Raises:
+        UserError: there is one group alone.
+    """
     count = int(groups.max()) + 1
+    if count == 1:
+        raise UserError("one test alone: nothing is left to fit once it is left out; expected two tests or more")
     number = min(most, count)
     for fold in range(number):
         left_out = groups % number == fold
@@ -82,7 +86,7 @@ def heldout_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: 
     Returns:
         error over all left-out loops as a share of their force, scatter included.
     """
-    groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
+    groups = condition_groups(loops)
     widened = observations.with_discrepancy(law_response(law, observations.motion))
     error = force = 0.0
     for used, left_out in folds(groups, most):

@@ -49,12 +49,12 @@ def outside_range(file: LawFile, runs: Sequence[str], columns: Mapping[str, Arra
         runs: names of the runs, R.
         columns: conditions by name, shape (R,) each.
     """
-    found: dict[str, str] = {}
+    found: dict[str, list[str]] = {}
     for name, interval in file.range.items():
         margin = 0.02 * max(interval.maximum - interval.minimum, 0.02 * abs(interval.maximum))
         for run, value in zip(runs, columns.get(name, ()), strict=False):
             if not interval.minimum - margin <= value <= interval.maximum + margin and math.isfinite(value):
-                found[run] = (
+                found.setdefault(run, []).append(
                     f"{name} = {value:.4g} {interval.unit}, law: {interval.minimum:.4g} to {interval.maximum:.4g}"
                 )
-    return found
+    return {run: "; ".join(texts) for run, texts in found.items()}

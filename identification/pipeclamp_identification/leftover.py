@@ -16,11 +16,23 @@ from pipeclamp_identification.problem import Judged, Problem
 
 POINTS = 360
 STRONGEST = 3
+SMALLEST_NAMED = 0.03
+"""Harmonics with less of the whole than this are left out of the words."""
+END_DEG = 25.0
+"""Nearer than this to a reversal, where |y| is above 0.9 A, is at the turning points; so much from y = 0 the middle."""
+VARIES = 0.02
+"""Conditions that vary by less than this share are held constant: drives never hit their set points."""
+WORTH_SAYING = 0.4
+"""A weaker rank correlation is nothing that can be seen in a picture."""
+BY_CHANCE = 0.01
+"""Correlations that chance makes more often than this are not told."""
 MOST_NAMED = 4
 """Lines that are named one by one."""
 NEIGHBOURS = 30
 NEAREST = 3
 """Bins nearer to a line than this hold some of the line itself."""
+LOBE = 1.6
+"""Half width of a line under a Hann window, in bins: there it is 18 dB below its top."""
 FEWEST_NEIGHBOURS = 8
 """Bins on either side from which a line's neighbouring level is told."""
 FEWEST_SHARE = 0.2
@@ -109,7 +121,7 @@ def _harmonic_words(judged: Judged) -> str:
     parts = [
         f"{_channel(int(channel))} ({excess[channel] / total:.0%})"
         for channel in order
-        if excess[channel] > 0.03 * total
+        if excess[channel] > SMALLEST_NAMED * total
     ]
     return "most of it lies in " + ", ".join(parts) if parts else "it is spread over all harmonics"
 
@@ -127,7 +139,11 @@ def _place_words(shape: Array, phase: Array) -> str:
     towards = min(angle % 180.0, 180.0 - angle % 180.0)
     branch = "unloading from the positive end" if angle < 180.0 else "loading towards the positive end"
     place = (
-        "at the turning points" if towards < 25 else "through the middle" if towards > 65 else "between end and middle"
+        "at the turning points"
+        if towards < END_DEG
+        else "through the middle"
+        if towards > 90 - END_DEG
+        else "between end and middle"
     )
     return f"along the loop it is largest {place} ({branch}, {angle:.0f} deg after the largest displacement)"
 
@@ -142,15 +158,12 @@ def _condition_words(residual: Array, problem: Problem) -> list[str]:
     }  # fmt: skip
     words = []
     for name, values in columns.items():
-        if np.all(np.isfinite(values)) and np.ptp(values) > 0.02 * np.max(np.abs(values)):
-            slope = float(np.corrcoef(_ranks(values), _ranks(size))[0, 1])
-            if abs(slope) > 0.4:
+        if np.all(np.isfinite(values)) and np.ptp(values) > VARIES * np.max(np.abs(values)):
+            ranks = stats.spearmanr(values, size)
+            slope = float(ranks.statistic)
+            if abs(slope) > WORTH_SAYING and ranks.pvalue < BY_CHANCE:
                 words.append(f"it {'grows' if slope > 0 else 'falls'} with {name} (rank correlation {slope:.2f})")
     return words
-
-
-def _ranks(values: Array) -> Array:
-    return np.argsort(np.argsort(values)).astype(float)
 
 
 def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates: Array) -> tuple[float, ...]:
@@ -176,7 +189,7 @@ def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates:
         line = np.round(place).astype(np.intp)
         order = np.arange(len(spectrum)) * width / drive
         # What repeats with the motion is the law's own lack, not a line of its own.
-        own = np.abs(order - np.round(order)) * drive < 1.6 * width
+        own = np.abs(order - np.round(order)) * drive < LOBE * width
         inside = (line >= 2) & (line < len(spectrum) - 2)
         over_noise = np.where(own, np.nan, spectrum / _backgrounds(spectrum, ~own))
         level[row, inside] = over_noise[line[inside]]

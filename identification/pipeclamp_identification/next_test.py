@@ -322,9 +322,9 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
         diagnosis: how much noise and scatter there is, at the sampling of the tests so far.
     """
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
-    per_cycle = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
+    rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
     white = float(np.median(loops.noise_rms_N)) ** 2 * 2 / CYCLES
-    samples = np.maximum(per_cycle / motion.slow["f"], 1.0)
+    samples = np.maximum(rate / motion.slow["f"], 1.0)
     covariance = np.eye(force.shape[1]) * (white / samples)[:, :, None]
     for part, scatter in ((slice(1, None, 2), noise.stiffness_scatter), (slice(2, None, 2), noise.damping_scatter)):
         direction = np.zeros_like(force)

@@ -121,7 +121,7 @@ def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
     harmonics = loop_observations(loops)
     first = fit_structure(structure, loops, harmonics)
     noise = noise_model(loops, harmonics.plain_residual(first.response))
-    groups = condition_groups(loops.amplitude_mm, loops.frequency_Hz)
+    groups = condition_groups(loops)
     problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops))
     return problem, judge((), structure, first.law.values, problem)
 

@@ -16,6 +16,7 @@ from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, respond
 from pipeclamp_identification.campaign_writing import WrittenRun
+from pipeclamp_identification.records import Record
 
 CELSIUS = 273.15
 SUBSTEPS = 4
@@ -71,6 +72,11 @@ class TestPlan:
         """
         if not (self.amplitudes and self.frequencies and self.temperatures):
             raise UserError("test plan: got an empty list; expected at least one amplitude, frequency and temperature")
+        lists = {"amplitude": self.amplitudes, "frequency": self.frequencies, "temperature": self.temperatures}
+        for name, values in lists.items():
+            texts = [f"{value:g}" for value in values]
+            if len(set(texts)) < len(texts):
+                raise UserError(f"test plan: {name} {', '.join(texts)}; expected each value once")
         for name, values in (("amplitude", self.amplitudes), ("frequency", self.frequencies)):
             for value in values:
                 if not (np.isfinite(value) and value > 0):
@@ -173,9 +179,11 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
                 **conditions,
                 "first_cycle": 0,
             },
-            time[kept],
-            _measured(motion[0][index, kept], plan.displacement_noise, plan.displacement_step, rng),
-            _measured(truth[index, kept], plan.force_noise, plan.force_step, rng),
+            Record(
+                time[kept],
+                _measured(motion[0][index, kept], plan.displacement_noise, plan.displacement_step, rng),
+                _measured(truth[index, kept], plan.force_noise, plan.force_step, rng),
+            ),
         )
 
 

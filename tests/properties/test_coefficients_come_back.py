@@ -15,7 +15,7 @@ from pipeclamp_identification.campaign import Campaign, Run
 from pipeclamp_identification.cycles import find_cycles
 from pipeclamp_identification.identify import identify
 from pipeclamp_identification.misfit import overall_nrmse
-from pipeclamp_identification.records import Record, check_samples
+from pipeclamp_identification.records import check_samples
 from pipeclamp_identification.rig import TestPlan, virtual_runs
 
 TestPlan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
@@ -52,7 +52,7 @@ def campaign_of(law: Law, plan: TestPlan) -> Campaign:
     """The virtual rig's campaign as its reader would give it, without the way over the disk."""
     runs = []
     for virtual in virtual_runs(law, plan):
-        record = Record(virtual.time_s, virtual.displacement_mm, virtual.force_N)
+        record = virtual.record
         check_samples(record)
         row = {name: value for name, value in virtual.row.items() if name not in ("run", "first_cycle")}
         runs.append(

@@ -155,3 +155,10 @@ def test_composed_equations_are_sympy_and_complete():
         left = equations.force.free_symbols - known - set(symbols.REFERENCES) - {symbols.v_r, symbols.y_r}
         assert isinstance(equations.force, sp.Expr)
         assert not left - {signal.symbol for signal in symbols.SLOW}
+
+
+@pytest.mark.parametrize("base", ["power", "series"])
+@pytest.mark.parametrize("effect", ["damping_temperature", "directional_damping"])
+def test_damping_is_scaled_in_every_base_law_that_has_it(base, effect):
+    plain = compose(Structure(base))
+    assert set(compose(Structure(base, (effect,))).names) > set(plain.names)

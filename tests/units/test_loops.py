@@ -204,3 +204,10 @@ def test_without_a_drift_all_noise_is_scatter(harmonic_record, run_of, campaign_
         runs.append(run_of(record, f"run{number}"))
     loops = loops_of(campaign_of(*runs))
     assert np.count_nonzero(loops.scatter_rms_N != loops.noise_rms_N) <= 1
+
+
+def test_last_digits_that_alternate_are_no_motion():
+    """The strongest line is then the last of the spectrum, with no neighbour on its far side."""
+    time = np.arange(400) / 400.0
+    with pytest.raises(UnusableRecord):
+        find_cycles(Record(time, 1e-4 * (-1.0) ** np.arange(400), time))

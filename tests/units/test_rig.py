@@ -32,8 +32,8 @@ def truth():
 def test_the_same_seed_gives_the_same_campaign(truth):
     one, again, other = (list(virtual_runs(truth, replace(PLAN, seed=seed))) for seed in (1, 1, 2))
     for left, right, different in zip(one, again, other, strict=True):
-        np.testing.assert_array_equal(left.force_N, right.force_N)
-        assert np.any(left.force_N != different.force_N)
+        np.testing.assert_array_equal(left.record.force_N, right.record.force_N)
+        assert np.any(left.record.force_N != different.record.force_N)
 
 
 def test_a_run_doesnt_change_with_what_else_is_run(truth):
@@ -41,23 +41,23 @@ def test_a_run_doesnt_change_with_what_else_is_run(truth):
     more = replace(PLAN, amplitudes=(0.3, 0.6, 0.9), temperatures=(20.0, 100.0, 250.0))
     kept = {run.row["run"]: run for run in virtual_runs(truth, more)}
     for run in virtual_runs(truth, PLAN):
-        np.testing.assert_allclose(kept[run.row["run"]].force_N, run.force_N, rtol=1e-12)
+        np.testing.assert_allclose(kept[run.row["run"]].record.force_N, run.record.force_N, rtol=1e-12)
 
 
 def test_noise_and_quantisation_are_those_asked_for(truth):
     noisy = replace(QUIET, force_noise=5.0, force_step=0.5, displacement_step=0.001, cycles=40.0)
     for run, quiet in zip(virtual_runs(truth, noisy), virtual_runs(truth, replace(QUIET, cycles=40.0)), strict=True):
-        np.testing.assert_allclose(run.force_N / 0.5, np.round(run.force_N / 0.5), atol=1e-6)
-        assert np.std(run.force_N - quiet.force_N) == pytest.approx(5.0, rel=0.05)
-        assert np.max(np.abs(run.displacement_mm - quiet.displacement_mm)) <= 0.0005 * (1 + 1e-9)
+        np.testing.assert_allclose(run.record.force_N / 0.5, np.round(run.record.force_N / 0.5), atol=1e-6)
+        assert np.std(run.record.force_N - quiet.record.force_N) == pytest.approx(5.0, rel=0.05)
+        assert np.max(np.abs(run.record.displacement_mm - quiet.record.displacement_mm)) <= 0.0005 * (1 + 1e-9)
 
 
 def test_the_ramp_grows_into_the_motion(truth):
     (first, *_) = virtual_runs(truth, replace(QUIET, ramp_cycles=2.0))
     per_cycle = round(400.0 / 2.0)
-    assert np.max(np.abs(first.displacement_mm[: per_cycle // 8])) < 0.02
-    assert np.max(np.abs(first.displacement_mm[2 * per_cycle :])) == pytest.approx(0.3, rel=1e-3)
-    assert len(first.time_s) == 7 * per_cycle
+    assert np.max(np.abs(first.record.displacement_mm[: per_cycle // 8])) < 0.02
+    assert np.max(np.abs(first.record.displacement_mm[2 * per_cycle :])) == pytest.approx(0.3, rel=1e-3)
+    assert len(first.record.time_s) == 7 * per_cycle
 
 
 def test_the_distortion_is_the_third_harmonic_asked_for(truth, tmp_path):
@@ -66,7 +66,7 @@ def test_the_distortion_is_the_third_harmonic_asked_for(truth, tmp_path):
     np.testing.assert_allclose(np.abs(loops.displacement[:, 3]), 0.02 * loops.amplitude_mm, rtol=1e-3)
 
 
-@pytest.mark.parametrize("name", ['quotes " and \\ backslash', "several\nlines", "°C, µm, 夹"])
+@pytest.mark.parametrize("name", ['quotes " and \\ backslash', "several\r\nlines\x07\x7f", "°C, µm, 夹"])
 def test_any_name_and_notes_survive(truth, tmp_path, name):
     write_campaign(tmp_path / "v", virtual_runs(truth, QUIET), name=name, notes=name)
     tests = read_campaign(tmp_path / "v")

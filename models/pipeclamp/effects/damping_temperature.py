@@ -20,5 +20,5 @@ EFFECT = Effect(
         Parameter(c_T2, "-", "bend of the log of c per (100 K)^2", 0.0, -1.0, 1.0, neutral=0.0, follows=(T,), levels=3),
         Parameter(c_T3, "-", "its change per (100 K)^3", 0.0, -0.5, 0.5, neutral=0.0, follows=(T,), levels=4),
     ),
-    scales={"c": sp.exp(c_T1 * t + c_T2 * t**2 + c_T3 * t**3)},
+    scales={"damping": sp.exp(c_T1 * t + c_T2 * t**2 + c_T3 * t**3)},
 )

@@ -18,5 +18,5 @@ EFFECT = Effect(
     parameters=(
         Parameter(d, "-", "share by which damping differs between the directions", 0.02, -0.9, 0.9, neutral=0.0),
     ),
-    scales={"c": 1 + d * smooth_sign(v, v_r)},
+    scales={"damping": 1 + d * smooth_sign(v, v_r)},
 )

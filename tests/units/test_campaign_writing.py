@@ -1,0 +1,36 @@
+"""Campaigns that are written: any run's name, and all that its record holds, comes back."""
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.campaign_writing import WrittenRun, joined_runs, write_campaign
+from pipeclamp_identification.records import Record
+
+
+def _row(name):
+    return {"run": name, "amplitude_mm": 0.8, "frequency_Hz": 3.0, "temperature_C": 20.0}
+
+
+@pytest.mark.parametrize("names", [("../../evil", "a/b"), ("con", "NUL"), ("a", "A"), ("0002", "a b"), ("µm: 夹",)])
+def test_a_runs_name_may_be_anything(tmp_path, harmonic_record, names):
+    records = [harmonic_record(phase=0.1 * number) for number in range(len(names))]
+    runs = (WrittenRun(_row(name), record) for name, record in zip(names, records, strict=True))
+    write_campaign(tmp_path / "c", runs, name="c", notes="")
+    assert {path.name for path in tmp_path.iterdir()} == {"c"}
+    read = {run.name: run.record for run in read_campaign(tmp_path / "c").runs}
+    files = [path.name.casefold() for path in (tmp_path / "c" / "runs").iterdir()]
+    assert len(set(files)) == len(names) and not {"con.csv", "nul.csv"} & set(files)
+    for name, record in zip(names, records, strict=True):
+        np.testing.assert_array_equal(read[name].force_N, record.force_N)
+
+
+def test_the_temperature_of_a_record_is_kept_by_join(tmp_path, harmonic_record):
+    plain = harmonic_record()
+    warm = np.linspace(150.0, 160.0, len(plain.time_s))
+    record = Record(plain.time_s, plain.displacement_mm, plain.force_N, warm)
+    write_campaign(tmp_path / "one", iter([WrittenRun(_row("A"), record)]), name="one", notes="")
+    one = read_campaign(tmp_path / "one")
+    write_campaign(tmp_path / "all", joined_runs([one, one]), name="all", notes="")
+    for run in read_campaign(tmp_path / "all").runs:
+        np.testing.assert_array_equal(run.record.temperature_C, warm)

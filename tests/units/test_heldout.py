@@ -1,0 +1,43 @@
+"""Groups of conditions that are left out: drives that miss their set points, sweeps, one amplitude and frequency."""
+
+import numpy as np
+import pytest
+
+from pipeclamp.bundled import open_law
+from pipeclamp.errors import UserError
+from pipeclamp.parameter_file import law_of
+from pipeclamp_identification import rig
+from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.campaign_writing import write_campaign
+from pipeclamp_identification.heldout import condition_groups, folds, heldout_nrmse
+from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.observations import loop_observations
+
+
+def _loops(tmp_path, plan):
+    write_campaign(tmp_path / "c", rig.virtual_runs(law_of(open_law("emwm2")), plan), name="c", notes="")
+    return loops_of(read_campaign(tmp_path / "c"))
+
+
+def test_set_points_that_the_drive_misses_are_one_group(tmp_path):
+    plan = rig.TestPlan((0.3, 0.9), (2.0, 4.0), (20.0, 100.0, 200.0), cycles=3, rate=200, amplitude_error=0.01)
+    groups = condition_groups(_loops(tmp_path, plan))
+    assert sorted(np.bincount(groups)) == [3, 3, 3, 3]
+
+
+def test_a_sweep_in_small_steps_is_left_out_in_classes(tmp_path):
+    plan = rig.TestPlan((0.5,), tuple(np.round(np.geomspace(1.0, 2.0, 24), 4)), (20.0,), cycles=3, rate=200)
+    for used, left_out in folds(condition_groups(_loops(tmp_path, plan)), 8):
+        assert len(left_out) < len(used)
+
+
+def test_at_one_amplitude_and_frequency_runs_are_left_out(tmp_path):
+    loops = _loops(tmp_path, rig.TestPlan((0.5,), (3.0,), (20.0, 100.0, 200.0, 300.0), cycles=3, rate=200))
+    assert sorted(condition_groups(loops)) == [0, 1, 2, 3]
+    assert 0 < heldout_nrmse(law_of(open_law("emwm2")), loops, loop_observations(loops)) < 0.2
+
+
+def test_of_one_test_nothing_can_be_left_out(tmp_path):
+    loops = _loops(tmp_path, rig.TestPlan((0.5,), (3.0,), (20.0,), cycles=3, rate=200))
+    with pytest.raises(UserError, match="expected two tests"):
+        list(folds(condition_groups(loops), 8))
