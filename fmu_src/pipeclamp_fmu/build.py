@@ -133,7 +133,7 @@ def build_pipe(pipe: ReducedPipe, output: Path) -> str:
 
 
 def build_native_pipe(pipe: ReducedPipe, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None) -> Built:
-    """Build a pipe FMU (FMI 2.0 or 3.0 co-simulation, C) from a reduced pipe.
+    """Build a pipe FMU (FMI 2.0 or 3.0, co-simulation and model exchange, C) from a reduced pipe.
 
     Args:
         pipe: what `pipeclamp.pipe.reduce` makes of a description.
@@ -162,11 +162,13 @@ def build_excitation(samples: Samples, output: Path) -> str:
 
 def condition_parameter(column: str, value: float) -> tuple[str, float]:
     """Give the clamp FMU's parameter for a column of runs.csv, and its value there."""
-    if column == "density_g_cm3":
-        return str(symbols.rho), value / G_CM3
-    if column == "first_cycle":
-        return CYCLES, value
-    return f"condition.{str(symbols.condition_symbol(column)).removeprefix(symbols.CONDITION)}", value
+    return _parameter_name(column), value / G_CM3 if column == "density_g_cm3" else value
+
+
+def _parameter_name(column: str) -> str:
+    """Give the name of the clamp FMU's parameter for a column of runs.csv."""
+    own = {"density_g_cm3": str(symbols.rho), "first_cycle": CYCLES}
+    return own.get(column, f"condition.{str(symbols.condition_symbol(column)).removeprefix(symbols.CONDITION)}")
 
 
 def build_native_excitation(
@@ -231,18 +233,40 @@ def _further(name: str, file: LawFile) -> FurtherCondition:
     interval = _ends(file.range[key])
     if name == str(symbols.N):
         return FurtherCondition(
-            CYCLES, "load cycles that the clamp has seen before the start", "1", "", "cycles", 1.0,
-            (0.0, interval[1]), False, 0.0, counted=True,
-        )  # fmt: skip
+            name=CYCLES,
+            meaning="load cycles that the clamp has seen before the start",
+            unit="1",
+            display_unit="",
+            law_unit="cycles",
+            scale=1.0,
+            interval=(0.0, interval[1]),
+            positive=False,
+            start=0.0,
+            counted=True,
+        )
     if name == str(symbols.rho):
-        start = (interval[0] + interval[1]) / 2 / G_CM3
         return FurtherCondition(
-            name, "density of the wire mesh", "kg/m3", "g/cm3", "g/cm3", G_CM3, interval, True, start
+            name=name,
+            meaning="density of the wire mesh",
+            unit="kg/m3",
+            display_unit="g/cm3",
+            law_unit="g/cm3",
+            scale=G_CM3,
+            interval=interval,
+            positive=True,
+            start=(interval[0] + interval[1]) / 2 / G_CM3,
         )
     return FurtherCondition(
-        condition_parameter(key, 0.0)[0], f"test condition {key}, in the unit of its name",
-        "", "", "", 1.0, interval, False, sum(interval) / 2,
-    )  # fmt: skip
+        name=_parameter_name(key),
+        meaning=f"test condition {key}, in the unit of its name",
+        unit="",
+        display_unit="",
+        law_unit="",
+        scale=1.0,
+        interval=interval,
+        positive=False,
+        start=sum(interval) / 2,
+    )
 
 
 def _ends(interval: Interval) -> tuple[float, float]:

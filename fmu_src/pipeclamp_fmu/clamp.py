@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import resources
 
 from pipeclamp.parameter_file import FitQuality, HistoryStep
 from pipeclamp_fmu import clamp_slave
 from pipeclamp_fmu.documentation import Section, page, variables_section
 from pipeclamp_fmu.history import history_section
 from pipeclamp_fmu.icon import loop_icon
-from pipeclamp_fmu.model_description import ModelText, Quantity
-from pipeclamp_fmu.one_module import with_inlined
+from pipeclamp_fmu.model_description import ModelText, Quantity, usual
+from pipeclamp_fmu.one_module import source_text, with_inlined
 from pipeclamp_fmu.packing import Content
 from pipeclamp_fmu.passivity import Interval, ScalarLaw, loaded
 from pipeclamp_fmu.reference import reference_files
@@ -127,11 +126,6 @@ class ClampModel:
         return next((place for place, entry in enumerate(self.further) if entry.counted), -1)
 
 
-def source_text(module: str) -> str:
-    """Give the text of a module of this package."""
-    return resources.files("pipeclamp_fmu").joinpath(f"{module}.py").read_text(encoding="utf-8")
-
-
 def clamp_module(model: ClampModel) -> str:
     """Give the slave's one module: equations and slave; no value of the law is in it."""
     further = tuple((entry.name, entry.law_unit, entry.scale, entry.positive) for entry in model.further)
@@ -151,11 +145,6 @@ def clamp_module(model: ClampModel) -> str:
 def middle(interval: Interval) -> float:
     """Give the middle of a range."""
     return (interval[0] + interval[1]) / 2
-
-
-def usual(value: float) -> float:
-    """Give the value to one digit, as a nominal value; 1 for zero."""
-    return float(f"{abs(value):.0e}") or 1.0
 
 
 def quantities(model: ClampModel) -> Mapping[str, Quantity]:

@@ -99,9 +99,10 @@ def compile_sources(sources: Mapping[str, str], platforms: Sequence[str]) -> dic
         for name in platforms:
             output = Path(folder) / f"{name}{PLATFORMS[name].ending}"
             command = [*_compiler(name), *FLAGS, MAIN_SOURCE, "-o", output.name, *PLATFORMS[name].flags]
-            run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+            run = subprocess.run(command, cwd=folder, capture_output=True, check=False)
             if run.returncode or not output.exists():
-                said = run.stderr.strip().splitlines() or ["it said nothing"]
+                # In whatever encoding the compiler has: what it says must not hide that it failed.
+                said = run.stderr.decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
                 reason = next((line for line in said if "error" in line), said[-1])
                 raise UserError(
                     f"the C compiler {command[0]} failed for {name}: {reason}; expected one that takes C99 and GCC's "

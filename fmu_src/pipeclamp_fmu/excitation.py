@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeclamp_fmu import excitation_slave
-from pipeclamp_fmu.clamp import source_text, usual
 from pipeclamp_fmu.documentation import page
-from pipeclamp_fmu.model_description import ModelText, Quantity
-from pipeclamp_fmu.one_module import with_inlined
+from pipeclamp_fmu.model_description import ModelText, Quantity, usual
+from pipeclamp_fmu.one_module import source_text, with_inlined
 from pipeclamp_fmu.packing import Content
 
 

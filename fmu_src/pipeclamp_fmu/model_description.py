@@ -91,6 +91,11 @@ class Quantity:
     nominal: float | None = None
 
 
+def usual(value: float) -> float:
+    """Give the value to one digit, as a nominal value; 1 for zero."""
+    return float(f"{abs(value):.0e}") or 1.0
+
+
 @dataclass(frozen=True)
 class ModelText:
     """What the description says of the model as a whole."""

@@ -51,7 +51,6 @@ class Description:
         text: what is said of the whole.
         variables: all variables.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
-        exchange: whether there is model exchange besides co-simulation.
         terminals: connectors.
         tool: program that wrote the FMU, with its version.
     """
@@ -61,17 +60,12 @@ class Description:
     text: ModelText
     variables: Variables
     indicator: str
-    exchange: bool
     terminals: Sequence[Terminal]
     tool: str
 
     def dependencies(self) -> tuple[list[Variable], list[Variable]]:
-        """Give what outputs and derivatives depend on at any time, and at initialisation.
-
-        In co-simulation alone they are those of the last step, and depend on no input that is set at the same instant.
-        """
-        always = [*self.variables.inputs, *self.variables.state_variables] if self.exchange else []
-        return always, list(self.variables.settable)
+        """Give what outputs and derivatives depend on at any time, and at initialisation."""
+        return [*self.variables.inputs, *self.variables.state_variables], list(self.variables.settable)
 
 
 def model_description(description: Description, fmi: int) -> bytes:
@@ -98,9 +92,10 @@ def _fmi2(description: Description) -> bytes:
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
-    interfaces: dict[str, dict[str, str]] = {"ModelExchange": {}} if description.exchange else {}
-    interfaces["CoSimulation"] = {"canHandleVariableCommunicationStepSize": "true"}
-    for kind, own in interfaces.items():
+    for kind, own in (
+        ("ModelExchange", {}),
+        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"}),
+    ):
         files = SubElement(SubElement(root, kind, common | own), "SourceFiles")
         SubElement(files, "File", {"name": MAIN_SOURCE})
     _common_elements(root, description)
@@ -151,8 +146,7 @@ def _fmi3(description: Description) -> bytes:
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
-    if description.exchange:
-        SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
+    SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
     SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
     _common_elements(root, description, TIME)
     listed = SubElement(root, "ModelVariables")

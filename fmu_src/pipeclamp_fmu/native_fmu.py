@@ -93,14 +93,13 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         content.documentation,
     )
     description = Description(
-        identifier,
-        token,
-        content.text,
-        model.variables,
-        model.indicator,
-        model.exchange,
-        content.terminals,
-        f"pipeclamp {content.text.version}",
+        identifier=identifier,
+        token=token,
+        text=content.text,
+        variables=model.variables,
+        indicator=model.indicator,
+        terminals=content.terminals,
+        tool=f"pipeclamp {content.text.version}",
     )
     files = {
         "modelDescription.xml": model_description(description, fmi),

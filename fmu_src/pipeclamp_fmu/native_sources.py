@@ -29,7 +29,6 @@ class NativeModel:
         variables: its variables.
         ranges: of its first tunable parameters.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
-        exchange: whether it can be exchanged as a model; else it is for co-simulation alone.
     """
 
     name: str
@@ -38,7 +37,6 @@ class NativeModel:
     variables: Variables
     ranges: Sequence[Range]
     indicator: str = ""
-    exchange: bool = True
 
 
 def template(name: str) -> str:
@@ -71,7 +69,6 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
         "FLAG_OUTPUTS": len(variables.boolean_outputs),
         "RANGES": len(model.ranges),
         "INDICATORS": int(bool(model.indicator)),
-        "MODEL_EXCHANGE": int(model.exchange),
     }
     structure = content_hash(*model.generated.values(), *(variable.name for variable in variables.all))
     headers = [*model.generated, *(name for name in model.sources if name.endswith(".h"))]

@@ -9,6 +9,12 @@ from __future__ import annotations
 import ast
 import hashlib
 from collections.abc import Iterable, Mapping
+from importlib import resources
+
+
+def source_text(module: str) -> str:
+    """Give the text of a module of this package."""
+    return resources.files("pipeclamp_fmu").joinpath(f"{module}.py").read_text(encoding="utf-8")
 
 
 def _without(source: str, nodes: Iterable[tuple[ast.stmt, str]]) -> str:

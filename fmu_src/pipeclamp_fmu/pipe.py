@@ -8,10 +8,9 @@ from importlib import resources
 
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp_fmu import pipe_slave
-from pipeclamp_fmu.clamp import source_text, usual
 from pipeclamp_fmu.documentation import Section, page, variables_section
-from pipeclamp_fmu.model_description import ModelText, Quantity
-from pipeclamp_fmu.one_module import with_inlined
+from pipeclamp_fmu.model_description import ModelText, Quantity, usual
+from pipeclamp_fmu.one_module import source_text, with_inlined
 from pipeclamp_fmu.packing import Content
 
 STEPS_PER_CYCLE = 20
@@ -24,7 +23,6 @@ FARTHEST = 1.0
 def pipe_module(pipe: ReducedPipe) -> str:
     """Give the slave's one module: the pipe's numbers, the stepping, the slave."""
     numbers = {
-        "PIPE_NAME": pipe.name,
         "OMEGA": pipe.omega,
         "DAMPING": pipe.damping,
         "COUPLING_STIFFNESS": pipe.coupling_stiffness,

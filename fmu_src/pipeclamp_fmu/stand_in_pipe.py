@@ -6,7 +6,6 @@ clamped-free mode of 1 kg at 10 Hz.
 
 from __future__ import annotations
 
-PIPE_NAME = "stand-in"
 OMEGA: tuple[float, ...] = (62.83185307179586,)
 DAMPING: tuple[float, ...] = (0.6283185307179586,)
 COUPLING_STIFFNESS: tuple[tuple[float, ...], ...] = ()

@@ -18,9 +18,9 @@ from pipeclamp.parameter_file import CoefficientEntry, Interval, LawFile
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_native_pipe, build_pipe
-from pipeclamp_fmu.clamp import ClampModel, Entry, clamp_content, source_text
+from pipeclamp_fmu.clamp import ClampModel, Entry, clamp_content
 from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_fmu.one_module import body_of
+from pipeclamp_fmu.one_module import body_of, source_text
 from pipeclamp_fmu.packing import write_fmu
 from pipeclamp_identification.importer import LoadedFmu, opened
 

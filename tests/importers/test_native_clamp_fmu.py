@@ -1,6 +1,7 @@
 """The native clamp FMU beyond what it shares with the Python one: model exchange, derivatives, statuses, its files."""
 
 import math
+import sys
 import zipfile
 from xml.etree import ElementTree
 
@@ -198,6 +199,18 @@ def test_states_of_others_are_refused(drive, native_fmus, native):
     clamp.restore(state)
 
 
+def test_equal_models_have_equal_states(drive, native_fmus):
+    """Whatever was called between: nothing of the stack gets into a state."""
+    one, other = drive(native_fmus[2]), drive(native_fmus[2])
+    outputs, inputs = other.fmu.references(["flange.f"]), other.fmu.references(["flange.s", "flange.v"])
+    for n, (s, v) in enumerate(waves(5)):
+        for clamp in (one, other):
+            if clamp is other:
+                clamp.slave.getDirectionalDerivative(outputs, inputs, [1.0 + n, -3.0])
+            clamp.step(H, flange__s=s, flange__v=v, T=300.0 + n)
+        assert one.serialised() == other.serialised()
+
+
 def test_every_unit_of_a_coefficient_is_defined(native_fmus):
     description = fmpy.read_model_description(str(native_fmus[2]))
     units = {unit.name: unit.baseUnit for unit in description.unitDefinitions}
@@ -251,6 +264,13 @@ def test_an_unknown_platform_is_named(law_with_memory, tmp_path):
     with pytest.raises(UserError, match=r"'amiga'.*linux64"):
         build_native_clamp(law_with_memory, tmp_path / "a.fmu", platforms=["amiga"])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_compiler_s_message_in_another_encoding_is_told(monkeypatch):
+    says = "import sys; sys.stderr.buffer.write(b'fmu.c:1: error: ung\\xfcltig\\n'); sys.exit(1)"
+    monkeypatch.setattr("pipeclamp_fmu.compile._compiler", lambda name: [sys.executable, "-c", says])
+    with pytest.raises(UserError, match=r"failed for linux64: fmu\.c:1: error: ung.ltig"):
+        compile_sources({"fmu.c": ""}, ["linux64"])
 
 
 MAGIC = {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"}

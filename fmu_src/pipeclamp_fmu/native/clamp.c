@@ -281,6 +281,7 @@ static inline int move(Model *model, const Values *values, const Place *from, co
 APART static int move_anew(Model *model, const Values *values, double h, char reason[TEXT])
 {
     Prepared prepared;
+    memset(&prepared, 0, sizeof prepared); /* all of it becomes part of the state, averages that aren't used too */
     return prepare(model, values, h, &prepared, reason)
            && move(model, values, &prepared.from, prepared.k, &prepared, h, reason);
 }

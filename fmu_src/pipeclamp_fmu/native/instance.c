@@ -29,8 +29,6 @@ static Instance *instance_new(const char *name, const char *token, const char *f
         snprintf(reason, TEXT, "no memory for an instance");
     } else if (length == 0) {
         snprintf(reason, TEXT, "the instance has no name");
-    } else if (!co_simulation && !MODEL_EXCHANGE) {
-        snprintf(reason, TEXT, "there is no model exchange, co-simulation alone");
     } else if (!token) {
         snprintf(reason, TEXT, "no identifier of the model description was given");
     } else if (values_read(&instance->values, folder, token, reason)) {
