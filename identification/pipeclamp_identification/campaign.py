@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -15,6 +15,13 @@ from pipeclamp_identification import runs_table
 from pipeclamp_identification.clipping import check_clipping
 from pipeclamp_identification.cycles import Cycles, find_cycles
 from pipeclamp_identification.description import CampaignDescription, read_description
+from pipeclamp_identification.plausibility import (
+    Fundamental,
+    contradiction,
+    fundamental_of,
+    implausible,
+    unless_contradicted,
+)
 from pipeclamp_identification.records import Record, UnusableRecord, check_samples, read_record
 from pipeclamp_identification.runs_table import RunRow, RunsTable, read_runs_table
 from pipeclamp_identification.smoothing import Smoothing, find_smoothing
@@ -52,7 +59,10 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Campaign:
-    """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed."""
+    """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed.
+
+    `remarks` say where the records show other settings than runs.csv states; those runs' settings are None.
+    """
 
     name: str
     notes: str
@@ -61,6 +71,7 @@ class Campaign:
     left_out: tuple[LeftOut, ...]
     condition_columns: tuple[str, ...]
     smoothing: Smoothing = field(default_factory=Smoothing)
+    remarks: tuple[str, ...] = ()
 
 
 def read_campaign(folder: Path, strict: bool = False) -> Campaign:
@@ -95,12 +106,19 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         records = list(readers.map(partial(_read_run, folder, description), table.rows))
     digests = {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)}
     outcomes = [_checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
+    shown = {one.name: fundamental_of(one.record, one.cycles) for one in outcomes if isinstance(one, Run)}
+    faults = implausible(shown)
+    outcomes = [
+        LeftOut(row.run, faults[row.run]) if row.run in faults else one
+        for row, one in zip(table.rows, outcomes, strict=True)
+    ]
     runs = tuple(outcome for outcome in outcomes if isinstance(outcome, Run))
     left_out = tuple(outcome for outcome in outcomes if isinstance(outcome, LeftOut))
     if left_out and (strict or not runs):
         heading = f"{folder}: {len(left_out)} of {len(outcomes)} runs can't be used; mend their records"
         remedy = ", take their rows out of runs.csv, or don't be strict" if runs else ""
         raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in left_out)]))
+    runs, remarks = _without_wrong_settings(runs, shown)
     return Campaign(
         name=description.name,
         notes=description.notes,
@@ -109,6 +127,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         left_out=left_out,
         condition_columns=table.condition_columns,
         smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
+        remarks=remarks,
     )
 
 
@@ -143,6 +162,20 @@ def _checked_run(row: RunRow, record: Record) -> Run | LeftOut:
         record=record,
         cycles=cycles,
     )
+
+
+def _without_wrong_settings(
+    runs: tuple[Run, ...], shown: Mapping[str, Fundamental]
+) -> tuple[tuple[Run, ...], tuple[str, ...]]:
+    """Give the runs without the amplitudes and frequencies that their records contradict, and words about these."""
+    amplitudes = [(run.amplitude_mm, shown[run.name].amplitude_mm) for run in runs]
+    frequencies = [(run.frequency_Hz, run.cycles.frequency_Hz) for run in runs]
+    words = (contradiction("amplitude_mm", amplitudes), contradiction("frequency_Hz", frequencies))
+    kept = tuple(
+        replace(run, amplitude_mm=unless_contradicted(*amplitude), frequency_Hz=unless_contradicted(*frequency))
+        for run, amplitude, frequency in zip(runs, amplitudes, frequencies, strict=True)
+    )
+    return kept, tuple(filter(None, words))
 
 
 def fingerprint(folder: Path, digests: Mapping[str, str]) -> str:

@@ -414,8 +414,9 @@ def _read(folder: Path, strict: bool, tell: Tell) -> Campaign | MetricCampaign:
     tests = read_tests(campaign_folder(folder), strict=strict)
     for entry in tests.left_out:
         errors.print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
-    if isinstance(tests, Campaign) and tests.smoothing.words():
-        errors.print(f"note: {tests.smoothing.words()}", markup=False, highlight=False, soft_wrap=True)
+    if isinstance(tests, Campaign):
+        for words in filter(None, (*tests.remarks, tests.smoothing.words())):
+            errors.print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
     return tests
 
 

@@ -87,6 +87,7 @@ def comparison_sections(comparison: Comparison) -> list[Section]:
     if comparison.outside:
         summary.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
     summary += [f"Left out: {entry}." for entry in comparison.campaign.left_out]
+    summary += [f"Note: {remark}." for remark in comparison.campaign.remarks]
     return [
         Section("How much", summary),
         map_section(comparison),

@@ -24,8 +24,8 @@ def metrics_sections(campaign: Campaign, loops: Loops) -> list[Section]:
     metrics, scatter = metrics_of(loops), scatter_of(loops)
     studies = principal_studies(studies_of(campaign, loops))
     sections = [_study_section(study, loops, metrics) for study in studies]
-    left_out = [f"Left out: {entry}." for entry in campaign.left_out]
-    return [*sections, Section("All runs", left_out, [_runs_table(loops, metrics, scatter)])]
+    noted = [*(f"Left out: {entry}." for entry in campaign.left_out), *(f"Note: {one}." for one in campaign.remarks)]
+    return [*sections, Section("All runs", noted, [_runs_table(loops, metrics, scatter)])]
 
 
 def _study_section(study: Study, loops: Loops, metrics: Metrics) -> Section:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import math
+import re
 import shutil
 
 import numpy as np
@@ -233,6 +234,8 @@ def _faulty(record: Record, fault: str) -> Record:
             force = np.minimum(force, 0.9 * np.max(force))
         case "clipped sensor: displacement_mm":
             y = np.maximum(y, 0.97 * np.min(y))
+        case "its force has the wrong sign: stiffness -2500 N/mm":
+            force = -force
         case "time goes back in row 103":
             t[101:] -= 0.05
         case "too few samples":
@@ -253,6 +256,7 @@ FAULTS = [
     "non-finite samples: 2 in displacement_mm, the first in row 22",
     "clipped sensor: force_N",
     "clipped sensor: displacement_mm",
+    "its force has the wrong sign: stiffness -2500 N/mm",
     "time goes back in row 103",
     "too few samples",
     "a gap of",
@@ -276,6 +280,51 @@ def test_a_run_that_cannot_be_used_is_left_out_with_its_reason(campaign_folder, 
         read_campaign(folder, strict=True)
     assert "'bad'" in str(error.value)
     assert fault in str(error.value)
+
+
+@pytest.mark.parametrize("force", [2000.0 - 40.0j, -2000.0 + 400.0j], ids=["late", "inertia"])
+def test_a_delay_or_inertia_is_no_reversed_sign(campaign_folder, harmonic_record, csv_text, force):
+    folder = campaign_folder(records={"runs/A.csv": csv_text(harmonic_record(force=(0.0, force)))})
+    assert len(read_campaign(folder).runs) == 1
+
+
+@pytest.fixture
+def campaign_of_forces(campaign_folder, harmonic_record, csv_text):
+    """Give a function that writes a campaign of runs whose force is the usual one times a factor each."""
+
+    def write(*factors, amplitudes=None):
+        names = [f"r{number}" for number in range(len(factors))]
+        record = harmonic_record()
+        scaled = [Record(record.time_s, record.displacement_mm, factor * record.force_N) for factor in factors]
+        stated = amplitudes or [0.8] * len(factors)
+        rows = [f"{name},runs/{name}.csv,{A}\n" for name, A in zip(names, stated, strict=True)]
+        records = {f"runs/{name}.csv": csv_text(one) for name, one in zip(names, scaled, strict=True)}
+        return campaign_folder(table="run,file,amplitude_mm\n" + "".join(rows), records=records)
+
+    return write
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_run_in_other_units_is_left_out_with_its_reason(campaign_of_forces, factor):
+    campaign = read_campaign(campaign_of_forces(1.0, 1.3, factor, 0.7))
+    (left_out,) = campaign.left_out
+    shown, usual = re.findall(r"([0-9.e+]+) N/mm", left_out.reason)
+    assert left_out.run == "r2"
+    assert (float(shown), float(usual)) == pytest.approx((2549.5 * factor, 2549.5), rel=1e-3)
+    assert "check the units" in left_out.reason
+
+
+@pytest.mark.parametrize("factors", [(1.0, 0.2, 0.04, 0.008, 0.002), (1.0, 1e-3), (1.0, 1.3, 0.03)])
+def test_a_wide_range_of_stiffness_is_no_mistake_of_units(campaign_of_forces, factors):
+    assert read_campaign(campaign_of_forces(*factors)).left_out == ()
+
+
+def test_what_the_records_show_goes_before_the_table(campaign_of_forces):
+    campaign = read_campaign(campaign_of_forces(1.0, 1.3, 0.7, amplitudes=[1.6, 0.78, 1.6]))
+    assert [run.amplitude_mm for run in campaign.runs] == [None, 0.78, None]
+    (remark,) = campaign.remarks
+    for words in ("amplitude_mm in runs.csv is 1.6", "show 0.8", "2 of 3 runs", "peak to peak?"):
+        assert words in remark
 
 
 def test_a_blank_cell_is_a_missing_sample(campaign_folder, harmonic_record, csv_text):
