@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from pipeclamp_identification.prescribed import mode_errors, motions
+from prescribed_motion import mode_errors, motions
 
 AMPLITUDE, FREQUENCY = 0.5, 3.0
 """mm, Hz: of the motions."""

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from pipeclamp.symbols import CELSIUS
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -32,7 +34,7 @@ UNITS: Mapping[str, Unit] = {
     "N": Unit({"kg": 1, "m": 1, "s": -2}),
     "J": Unit({"kg": 1, "m": 2, "s": -2}),
     "Hz": Unit({"s": -1}),
-    "K": Unit({"K": 1}, {"degC": (1.0, -273.15)}),
+    "K": Unit({"K": 1}, {"degC": (1.0, -CELSIUS)}),
     "kg/m3": Unit({"kg": 1, "m": -3}, {"g/cm3": (1e-3, 0.0)}),
     "1": Unit({}),
 }

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from pipeclamp.realise.arrays import Array
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.error_sums import RunSums
 from pipeclamp_identification.harmonics import ComplexArray
 from pipeclamp_identification.levels import Level, name_levels, number_levels
 from pipeclamp_identification.loops import HARMONICS, PHASE_BINS, Loops
-from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 
 PLACES = (
     ("just after the reversal", 0.0, 30.0),
@@ -350,7 +350,7 @@ def drift(sums: Sequence[RunSums]) -> Drift | None:
 
 def conditions_of(campaign: Campaign, loops: Loops) -> tuple[Condition, ...]:
     """Give the conditions of the tests: A, f, T, density, first cycle, further columns, specimen."""
-    T = number_levels(loops.temperature_K + ABSOLUTE_ZERO_C, absolute=SAME_TEMPERATURE_K)
+    T = number_levels(loops.temperature_K - CELSIUS, absolute=SAME_TEMPERATURE_K)
     stated = {
         "density_g_cm3": loops.density_g_cm3,
         "first_cycle": np.array([run.first_cycle for run in campaign.runs]),

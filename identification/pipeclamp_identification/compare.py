@@ -9,6 +9,7 @@ from typing import Any
 
 from pipeclamp.law import Law
 from pipeclamp.parameter_file import LawFile, law_of
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification import breakdown
 from pipeclamp_identification.breakdown import PLACES, Condition, parts_json, phase_edges, place_of
 from pipeclamp_identification.campaign import Campaign
@@ -23,7 +24,6 @@ from pipeclamp_identification.error_sums import RunSums, error_sums
 from pipeclamp_identification.law_range import outside_range
 from pipeclamp_identification.loops import Loops, loops_of
 from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
-from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def where_words(comparison: Comparison) -> list[str]:
 def celsius(loops: Loops, row: int) -> float | None:
     """Give a run's temperature in degC, None where it isn't known."""
     T = float(loops.temperature_K[row])
-    return T + ABSOLUTE_ZERO_C if math.isfinite(T) else None
+    return T - CELSIUS if math.isfinite(T) else None
 
 
 def comparison_json(comparison: Comparison) -> dict[str, Any]:

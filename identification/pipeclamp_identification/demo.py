@@ -17,6 +17,7 @@ from pipeclamp.parameter_file import LawFile, law_text, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.response import law_response, sinusoids
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_identification.add import Addition, add_effect, addition_table
 from pipeclamp_identification.bundled_campaigns import bundled_campaign
@@ -30,7 +31,7 @@ from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.identify_report import identification_sections
 from pipeclamp_identification.metrics_report import metrics_sections
 from pipeclamp_identification.pictures import overlay_picture, waterfall_picture
-from pipeclamp_identification.published_tables import CELSIUS, FIGURE_14, READINGS, Step, reading_law, way
+from pipeclamp_identification.published_tables import FIGURE_14, READINGS, Step, reading_law, way
 from pipeclamp_identification.report import Section, Table, write_report
 
 EFFECTS = ("damping_temperature", "memory:2")

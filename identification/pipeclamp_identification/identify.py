@@ -27,6 +27,7 @@ from pipeclamp.parameter_file import (
     LeftOutRun,
     RunQuality,
 )
+from pipeclamp.symbols import REFERENCES, T_0
 from pipeclamp.toml_file import unknown
 from pipeclamp_identification.campaign import Campaign, LeftOut
 from pipeclamp_identification.fit import HELD, Fit, Progress, fit, unfitted
@@ -274,7 +275,7 @@ def range_of(loops: Loops, *, aged: bool = False) -> dict[str, Interval]:
         loops: the tests.
         aged: whether the load cycles belong to it.
     """
-    T = np.where(np.isfinite(loops.temperature_K), loops.temperature_K, 293.15)
+    T = np.where(np.isfinite(loops.temperature_K), loops.temperature_K, REFERENCES[T_0])
     slow = {"A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": T, "rho": loops.density_g_cm3}
     cycles = {"N": np.concatenate(loops.cycles)} if aged else {}
     return intervals_of({**slow, **cycles, **loops.conditions})

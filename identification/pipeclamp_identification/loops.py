@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.campaign import Campaign, Run
 from pipeclamp_identification.harmonics import (
     Array,
@@ -25,7 +26,6 @@ from pipeclamp_identification.harmonics import (
     unit_phasor,
 )
 from pipeclamp_identification.reversals import Bridged, bridged
-from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 from pipeclamp_identification.smoothing import gain
 
 HARMONICS = 20
@@ -252,8 +252,8 @@ def _kelvin(run: Run) -> float:
         steady = measured[run.cycles.steady]
         known = steady[np.isfinite(steady)]
         if len(known):
-            return float(np.mean(known)) - ABSOLUTE_ZERO_C
-    return math.nan if run.temperature_C is None else run.temperature_C - ABSOLUTE_ZERO_C
+            return float(np.mean(known)) + CELSIUS
+    return math.nan if run.temperature_C is None else run.temperature_C + CELSIUS
 
 
 def _run_loop(run: Run, harmonics: int, average: float) -> _RunLoop:

@@ -12,13 +12,13 @@ import numpy as np
 from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.response import sinusoids
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification import campaign as of_records
 from pipeclamp_identification.campaign import Campaign, LeftOut, fingerprint
 from pipeclamp_identification.description import CampaignDescription, read_description
 from pipeclamp_identification.metric_observations import MetricObservations
 from pipeclamp_identification.observations import known_temperature
 from pipeclamp_identification.runs_table import (
-    ABSOLUTE_ZERO_C,
     FILE_NAME,
     METRIC_COLUMNS,
     RunRow,
@@ -204,7 +204,7 @@ def metric_observations(campaign: MetricCampaign, scatter: float = SCATTER) -> M
         UserError: the temperature is known for some runs only.
     """
     runs = campaign.runs
-    T = np.array([math.nan if run.temperature_C is None else run.temperature_C - ABSOLUTE_ZERO_C for run in runs])
+    T = np.array([math.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs])
     motion = sinusoids(
         [run.amplitude_mm for run in runs],
         [run.frequency_Hz for run in runs],

@@ -10,11 +10,12 @@ import numpy as np
 
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, respond, sinusoids
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.metric_campaign import SAMPLES
 from pipeclamp_identification.metric_diagnosis import MetricDiagnosis
 from pipeclamp_identification.metric_evidence import MetricJudged
 from pipeclamp_identification.metric_observations import MetricObservations, loop_energies, metric_slopes
-from pipeclamp_identification.next_test import CELSIUS, LEVELS, Limits, limits_around
+from pipeclamp_identification.next_test import LEVELS, Limits, limits_around
 from pipeclamp_identification.screen import effect_id
 
 SURELY = 3.0

@@ -7,13 +7,13 @@ import io
 import math
 from collections.abc import Iterator
 
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.description import description_text
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.metric_campaign import MetricCampaign, MetricRun
 from pipeclamp_identification.metrics import metrics_of
 from pipeclamp_identification.report import Table
-from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 
 DIGITS = 6
 """Significant digits of metrics and measured conditions: more than loops repeat to."""
@@ -34,7 +34,7 @@ def as_metrics(campaign: Campaign, loops: Loops) -> MetricCampaign:
             specimen=run.specimen,
             amplitude_mm=_digits(loops.amplitude_mm[row]),
             frequency_Hz=_digits(loops.frequency_Hz[row]),
-            temperature_C=_known(loops.temperature_K[row] + ABSOLUTE_ZERO_C),
+            temperature_C=_known(loops.temperature_K[row] - CELSIUS),
             density_g_cm3=_known(loops.density_g_cm3[row]),
             first_cycle=_digits(loops.cycle[row]),
             conditions={name: float(values[row]) for name, values in loops.conditions.items()},

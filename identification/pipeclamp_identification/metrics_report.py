@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.metrics import Metrics, metrics_of, scatter_of
@@ -76,7 +77,7 @@ def _runs_table(loops: Loops, metrics: Metrics, scatter: Metrics) -> Table:
             run,
             float(loops.amplitude_mm[row]),
             float(loops.frequency_Hz[row]),
-            _known(loops.temperature_K[row] - 273.15),
+            _known(loops.temperature_K[row] - CELSIUS),
             float(metrics.dissipated_energy_J[row]),
             _known(scatter.dissipated_energy_J[row]),
             float(metrics.max_elastic_energy_J[row]),

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.decomposition import Decomposition, PowerSeries, decompose
 from pipeclamp_identification.harmonics import Array
 from pipeclamp_identification.loops import Loops, per_cycle
 from pipeclamp_identification.metrics import Metrics, metrics_of, scatter_of
-from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 from pipeclamp_identification.studies import Study, studies_of
 
 
@@ -40,7 +40,7 @@ def metrics_json(campaign: Campaign, loops: Loops) -> dict[str, Any]:
                 "specimen": run.specimen,
                 "amplitude_mm": loops.amplitude_mm[row],
                 "frequency_Hz": loops.frequency_Hz[row],
-                "temperature_C": loops.temperature_K[row] + ABSOLUTE_ZERO_C,
+                "temperature_C": loops.temperature_K[row] - CELSIUS,
                 "density_g_cm3": loops.density_g_cm3[row],
                 **{name: values[row] for name, values in loops.conditions.items()},
                 "cycle": loops.cycle[row],

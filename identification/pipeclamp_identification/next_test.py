@@ -14,13 +14,13 @@ from pipeclamp import symbols
 from pipeclamp.errors import UserError
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response, respond
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.diagnose import FORM, Diagnosis
 from pipeclamp_identification.fit import HELD, parameter_bounds
 from pipeclamp_identification.observations import SAMPLES, Rows, data_scales, harmonics_of
 from pipeclamp_identification.problem import Judged
 from pipeclamp_identification.screen import effect_id
 
-CELSIUS = 273.15
 HARMONICS = 12
 CYCLES = 5
 REPEATS = 3

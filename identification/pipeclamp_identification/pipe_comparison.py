@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp.errors import UserError
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.breakdown import Breakdown, Condition, Part
 from pipeclamp_identification.concentration import (
     Factor,
@@ -30,7 +31,6 @@ from pipeclamp_identification.pipe_model import (
     predict,
     read_model,
 )
-from pipeclamp_identification.runs_table import ABSOLUTE_ZERO_C
 from pipeclamp_identification.system import SystemDescription
 
 Array = NDArray[np.float64]
@@ -213,7 +213,7 @@ def scatter_of(measurement: PipeMeasurement) -> Array:
     columns = (
         np.round(np.log(steady.frequency) / SAME_FREQUENCY),
         np.round(np.log(steady.drive) / SAME_DRIVE),
-        np.nan_to_num(np.round(steady.temperature / SAME_TEMPERATURE), nan=ABSOLUTE_ZERO_C),
+        np.nan_to_num(np.round(steady.temperature / SAME_TEMPERATURE), nan=-CELSIUS),
         steady.sweep,
     )
     groups = np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from pipeclamp.errors import UserError
-from pipeclamp.toml_file import Name, NotNegative, Number, Table, read_table
+from pipeclamp.toml_file import Celsius, Name, NotNegative, Table, read_table
 from pipeclamp_identification.cycles import find_cycles
 from pipeclamp_identification.harmonics import cycle_harmonics
 from pipeclamp_identification.measured_table import (
@@ -81,7 +81,7 @@ class ResponseTable(Table):
     """A frequency response, a row a sine; `ratio` says that the probes' columns are divided by the excitation."""
 
     file: str
-    temperature_C: Annotated[Number, Field(gt=-273.15)] | None = None
+    temperature_C: Celsius | None = None
     sweep: Literal["up", "down"] | None = None
     ratio: bool = False
 
@@ -90,7 +90,7 @@ class SineTable(Table):
     """A record of a steady sine; what comes before `from_s` isn't settled yet."""
 
     file: str
-    temperature_C: Annotated[Number, Field(gt=-273.15)] | None = None
+    temperature_C: Celsius | None = None
     sweep: Literal["up", "down"] | None = None
     from_s: NotNegative = 0.0
 
@@ -99,7 +99,7 @@ class RecordTable(Table):
     """A record of any motion, begun at rest: a sweep, a burst, random excitation."""
 
     file: str
-    temperature_C: Annotated[Number, Field(gt=-273.15)] | None = None
+    temperature_C: Celsius | None = None
 
 
 class MeasurementDescription(Table):

@@ -9,6 +9,7 @@ import numpy as np
 from pipeclamp.law import Law, Structure, compose, smoothing
 from pipeclamp.parameter_file import SCHEMA, CoefficientEntry, DataSource, Interval, LawFile
 from pipeclamp.response import law_response, sinusoids
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.fit import Fit, fit
 from pipeclamp_identification.identify import coefficient_entries
 from pipeclamp_identification.law_range import rounded
@@ -16,7 +17,6 @@ from pipeclamp_identification.metric_evidence import single_rows
 from pipeclamp_identification.metric_observations import METRICS, MetricObservations
 from pipeclamp_identification.published_rows import published_rows
 
-CELSIUS = 273.15
 MADE_BY = "python build_scripts/bundled_laws.py"
 PAPER = "Jiang, Ding, Wu, Bai, Shao, Zi, Symmetry 2020, 12(8), 1283, doi 10.3390/sym12081283"
 FIGURE_14 = (

@@ -15,10 +15,10 @@ from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, respond
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.campaign_writing import WrittenRun
 from pipeclamp_identification.records import Record
 
-CELSIUS = 273.15
 SUBSTEPS = 4
 """Steps of the truth between two samples, so that states follow reversals that fall between samples."""
 
@@ -83,7 +83,7 @@ class TestPlan:
                     raise UserError(f"test plan: {name} is {value:g}; expected a number above 0")
         for value in self.temperatures:
             if not (np.isfinite(value) and value > -CELSIUS):
-                raise UserError(f"test plan: temperature is {value:g} degC; expected a number above -273.15")
+                raise UserError(f"test plan: temperature is {value:g} degC; expected a number above {-CELSIUS:g}")
         if not self.cycles >= 1:
             raise UserError(f"test plan: {self.cycles:g} cycles; expected at least one whole cycle")
         samples = (self.cycles + self.ramp_cycles) * self.rate / min(self.frequencies)

@@ -12,12 +12,12 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import MappingProxyType
 
 from pipeclamp.errors import UserError
+from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.description import CampaignDescription
 
 FILE_NAME = "runs.csv"
 RECORD_ENDINGS = (".csv", ".csv.gz", ".parquet")
 
-ABSOLUTE_ZERO_C = -273.15
 
 TEXT_COLUMNS = ("run", "file", "specimen")
 # each number that CAMPAIGN.md names, with the bound that it must exceed (or may equal, for a count)
@@ -25,7 +25,7 @@ NUMBER_COLUMNS = MappingProxyType(
     {
         "amplitude_mm": "above 0 mm",
         "frequency_Hz": "above 0 Hz",
-        "temperature_C": f"above {ABSOLUTE_ZERO_C} degC",
+        "temperature_C": f"above {-CELSIUS} degC",
         "density_g_cm3": "above 0 g/cm3",
         "first_cycle": "0 or more cycles",
     }
@@ -263,7 +263,7 @@ def _checked_number(path: Path, row: int, column: str, cell: str) -> float | Non
     if not cell:
         return None
     value = _number(cell)
-    lowest = ABSOLUTE_ZERO_C if column == "temperature_C" else 0.0
+    lowest = -CELSIUS if column == "temperature_C" else 0.0
     if value is None or value < lowest or (value == lowest and column != "first_cycle"):
         raise UserError(
             f"{path}, row {row}, column {column!r}: got {cell!r}; expected a finite number {NUMBER_COLUMNS[column]}; "

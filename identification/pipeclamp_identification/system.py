@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from pipeclamp.toml_file import Name, Number, Positive, Table, read_table
+from pipeclamp.toml_file import Celsius, Name, Number, Positive, Table, read_table
 from pipeclamp_identification.coupling import ROLLS_BACK, Scheme
 
 LawMode = Literal["given", "solved", "tracked"]
@@ -47,7 +47,7 @@ class ClampSource(Table):
     at: Name
     law: str | None = None
     fmu: str | None = None
-    temperature_C: Annotated[Number, Field(gt=-273.15)]
+    temperature_C: Celsius
     amplitude_mm: Positive | None = None
     frequency_Hz: Positive | None = None
     track: bool = False
@@ -155,7 +155,7 @@ class ResponseTable(Table):
     from_Hz: Positive
     to_Hz: Positive
     levels: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=20)] = (1.0,)
-    temperatures_C: Annotated[tuple[Annotated[Number, Field(gt=-273.15)], ...], Field(max_length=20)] = ()
+    temperatures_C: Annotated[tuple[Celsius, ...], Field(max_length=20)] = ()
     harmonics: Annotated[int, Field(strict=True, ge=1, le=31)] = 7
     dots: Annotated[int, Field(strict=True, ge=0, le=100)] = 5
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from importlib import resources
 from pathlib import Path
 
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UserError, did_you_mean
 from pipeclamp.parameter_file import LawFile, parse_law, read_law
 
 
@@ -27,8 +26,9 @@ def open_law(name_or_path: str) -> LawFile:
         return read_law(path)
     names = bundled_laws()
     if name_or_path not in names:
-        near = difflib.get_close_matches(name_or_path, names, n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise UserError(f"{name_or_path}: no such file, and no bundled law of that name{hint} ({', '.join(names)})")
+        raise UserError(
+            f"{name_or_path}: no such file, and no bundled law of that name; {did_you_mean(name_or_path, names)}"
+            f"expected one of {', '.join(names)}"
+        )
     content = resources.files("pipeclamp").joinpath("data", "laws", f"{name_or_path}.json")
     return parse_law(content.read_text(encoding="utf-8"), f"bundled law {name_or_path}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import pkgutil
 from collections.abc import Mapping
@@ -10,7 +9,7 @@ from functools import cache
 
 from pipeclamp import effects
 from pipeclamp.effect import Effect, Family
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UserError, did_you_mean
 
 
 @cache
@@ -37,9 +36,8 @@ def find_effect(name: str, declared: Mapping[str, Effect] | None = None) -> Effe
     identifier, colon, argument = name.partition(":")
     entry = known.get(identifier)
     if entry is None:
-        near = difflib.get_close_matches(identifier, known, n=3)
-        hint = f"; did you mean {' or '.join(near)}?" if near else ""
-        raise UserError(f"effect {name!r} is not in the catalogue{hint} (see `pipeclamp effects`)")
+        meant = did_you_mean(identifier, known, most=3)
+        raise UserError(f"effect {name!r} is not in the catalogue; {meant}expected one that `pipeclamp effects` lists")
     if isinstance(entry, Effect):
         if colon:
             raise UserError(f"effect {name!r}: {identifier} takes no argument; write {identifier!r}")

@@ -12,12 +12,11 @@ import operator
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TypeAlias
 
 import sympy as sp
 
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UserError, did_you_mean
 
 LONGEST = 2000
 """Characters of an expression, at most."""
@@ -260,6 +259,4 @@ class _Reader:
 
 
 def _unknown(name: str, known: tuple[str, ...]) -> str:
-    near = get_close_matches(name, known, n=3)
-    hint = f"did you mean {' or '.join(near)}? " if near else ""
-    return f"{name[:40]!r} is not known here; {hint}expected one of {', '.join(known)}"
+    return f"{name[:40]!r} is not known here; {did_you_mean(name, known, most=3)}expected one of {', '.join(known)}"

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TypeVar
 
 import numpy as np
 
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UserError, did_you_mean
 
 Entry = TypeVar("Entry")
 
@@ -166,8 +165,5 @@ def find_fluid(name: str) -> Fluid:
 def _find(name: str, table: Mapping[str, Entry], kind: str, remedy: str) -> Entry:
     if name in table:
         return table[name]
-    nearest = get_close_matches(name, table, n=1, cutoff=0.4)
-    hint = f"did you mean {nearest[0]!r}? " if nearest else ""
-    raise UserError(
-        f"{kind} {name!r} is not known; {hint}expected one of {', '.join(map(repr, table))}, or a table {remedy}"
-    )
+    expected = f"expected one of {', '.join(map(repr, table))}, or a table {remedy}"
+    raise UserError(f"{kind} {name!r} is not known; {did_you_mean(name, table)}{expected}")

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from pipeclamp.materials import find_fluid, find_material
-from pipeclamp.toml_file import Name, NotNegative, Number, Positive, Table, looked_up, parse_table, read_table
+from pipeclamp.toml_file import Celsius, Name, NotNegative, Number, Positive, Table, looked_up, parse_table, read_table
 
 Kind = Literal["free", "pinned", "clamped", "guided"]
 
@@ -74,7 +74,7 @@ class PipeTable(Table):
     ] = "empty"
     insulation: Insulation | None = None
     added_mass_kg_m: NotNegative = 0.0
-    temperature_C: Annotated[Number, Field(ge=-273.15)] = 20.0
+    temperature_C: Celsius = 20.0
     theory: Literal["euler", "timoshenko"] = "euler"
 
     @model_validator(mode="after")
@@ -171,7 +171,7 @@ class Axial(Table):
         Discriminator(lambda value: "(name)" if isinstance(value, str) else "(number)"),
     ] = "none"
     end_thrust: Literal["outside", "pipe"] = "outside"
-    installed_at_C: Annotated[Number, Field(ge=-273.15)] = 20.0
+    installed_at_C: Celsius = 20.0
     tension_N: Number = 0.0
 
 

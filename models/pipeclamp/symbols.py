@@ -68,7 +68,7 @@ rho_0 = sp.Symbol("rho_0", positive=True)
 CELSIUS = 273.15
 """0 degC in K."""
 
-REFERENCES = {A_0: 1, f_0: 1, T_0: 293.15, v_0: 1, rho_0: 2.286}
+REFERENCES = {A_0: 1, f_0: 1, T_0: 20 + CELSIUS, v_0: 1, rho_0: 2.286}
 """Reference values of ratios: 1 mm, 1 Hz, 293.15 K, 1 mm/s (EFFECTS.md), 2.286 g/cm3 (the paper's EMWM2)."""
 
 A_typical = sp.Symbol("A_typical", positive=True)

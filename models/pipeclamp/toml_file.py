@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UserError, did_you_mean
+from pipeclamp.symbols import CELSIUS
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
+Celsius = Annotated[float, Field(strict=True, gt=-CELSIUS, allow_inf_nan=False)]
+"""A temperature in degC."""
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 """A name that FMU variables and table columns can carry."""
 
@@ -43,9 +45,8 @@ Found = TypeVar("Found")
 
 def unknown(name: str, known: list[str], kind: str) -> str:
     """Say that a name isn't known, which one was probably meant, and which there are."""
-    nearest = get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"did you mean {nearest[0]!r}? " if nearest else ""
-    return f"{kind} {name!r} is not known; {hint}expected {', '.join(known) if known else 'none'}"
+    expected = ", ".join(known) if known else "none"
+    return f"{kind} {name!r} is not known; {did_you_mean(name, known)}expected {expected}"
 
 
 def looked_up(find: Callable[[str], Found]) -> Callable[[str], str]:

@@ -114,5 +114,5 @@ def test_mistakes_in_a_declaration_are_one_message(refused: Callable[..., str], 
         ("rig", "emwm2", "-o", folder / "no", "--effects", bad),
     ):
         message = refused(*words)
-        assert "bad.toml" in message and "did you mean max" in message
+        assert "bad.toml" in message and "did you mean 'max'" in message
     assert not (folder / "no.json").exists()

@@ -146,7 +146,7 @@ def coefficients(law: Path, **entries) -> dict:
         (lambda law: "{}", "schema"),
         (lambda law: json.dumps(changed(law, schema="pipeclamp-law-99")), "schema"),
         (lambda law: json.dumps(changed(law, base="cubic")), "cubic"),
-        (lambda law: json.dumps(changed(law, effects=["memroy"])), "did you mean memory"),
+        (lambda law: json.dumps(changed(law, effects=["memroy"])), "did you mean 'memory'"),
         (lambda law: json.dumps(changed(law, effects=["viscous"])), "c1"),
         (lambda law: json.dumps(coefficients(law, k99={"value": 1, "unit": "N", "state": "given"})), "k99"),
         (lambda law: json.dumps(coefficients(law, k10={"value": None, "unit": "N/mm", "state": "given"})), "k10"),
@@ -168,7 +168,7 @@ def test_a_wrong_law(refused, law, small, tmp_path, make, words, what):
 
 def test_a_law_that_is_not_there(refused, small, tmp_path):
     assert "expected" in refused("compare", tmp_path / "none.json", small)
-    assert "did you mean emwm2" in refused("compare", "emwm", small)
+    assert "did you mean 'emwm2'" in refused("compare", "emwm", small)
 
 
 def test_an_effect_that_is_not_known(refused, law, small, tmp_path):
@@ -177,7 +177,7 @@ def test_an_effect_that_is_not_known(refused, law, small, tmp_path):
         ("add", law, "damping_temprature", small, "-o", tmp_path / "x.json"),
         ("rig", law, "-o", tmp_path / "virtual", "--effects", "damping_temprature"),
     ):
-        assert "did you mean damping_temperature" in refused(*words)
+        assert "did you mean 'damping_temperature'" in refused(*words)
     assert list(tmp_path.iterdir()) == []
 
 

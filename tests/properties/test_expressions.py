@@ -120,8 +120,8 @@ def test_any_text_is_an_expression_or_refused(text):
     [
         ("", None, "is empty"),
         ("y +", None, "is no expression"),
-        ("2 * vv", 5, "did you mean v?"),
-        ("expp(y)", 1, "did you mean exp?"),
+        ("2 * vv", 5, "did you mean 'v'?"),
+        ("expp(y)", 1, "did you mean 'exp'?"),
         ("exp", 1, "expected exp(...)"),
         ("exp(y, v)", 1, "2 arguments; expected 1"),
         ("y ^ 2", 1, "expected ** for a power"),

@@ -15,7 +15,6 @@ from pipeclamp_identification.campaign import read_campaign
 from pipeclamp_identification.campaign_writing import write_campaign
 from pipeclamp_identification.cosim import run_system
 from pipeclamp_identification.identify import identify, law_file
-from pipeclamp_identification.prescribed import mode_errors, motions
 
 PLAN = virtual.TestPlan(
     (0.2, 0.35, 0.5, 0.7, 1.0), (1.0, 2.0, 3.0, 5.0), (20.0,), rate=500.0, force_noise=0.0, amplitude_error=0.0
@@ -42,6 +41,9 @@ def fmus(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None
 def errors(fmus: Path) -> dict[str, dict[str, float]]:
     """The error of each mode on each motion; "given" is a guess that is 40 % off in amplitude."""
     given = (0.7, 3.5)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(Path(__file__).parents[2] / "build_scripts" / "benchmarks")
+        from prescribed_motion import mode_errors, motions
     return {
         kind: dict(mode_errors(fmus / "law.fmu", fmus / "memory.fmu", motion, given))
         for kind, motion in motions(0.5, 3.0, cycles=25).items()

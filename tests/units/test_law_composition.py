@@ -55,7 +55,7 @@ def test_no_two_effects_share_a_symbol():
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("memroy", "did you mean memory"),
+        ("memroy", "did you mean 'memory'"),
         ("xyzzy", "not in the catalogue"),
         ("viscous:2", "takes no argument"),
         ("memory:0", "1 to 6"),

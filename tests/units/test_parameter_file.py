@@ -101,7 +101,7 @@ def test_held_parameters_stay_held():
 
 def test_a_law_is_opened_by_name_or_by_path(tmp_path):
     assert open_law("emwm2").name == "emwm2"
-    with pytest.raises(UserError, match="did you mean published_R1"):
+    with pytest.raises(UserError, match="did you mean 'published_R1'"):
         open_law("publishd_R1")
     with pytest.raises(UserError, match="can't read"):
         open_law(str(tmp_path / "none.json"))

@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeclamp.symbols import REFERENCES, T_0
 from pipeclamp_identification.importer import FmuParticipant, opened
 
 Array = NDArray[np.float64]
-
-KELVIN = 293.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +77,7 @@ def force_on(fmu: Path, motion: Motion, parameters: Mapping[str, float | bool]) 
     h = float(motion.time[1])
     with opened([(fmu, "clamp")]) as (clamp,):
         start = {"flange.s": float(motion.s[0]), "flange.v": float(motion.v[0])}
-        clamp.initialise({"T": KELVIN, **parameters, **start})
+        clamp.initialise({"T": REFERENCES[T_0], **parameters, **start})
         participant = FmuParticipant(clamp, ["flange.s", "flange.v"], ["flange.f"], [])
         forces = [participant.outputs()[0]]
         for t, s, v in zip(motion.time[:-1].tolist(), motion.s[1:].tolist(), motion.v[1:].tolist(), strict=True):
