@@ -239,7 +239,7 @@ def diagnose(
         else:
             settled = None
             answer = answer_to(file, tests, declared=declarations, limits=reach, jobs=jobs, progress=tell)
-        found = diagnosed(answer, with_report=report is not None)
+        found = diagnosed(answer, with_report=report is not None, additions=settled.additions if settled else ())
     if auto and settled:
         write_whole(auto, law_text(file))
         for line in settled.words():

@@ -200,8 +200,10 @@ def harmonic_sentence(harmonics: Breakdown) -> str | None:
         return None
     named: list[str] = []
     held = 0.0
+    # where noise happens to be small a part lies below its scatter, and the others make more than the whole
+    whole = max(sum(max(harmonics.excess_share(part), 0.0) for part in harmonics.parts), 1.0)
     for part in sorted(harmonics.parts, key=harmonics.excess_share, reverse=True)[:HARMONICS_NAMED]:
-        share = harmonics.excess_share(part)
+        share = harmonics.excess_share(part) / whole
         if held > HARMONICS_SHOWN or share < WORTH_NAMING:
             break
         held += share

@@ -77,7 +77,7 @@ class Diagnosis:
         screened_out: effects that one step showed can't help, with the share of the best's promise.
         pair: the best two effects together, where one alone doesn't explain.
         problem: the data.
-        limit: lack of fit, as a share of the force noise, below which a law counts as complete.
+        tolerance: lack of fit that is let pass.
         reasons: why the verdict is what it is.
     """
 
@@ -88,7 +88,7 @@ class Diagnosis:
     screened_out: Mapping[str, float]
     pair: Judged | None
     problem: Problem
-    limit: float
+    tolerance: Tolerance
     reasons: tuple[str, ...]
 
     @property
@@ -96,6 +96,10 @@ class Diagnosis:
         """The best law that was found: a pair, a candidate, or the law as it is."""
         found: list[Judged] = [self.law, *self.candidates, *([self.pair] if self.pair else [])]
         return min(found, key=lambda judged: judged.squares)
+
+    def is_adequate(self, judged: Judged) -> bool:
+        """Tell whether nothing that a law leaves over follows the conditions."""
+        return _adequate(judged.lack, self.tolerance)
 
 
 def diagnose(structure: Structure, loops: Loops, *, jobs: int = 1, progress: Progress | None = None) -> Diagnosis:
@@ -117,9 +121,9 @@ def diagnose(structure: Structure, loops: Loops, *, jobs: int = 1, progress: Pro
     problem, law = prepare(structure, loops)
     form = FORM * _bare_lack(structure, problem)
     tolerance = Tolerance(max(MATERIAL, _precision(loops), min(form, MOST_FORM)), form)
-    if _adequate(law.lack, tolerance):
+    if _complete(law, problem, tolerance):
         reasons = (_scatter_words(law.lack, problem),)
-        return Diagnosis("complete", (), law, (), {}, None, problem, tolerance.complete, reasons)
+        return Diagnosis("complete", (), law, (), {}, None, problem, tolerance, reasons)
     problem, law = _weighed_again(problem, law, law)
     promises = screened(structure, problem, law, tell)
     candidates, screened_out = _candidates(structure, problem, promises, jobs, tell)
@@ -165,6 +169,12 @@ def _precision(loops: Loops) -> float:
 
 def _adequate(lack: LackOfFit, tolerance: Tolerance) -> bool:
     return lack.p_value > SIGNIFICANT or lack.share < tolerance.complete
+
+
+def _complete(law: Judged, problem: Problem, tolerance: Tolerance) -> bool:
+    """Tell whether what a law leaves over is scatter, and such as rigs have."""
+    immaterial = law.lack.share < tolerance.complete
+    return _adequate(law.lack, tolerance) and (immaterial or not problem.noise.is_no_rigs)
 
 
 def _candidates(
@@ -221,10 +231,12 @@ def _verdict(
 
     def answer(verdict: Verdict, effects: Iterable[str], pair: Judged | None, *reasons: str) -> Diagnosis:
         names = tuple(dict.fromkeys(effect_id(name) for name in effects))
-        return Diagnosis(
-            verdict, names, law, tuple(candidates), screened_out, pair, problem, tolerance.complete, reasons
-        )
+        return Diagnosis(verdict, names, law, tuple(candidates), screened_out, pair, problem, tolerance, reasons)
 
+    if _adequate(law.lack, tolerance):
+        if _complete(law, problem, tolerance):
+            return answer("complete", (), None, _scatter_words(law.lack, problem))
+        return answer("unknown", (), None, _few_runs_words(law.lack, problem))
     if not sound:
         return answer("unknown", (), None, "no effect of the catalogue lowers the error on left-out conditions")
     likeliest = _likeliest(sound)
@@ -341,6 +353,13 @@ def _scatter_words(lack: LackOfFit, problem: Problem) -> str:
         f"what follows the conditions is {lack.share:.1%} of the force noise; the rest doesn't follow them: noise, and "
         f"{problem.noise.stiffness_scatter:.2%} of stiffness and {problem.noise.damping_scatter:.2%} of damping from "
         "run to run"
+    )
+
+
+def _few_runs_words(lack: LackOfFit, problem: Problem) -> str:
+    return (
+        f"{_scatter_words(lack, problem)}: more than rigs have, and these {len(problem.loops.run)} runs are too few to "
+        "tell it from physics; repeat some of them three times each"
     )
 
 

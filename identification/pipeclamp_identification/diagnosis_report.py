@@ -21,6 +21,10 @@ from pipeclamp_identification.next_test import Limits, Proposal, next_test
 from pipeclamp_identification.pictures import LoopPanel, curves_picture, loops_picture, waterfall_picture
 from pipeclamp_identification.problem import Judged
 from pipeclamp_identification.report import Section, Table
+from pipeclamp_identification.screen import effect_id
+
+WORSE = 1.02
+"""An error on left-out conditions that rises by less is the same."""
 
 HEADLINES = {
     "complete": "Complete: what is left is scatter.",
@@ -56,8 +60,15 @@ class Answer:
         return self.diagnosis.verdict
 
     def left_over(self) -> tuple[str, ...]:
-        """Say what the best law leaves over; nothing where that is scatter."""
-        return () if self.verdict == "complete" else self.leftover.words
+        """Say what the best law leaves over, beyond scatter."""
+        if self.verdict == "complete":
+            return ()
+        best = self.diagnosis.best
+        if self.diagnosis.is_adequate(best):
+            return self.leftover.lines
+        law = f"with {' and '.join(best.effects)}" if best.effects else "as it is"
+        left = f"the law {law} leaves {best.lack.share:.0%} of the force noise that follows the conditions"
+        return (left, *self.leftover.words, *self.leftover.lines)
 
     def headline(self) -> str:
         """Give the verdict in words."""
@@ -107,7 +118,7 @@ def answer_json(answer: Answer) -> dict[str, Any]:
             "law": diagnosis.law.lack.share,
             "best": diagnosis.best.lack.share,
             "p_value": diagnosis.law.lack.p_value,
-            "limit": diagnosis.limit,
+            "limit": diagnosis.tolerance.complete,
         },
         "scatter": {
             "stiffness": diagnosis.problem.noise.stiffness_scatter,
@@ -154,6 +165,18 @@ def explained(candidate: Judged, diagnosis: Diagnosis) -> float:
     return float(np.clip(1.0 - max(candidate.lack.excess, 0.0) / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
 
+def _against(candidate: Judged, law: Judged) -> list[str]:
+    """Say what speaks against a candidate: its parameters, and left-out conditions that it foretells worse."""
+    errors = {"A, f": (law.heldout_nrmse, candidate.heldout_nrmse)}
+    errors |= {name: (error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
+    worse = (
+        f"on left-out {name} the error rises from {before:.2%} to {after:.2%}"
+        for name, (before, after) in errors.items()
+        if after > WORSE * before
+    )
+    return [*candidate.objections, *worse]
+
+
 def candidate_table(diagnosis: Diagnosis) -> Table:
     """Give the candidates, best first."""
     judged = [*diagnosis.candidates, *([diagnosis.pair] if diagnosis.pair else [])]
@@ -164,7 +187,7 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
             100 * candidate.heldout_nrmse,
             *(100 * error for error in candidate.heldout_by.values()),
             100 * explained(candidate, diagnosis),
-            "; ".join(candidate.objections) or "–",
+            "; ".join(_against(candidate, law)) or "–",
         )
         for candidate in sorted(judged, key=lambda candidate: candidate.squares)
     ]
@@ -186,20 +209,17 @@ def answer_sections(answer: Answer) -> list[Section]:
     words = [answer.headline(), *(_sentence(reason) for reason in diagnosis.reasons)]
     if answer.proposal:
         words.append(f"Next: {answer.proposal.words()}.")
-    steps = [
-        ("law as it is", diagnosis.law.heldout_nrmse),
-        *((f"+ {' + '.join(judged.effects)}", judged.heldout_nrmse) for judged in _steps(diagnosis)),
-    ]
+    steps = [("law as it is", diagnosis.law.heldout_nrmse), *_steps(diagnosis)]
     noise = answer.comparison.noise_nrmse
     falling = waterfall_picture(steps, noise, "error on left-out conditions", "What the best effects would do")
     sections = [
         Section("Verdict", words, [candidate_table(diagnosis)], [falling]),
         Section("Evidence", _evidence(diagnosis), _screened(diagnosis)),
-        Section("What the best law leaves over", [_sentence(word) for word in answer.left_over()], (), [
+        Section("What the best law leaves over", _left_over_sentences(answer), (), [
             curves_picture(
                 "phase / deg after the largest displacement", "residual / N",
                 [("rms over runs", answer.leftover.phase.tolist(), answer.leftover.shape.tolist(), "lines")],
-                "Residual force along the cycle, best law",
+                "Residual force along the cycle, best law, noise included",
             )
         ]),
     ]  # fmt: skip
@@ -212,9 +232,19 @@ def _sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def _steps(diagnosis: Diagnosis) -> list[Judged]:
-    best = [diagnosis.candidates[0]] if diagnosis.candidates else []
-    return [*best, *([diagnosis.pair] if diagnosis.pair else [])]
+def _left_over_sentences(answer: Answer) -> list[str]:
+    return [_sentence(word) for word in answer.left_over()] or ["Nothing that follows the conditions."]
+
+
+def _steps(diagnosis: Diagnosis) -> list[tuple[str, float]]:
+    """Give the effects that the answer names, or the best one, each alone, then the pair, with the error left out."""
+    named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
+    alone = named or diagnosis.candidates[:1]
+    together = [diagnosis.pair] if diagnosis.pair else []
+    return [
+        (f"{'or ' if place and len(judged.effects) == 1 else ''}+ {' + '.join(judged.effects)}", judged.heldout_nrmse)
+        for place, judged in enumerate([*alone, *together])
+    ]
 
 
 def _evidence(diagnosis: Diagnosis) -> list[str]:
@@ -223,9 +253,9 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
     for candidate in diagnosis.candidates[:4]:
         name = candidate.effects[0]
         effect = next(effect for effect in candidate.result.equations.effects if effect.name == name)
-        against = "; ".join(candidate.objections) or "nothing in this data"
+        against = "; ".join(_against(candidate, diagnosis.law)) or "nothing in this data"
         words.append(
-            f"{name}: look for {effect.looks_like}. It takes the error on left-out conditions from "
+            f"{name}, in the picture: {effect.looks_like}. It takes the error on left-out conditions from "
             f"{diagnosis.law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and explains "
             f"{explained(candidate, diagnosis):.0%} of what is missing. Imitated by "
             f"{', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}. Against it: {against}."

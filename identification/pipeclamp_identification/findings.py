@@ -10,6 +10,7 @@ from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import LawFile
 from pipeclamp_identification import comparison_report, diagnosis_report, metric_diagnosis_report, metric_law
+from pipeclamp_identification.add import Addition
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.compare import Comparison, compare, comparison_json, where_words
 from pipeclamp_identification.comparison_report import parts_table
@@ -165,19 +166,23 @@ def compared_on_records(comparison: RecordsComparison, *, with_report: bool) -> 
     )
 
 
-def diagnosed(answer: Answer | MetricAnswer, *, with_report: bool) -> Findings:
-    """Give a diagnosis; the first line is its verdict."""
+def diagnosed(answer: Answer | MetricAnswer, *, with_report: bool, additions: Sequence[Addition] = ()) -> Findings:
+    """Give a diagnosis, and what was added before it; the first line is its verdict."""
     following = [f"Next: {answer.proposal.words()}"] if answer.proposal else []
+    added = [
+        {"effect": one.effect, "heldout_nrmse": {"before": one.heldout[0], "after": one.heldout[1]}}
+        for one in additions
+    ]
     if isinstance(answer, MetricAnswer):
         return Findings(
-            metric_diagnosis_report.metric_answer_json(answer),
+            {**metric_diagnosis_report.metric_answer_json(answer), "added": added},
             metric_diagnosis_report.metric_answer_sections(answer) if with_report else [],
             [metric_diagnosis_report.metric_candidate_table(answer.diagnosis)],
             [answer.headline(), *(f"  {word}" for word in answer.words()), *following],
         )
     words = (*answer.diagnosis.reasons, *answer.left_over())
     return Findings(
-        diagnosis_report.answer_json(answer),
+        {**diagnosis_report.answer_json(answer), "added": added},
         diagnosis_report.answer_sections(answer) if with_report else [],
         [diagnosis_report.candidate_table(answer.diagnosis)],
         [answer.headline(), *(f"  {word}" for word in words), *following],

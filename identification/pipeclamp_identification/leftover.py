@@ -56,7 +56,8 @@ class Leftover:
     """A description of what a law leaves over.
 
     Attributes:
-        words: sentences, most important first.
+        words: sentences on what repeats with each cycle, most important first.
+        lines: sentences on what doesn't.
         phase: degrees of the cycle after the largest displacement, shape (n,).
         shape: rms over runs of the residual force along the cycle, N, shape (n,).
         time_locked_Hz: frequencies of lines that don't repeat with the motion.
@@ -64,6 +65,7 @@ class Leftover:
     """
 
     words: tuple[str, ...]
+    lines: tuple[str, ...]
     phase: Array
     shape: Array
     time_locked_Hz: tuple[float, ...]
@@ -92,18 +94,19 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
     # An average leaves noise with zeros of its own, beside which anything looks like a line.
     smoothed = bool(campaign.smoothing.force)
     lines = () if smoothed else time_locked_lines(campaign, misfits)
-    words = [_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem)]
+    words = (_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem))
+    not_periodic = []
     if lines:
         named = ", ".join(f"{line:.2f} Hz" for line in lines[:MOST_NAMED])
         named += f" and {len(lines) - MOST_NAMED} more" if len(lines) > MOST_NAMED else ""
-        words.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
+        not_periodic.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
     fractions = () if smoothed else fractional_lines(campaign, misfits)
     if fractions:
         named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
-        words.append(
+        not_periodic.append(
             f"a force at {named} times the drive's frequency: it follows the motion, but not every cycle alike"
         )
-    return Leftover(tuple(words), phase, shape, lines, fractions)
+    return Leftover(words, tuple(not_periodic), phase, shape, lines, fractions)
 
 
 def _along_cycle(residual: Array) -> Array:

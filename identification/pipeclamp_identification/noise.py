@@ -95,6 +95,11 @@ class NoiseModel:
     stiffness_scatter: float
     damping_scatter: float
 
+    @property
+    def is_no_rigs(self) -> bool:
+        """Whether more would have to scatter from run to run than on any rig."""
+        return max(self.stiffness_scatter, self.damping_scatter) >= MOST_SCATTER
+
     def total_variance(self) -> Array:
         """Give the variance of each harmonic part, scatter between runs included, N2, shape (R, 2 H + 1)."""
         elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp.catalogue import entries
+from pipeclamp.catalogue import entries, find_effect
+from pipeclamp.effect import Family
 from pipeclamp.errors import UserError
 from pipeclamp.law import Structure, compose
 from pipeclamp_identification.add import with_effect
@@ -31,10 +32,12 @@ def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str
     present = {effect.id for effect in structure.all_effects()}
     names = []
     for name, entry in entries().items():
-        if getattr(entry, "part", None) == "base" or name in ("elastic_series", "damping_series", "condition"):
+        if isinstance(entry, Family) and entry.default is None:
+            continue  # made of the tests' own columns, below
+        if find_effect(name).part == "base":
             continue
-        if name == "memory":
-            names.append(_one_more_element(structure))
+        if isinstance(entry, Family):
+            names.append(_one_more(structure, name))
         elif name not in present:
             names.append(name)
     declared = (declaration.id for declaration in structure.declared)
@@ -42,9 +45,10 @@ def candidate_names(structure: Structure, conditions: Iterable[str]) -> list[str
     return names + [name for name in further if name not in structure.effects]
 
 
-def _one_more_element(structure: Structure) -> str:
-    present = max((len(effect.states) for effect in structure.all_effects() if effect.id == "memory"), default=0)
-    return f"memory:{present + 1}" if present else "memory"
+def _one_more(structure: Structure, family: str) -> str:
+    """Give the effect of a family, such as `memory`, with one more element than the law has of it."""
+    present = max((int(effect.argument or 1) for effect in structure.all_effects() if effect.id == family), default=0)
+    return f"{family}:{present + 1}" if present else family
 
 
 @dataclass(frozen=True, eq=False)

@@ -131,8 +131,6 @@ def read_declaration(path: Path) -> Declaration:
         UserError: the file can't be read, isn't of the form, or its id is one of the catalogue's.
     """
     declaration = read_table(path, Declaration)
-    if declaration.id in entries():
-        raise UserError(f"{path}: id {declaration.id!r} is an effect of the catalogue; expected an id of its own")
     try:
         effect_of(declaration)
     except UserError as error:
@@ -186,8 +184,10 @@ def effect_of(declaration: Declaration) -> Effect:
     slow signals and parameters; a path y, slow signals and parameters; a lag parameters.
 
     Raises:
-        UserError: an expression can't serve; the message names the place.
+        UserError: the id is one of the catalogue's, or an expression can't serve; the message names the place.
     """
+    if declaration.id in entries():
+        raise UserError(f"id {declaration.id!r} is an effect of the catalogue; expected an id of its own")
     return _Maker(declaration).effect()
 
 

@@ -194,7 +194,7 @@ def parse_law(text: str, where: str) -> LawFile:
     """Read a parameter file's text; `where` is named in errors.
 
     Raises:
-        UserError: the text is not JSON or not of the schema.
+        UserError: the text is not JSON, not of the schema, or names effects that don't make a law.
     """
     try:
         file = LawFile.model_validate_json(text, strict=False)
@@ -205,7 +205,10 @@ def parse_law(text: str, where: str) -> LawFile:
             f"{where}: {place}: {first['msg']}, got {str(first['input'])[:80]!r}; expected schema {SCHEMA} "
             f"({error.error_count()} problem(s) in all)"
         ) from error
-    law_of(file)
+    try:
+        law_of(file)
+    except UserError as error:
+        raise UserError(f"{where}: {error}") from error
     return file
 
 

@@ -1,6 +1,7 @@
 """Diagnosis on virtual campaigns whose truth is known; the truth table in build_scripts does this at large."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,10 +31,10 @@ ANSWER_FIELDS = {"verdict", "effects", "candidates", "nrmse", "next_test"}
 def campaign(tmp_path_factory):
     """Give a virtual campaign of the base law with effects."""
 
-    def made(effects=(), **values):
+    def made(effects=(), plan=PLAN, **values):
         folder = tmp_path_factory.mktemp("diagnose") / "campaign"
         law = Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002)
-        write_campaign(folder, rig.virtual_runs(law, PLAN), name="virtual", notes="")
+        write_campaign(folder, rig.virtual_runs(law, plan), name="virtual", notes="")
         return read_campaign(folder)
 
     return made
@@ -61,6 +62,14 @@ def test_a_missing_effect_is_named(campaign, effect, values):
     assert best.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
 
 
+def test_what_no_rig_scatters_is_not_called_complete(campaign):
+    """Four runs are followed by any trend: its size tells that it is physics."""
+    four = replace(PLAN, amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0,))
+    diagnosis = diagnose(Structure("power"), loops_of(campaign(("stiffness_frequency",), plan=four, k_f=-0.04)))
+    assert diagnosis.verdict in ("missing", "ambiguous")
+    assert "stiffness_frequency" in diagnosis.effects
+
+
 def test_answer_and_report(campaign):
     tests = campaign(("asymmetry",), k2=20.0)
     found = identify(tests)
@@ -76,6 +85,7 @@ def test_answer_and_report(campaign):
     assert "asymmetry" in page
     settled = add_until_settled(file, tests, command="test")
     assert settled.answer.verdict == "complete"
+    assert (answer.left_over(), settled.answer.left_over()) == ((), ())  # asymmetry leaves scatter alone
     assert settled.file.effects == ("asymmetry",)
     assert [step.step for step in settled.file.history][-1] == "+ asymmetry"
     assert law_text(settled.file)
