@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import itertools
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from hidden import COLUMN, EFFECTS, Kind, draw_shape, effect_id
 from rig import BETWEEN_STARTS, DESIGNS, Batch, Quality, batches, campaign_of, held_out, measured, plan, recorded
-from truth import Array, BaseLaw, Part, force
+from truth import Array, BaseLaw, Motion, Part, force
 from unlisted import UNLISTED
 
 from pipeclamp.law import Structure
@@ -139,19 +139,13 @@ class Drawn:
     target: tuple[float, ...]
     noise_seed: int
 
-    def parts(self, batch: Batch, sizes: Sequence[float]) -> tuple[Part, ...]:
-        """Give what is hidden, at these sizes."""
-        rough = self.case.form == "rough"
-        return tuple(
-            KINDS[kind].part(batch.motion, self.base, rough, size, shape)
-            for kind, size, shape in zip(self.case.hidden, sizes, self.shapes, strict=True)
-            if size != 0.0
-        )
-
     def forces(self, runs: Sequence[Batch], sizes: Sequence[float], scattered: bool) -> list[Array]:
         """Give the true force of each batch, (R, n)."""
         scatter = SCATTER if scattered and self.case.form == "rough" else (0.0, 0.0)
-        return [force(self.base, batch.motion, self.parts(batch, sizes), scatter) for batch in runs]
+        return [
+            force(self.base, batch.motion, parts(self.case, self.base, self.shapes, batch.motion, sizes), scatter)
+            for batch in runs
+        ]
 
     @cached_property
     def force_rms(self) -> float:
@@ -162,26 +156,56 @@ class Drawn:
         return float(np.sqrt(sum(np.sum(f**2) for f in shown) / sum(f.size for f in shown)))
 
 
-def draw(case: Case, seed: int) -> Drawn:
-    """Draw the truth and the rig of a case."""
-    random = np.random.default_rng([seed, zlib.crc32(case.name.encode())])
-    design = plan(case.design)
-    base = BaseLaw(
+def parts(
+    case: Case, base: BaseLaw, shapes: Sequence[Mapping[str, float]], motion: Motion, sizes: Sequence[float]
+) -> tuple[Part, ...]:
+    """Give what is hidden in a case, at these sizes."""
+    return tuple(
+        KINDS[kind].part(motion, base, case.form == "rough", size, shape)
+        for kind, size, shape in zip(case.hidden, sizes, shapes, strict=True)
+        if size != 0.0
+    )
+
+
+def case_random(case: Case, seed: int) -> np.random.Generator:
+    """Give the generator of all that is drawn for a case."""
+    return np.random.default_rng([seed, zlib.crc32(case.name.encode())])
+
+
+def draw_base(random: np.random.Generator) -> BaseLaw:
+    """Draw a base law."""
+    return BaseLaw(
         k10=random.uniform(800, 2500), k1_A=random.uniform(-0.4, 0.0), k1_T=random.uniform(-0.2, 0.1),
         k30=random.uniform(100, 1000), k3_A=random.uniform(-1.0, 0.0), k3_T=random.uniform(-0.2, 0.1),
         c0=random.uniform(30, 200), c_A=random.uniform(-0.2, 0.3), c_f=random.uniform(-0.5, -0.1),
         alpha0=random.uniform(0.25, 0.8), alpha_A=random.uniform(-0.1, 0.3), alpha_f=random.uniform(-0.05, 0.05),
     )  # fmt: skip
+
+
+def draw_needs(case: Case, random: np.random.Generator) -> frozenset[str]:
+    """Draw what varies besides A, f and T: what the hidden kinds need, and where none is found, anything."""
     needs = {KINDS[kind].needs for kind in case.hidden} - {""}
     if case.kind in ("none", "unlisted"):
         needs |= {need for need in ("density", "condition", "cycles") if random.uniform() < 0.25}
-    fixed = frozenset(needs)
+    return frozenset(needs)
+
+
+def draw_between(random: np.random.Generator, between: tuple[float, float]) -> float:
+    """Draw a number of which the logarithm is uniform."""
+    return float(np.exp(random.uniform(*np.log(between))))
+
+
+def draw(case: Case, seed: int) -> Drawn:
+    """Draw the truth and the rig of a case."""
+    random = case_random(case, seed)
+    design = plan(case.design)
+    base = draw_base(random)
+    fixed = draw_needs(case, random)
     # Where a plan has too few temperatures, what happens at one is drawn as for a plan that has them.
     temperatures = max(design.temperatures, DESIGNS["A"].temperatures, key=len)
     shapes = tuple(draw_shape(random, design.amplitudes, temperatures) for _ in case.hidden)
-    low, high = STRENGTHS.get(case.strength, (1.0, 1.0))
-    target = tuple(float(np.exp(random.uniform(np.log(low), np.log(high)))) for _ in case.hidden)
-    share = float(np.exp(random.uniform(*np.log(NOISES.get(case.noise, (1.0, 1.0))))))
+    target = tuple(draw_between(random, STRENGTHS.get(case.strength, (1.0, 1.0))) for _ in case.hidden)
+    share = draw_between(random, NOISES.get(case.noise, (1.0, 1.0)))
     return Drawn(
         case, base, shapes, tuple(batches(design, random, fixed)),
         tuple(batches(held_out(case.design), random, fixed)), fixed, share, target, int(random.integers(2**31)),
@@ -255,11 +279,28 @@ def _sized_against_rival(drawn: Drawn) -> tuple[tuple[float, ...], tuple[float, 
 
 
 def _size(drawn: Drawn, place: int, wanted: float) -> tuple[float, float]:
-    """Find the size of one of the hidden kinds, alone, that leaves the base law with this rms in N; size and rms."""
-    kind = KINDS[drawn.case.hidden[place]]
+    """Find the size of one of the hidden kinds that leaves the base law with this rms in N; size and rms."""
+    return size_alone(drawn.case, place, wanted, partial(unimitated_rms, drawn))
+
+
+def size_alone(
+    case: Case, place: int, wanted: float, unimitated: Callable[[Sequence[float]], float]
+) -> tuple[float, float]:
+    """Find the size of one of the hidden kinds, alone, at which what the base law can't imitate is as wanted.
+
+    Args:
+        case: the case.
+        place: of the kind.
+        wanted: rms of what the base law can't imitate.
+        unimitated: gives that of all hidden kinds' sizes.
+
+    Returns:
+        size, and what is reached with it: less than wanted where the kind can't be large enough.
+    """
+    kind = KINDS[case.hidden[place]]
     size, rms = kind.start, 0.0
     for _ in range(MOST_STEPS):
-        rms = unimitated_rms(drawn, [size if index == place else 0.0 for index in range(len(drawn.case.hidden))])
+        rms = unimitated([size if index == place else 0.0 for index in range(len(case.hidden))])
         if abs(rms / wanted - 1) < WITHIN or (size >= kind.most and rms < wanted):
             break
         size = min(size * float(np.clip(wanted / max(rms, 1e-9), 0.1, 10.0)), kind.most)

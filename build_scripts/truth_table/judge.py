@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any, Protocol
 
 from cases import Case, Drawn, Measured, draw, further_runs, measure
 
 from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp_identification.add import add_effect
-from pipeclamp_identification.auto import MOST_EFFECTS, named
+from pipeclamp_identification.auto import MOST_EFFECTS, answer_to, named
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.diagnosis_report import Answer, answer_for
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.metric_campaign import MetricCampaign
 from pipeclamp_identification.misfit import misfits, overall_nrmse
 from pipeclamp_identification.next_test import Limits
 
@@ -22,6 +26,18 @@ RIG_LIMITS = Limits((0.1, 1.5), (0.5, 20.0), (20.0, 300.0))
 """What the rig states that it can do."""
 MOST_TESTS = 2
 """Proposed tests that are run for one case, one after the other."""
+
+
+class Noted(Protocol):
+    """What is counted of a diagnosis, of whatever kind: verdict and effects."""
+
+    @property
+    def verdict(self) -> str:
+        """The verdict."""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """What was answered with it."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +101,7 @@ class Outcome:
     truth: tuple[str, ...]
     strengths: tuple[float, ...]
     noise_share: float
-    steps: tuple[Step, ...]
+    steps: tuple[Noted, ...]
     counted: str
     added: tuple[str, ...]
     settled: str
@@ -104,26 +120,56 @@ def judged(case: Case, seed: int) -> Outcome:
     tests: list[Tested] = []
     error = settled = ""
     try:
-        file, answer = follow(data, steps, added, most=0 if case.kind == "narrow" else MOST_EFFECTS)
+        file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
+        most = 0 if case.kind == "narrow" else MOST_EFFECTS
+        file, answer = follow(file, data.campaign, steps, added, partial(noted, data=data), most)
         if answer.verdict == "ambiguous" and case.truth:
             settled = after_proposed(drawn, data, file, answer, tests)
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
+    return outcome_of(case, data.strengths, data.noise_share, steps, added, begin, error, settled, tests)
+
+
+def outcome_of(
+    case: Case,
+    strengths: Sequence[float],
+    noise_share: float,
+    steps: Sequence[Noted],
+    added: Sequence[str],
+    begin: float,
+    error: str,
+    settled: str = "",
+    tests: Sequence[Tested] = (),
+) -> Outcome:
+    """Count how a case came out that was begun at this time; arguments as in `Outcome`."""
     return Outcome(
         case.name, case.kind, case.form, case.strength, case.noise, case.design, tuple(sorted(case.truth)),
-        tuple(round(one, 3) for one in data.strengths), data.noise_share, tuple(steps),
+        tuple(round(one, 3) for one in strengths), noise_share, tuple(steps),
         "failed" if error else counted(case, steps, added), tuple(added), settled, tuple(tests),
         round(time.perf_counter() - begin, 1), error,
     )  # fmt: skip
 
 
-def follow(data: Measured, steps: list[Step], added: list[str], most: int) -> tuple[LawFile, Answer]:
-    """Diagnose and add, at most so many, as `pipeclamp diagnose --auto` does; note each step, give where it ended."""
-    campaign = data.campaign
-    file = law_file(identify(campaign), campaign, name="base", command=COMMAND, date=None)
+def follow(
+    file: LawFile,
+    campaign: Campaign | MetricCampaign,
+    steps: list[Any],
+    added: list[str],
+    note: Callable[[Any, LawFile], Any],
+    most: int,
+) -> tuple[LawFile, Any]:
+    """Diagnose and add, as `pipeclamp diagnose --auto` does, until settled; give where it ended, law and answer.
+
+    Args:
+        file: the law as it was identified.
+        campaign: records, or metrics alone.
+        steps, added: are given each diagnosis as it is noted, and each effect.
+        note: notes an answer on a law.
+        most: effects that are added at most.
+    """
     while True:
-        answer = answer_for(file, campaign, limits=RIG_LIMITS)
-        steps.append(noted(answer, file, data))
+        answer = answer_to(file, campaign, limits=RIG_LIMITS)
+        steps.append(note(answer, file))
         if answer.verdict != "missing" or len(added) == most:
             return file, answer
         effect = named(answer)
@@ -187,7 +233,7 @@ def plain(name: str) -> str:
     return name if name.startswith("condition:") else name.partition(":")[0]
 
 
-def counted(case: Case, steps: list[Step], added: list[str]) -> str:
+def counted(case: Case, steps: Sequence[Noted], added: Sequence[str]) -> str:
     """Say how a case came out, in a word.
 
     "right", "ambiguous3" (truth among at most three), "ambiguous" (among more), "ambiguous_wrong", "wrong" (another
@@ -209,13 +255,13 @@ def counted(case: Case, steps: list[Step], added: list[str]) -> str:
     return first.verdict
 
 
-def _ambiguous(step: Step, truth: frozenset[str]) -> str:
+def _ambiguous(step: Noted, truth: frozenset[str]) -> str:
     if not truth & set(step.effects):
         return "ambiguous_wrong"
     return "ambiguous3" if len(step.effects) <= 3 else "ambiguous"
 
 
-def _two(case: Case, last: Step, found: set[str]) -> str:
+def _two(case: Case, last: Noted, found: set[str]) -> str:
     if found - case.truth:
         return "wrong"
     if found == case.truth:

@@ -1,6 +1,7 @@
 """Make the truth table: `python build_scripts/truth_table/run.py [--share N] [--seed S] [--cases WORD] -o FOLDER`.
 
 With --narrow instead: narrow test plans, in which effects imitate each other, and what the proposed tests tell.
+With --metrics instead: campaigns of which dW and W alone are kept.
 
 Every case is a virtual campaign of a truth that this folder integrates by itself, put to the package as a user would.
 Finished cases are kept in FOLDER/cases-<seed>.jsonl; a run that was ended goes on from there.
@@ -14,17 +15,55 @@ import os
 import random
 import sys
 import time
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "POLARS_MAX_THREADS"):
     os.environ.setdefault(threads, "1")  # the cases are what runs in parallel
 
 from cases import Case, all_cases, chosen  # noqa: E402
-from judge import as_row, judged  # noqa: E402
+from judge import Outcome, as_row, judged  # noqa: E402
+from metric_cases import metric_cases  # noqa: E402
+from metric_judge import judged_metrics  # noqa: E402
+from metric_table import metric_bounds, metric_markdown, metrics_sound  # noqa: E402
 from narrow import narrow_cases  # noqa: E402
 from narrow_table import narrow_markdown  # noqa: E402
 from table import Row, markdown, reached, sound  # noqa: E402
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What is asked of the package.
+
+    Attributes:
+        journal, table: names of the files of finished cases and of the table.
+        cases: gives all cases.
+        judged: runs one, with a seed.
+        markdown: gives the table, with the command that made it.
+        targets: gives the bounds with what was reached.
+        sound: tells whether a share is as it should be.
+    """
+
+    journal: str
+    table: str
+    cases: Callable[[], list[Case]]
+    judged: Callable[[Case, int], Outcome]
+    markdown: Callable[[Sequence[Row], str], str]
+    targets: Callable[[Sequence[Row]], list[dict[str, Any]]]
+    sound: Callable[[Sequence[Row]], bool]
+
+
+EXPERIMENTS = {
+    "": Experiment("cases", "truth_table", all_cases, judged, markdown, reached, sound),
+    "narrow": Experiment("narrow", "narrow_table", narrow_cases, judged, narrow_markdown, lambda _: [], sound),
+    "metrics": Experiment(
+        "metrics", "metrics_table", metric_cases, judged_metrics, metric_markdown, metric_bounds, metrics_sound
+    ),
+}
+"""By the option that chooses it."""
 
 
 def main() -> None:
@@ -33,36 +72,44 @@ def main() -> None:
     parser.add_argument("--share", type=float, default=1.0, help="share of the cases, spread evenly (1: all)")
     parser.add_argument("--seed", type=int, default=0, help="seed of everything that is drawn")
     parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name contains one of these")
-    parser.add_argument("--narrow", action="store_true", help="narrow test plans instead, and their next tests")
+    asked = parser.add_mutually_exclusive_group()
+    for name, words in (("narrow", "narrow test plans, and their next tests"), ("metrics", "dW and W alone")):
+        asked.add_argument(f"--{name}", dest="asked", action="store_const", const=name, default="", help=words)
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--verbose", action="store_true", help="print every diagnosis with its evidence")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder for the table; else print only")
     parser.add_argument("--check", action="store_true", help="end with status 1 when something was named wrongly")
     given = parser.parse_args()
-    known = narrow_cases() if given.narrow else all_cases()
+    experiment = EXPERIMENTS[given.asked]
+    known = experiment.cases()
     cases = chosen(known, given.share, given.seed)
     if given.cases:
         cases = [case for case in cases if any(word in case.name for word in given.cases)]
     if not cases:
         sys.exit(f"--cases {' '.join(given.cases)}: no case has such a name; names look like {known[0].name}")
-    name = "narrow" if given.narrow else "cases"
-    journal = given.output / f"{name}-{given.seed}.jsonl" if given.output else None
-    rows = run(cases, given.seed, given.jobs, journal, given.verbose)
+    journal = given.output / f"{experiment.journal}-{given.seed}.jsonl" if given.output else None
+    rows = run(cases, experiment.judged, given.seed, given.jobs, journal, given.verbose)
     command = f"python build_scripts/truth_table/run.py --share {given.share:g} --seed {given.seed}"
-    command += " --narrow" if given.narrow else ""
+    command += f" --{given.asked}" if given.asked else ""
     command += f" --cases {' '.join(given.cases)}" if given.cases else ""
-    text = narrow_markdown(rows, command) if given.narrow else markdown(rows, command)
+    text = experiment.markdown(rows, command)
     if given.output:
-        name = "narrow_table" if given.narrow else "truth_table"
-        (given.output / f"{name}.md").write_text(text, encoding="utf-8")
-        content = {"command": command, "targets": [] if given.narrow else reached(rows), "cases": rows}
-        (given.output / f"{name}.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
+        (given.output / f"{experiment.table}.md").write_text(text, encoding="utf-8")
+        content = {"command": command, "targets": experiment.targets(rows), "cases": rows}
+        (given.output / f"{experiment.table}.json").write_text(json.dumps(content, indent=1), encoding="utf-8")
     print(text)
-    if given.check and not sound(rows):
+    if given.check and not experiment.sound(rows):
         sys.exit("truth table: something was named wrongly, alarmed, failed, or too little was found")
 
 
-def run(cases: list[Case], seed: int, jobs: int, journal: Path | None, verbose: bool) -> list[Row]:
+def run(
+    cases: list[Case],
+    judge: Callable[[Case, int], Outcome],
+    seed: int,
+    jobs: int,
+    journal: Path | None,
+    verbose: bool,
+) -> list[Row]:
     """Run the cases that the journal doesn't hold yet; give all rows in the cases' order."""
     done: dict[str, Row] = {}
     if journal:
@@ -74,7 +121,7 @@ def run(cases: list[Case], seed: int, jobs: int, journal: Path | None, verbose: 
     random.Random(seed).shuffle(left)  # so that what is done at any time stands for the whole
     begin = time.perf_counter()
     with ProcessPoolExecutor(max_workers=jobs) as pool:
-        waiting = {pool.submit(judged, case, seed): case for case in left}
+        waiting = {pool.submit(judge, case, seed): case for case in left}
         for number, future in enumerate(as_completed(waiting), 1):
             row: Row = json.loads(json.dumps(as_row(future.result())))
             done[row["name"]] = row

@@ -16,6 +16,7 @@ from pipeclamp_identification.fit import Progress
 from pipeclamp_identification.metric_campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metric_evidence import (
     EXPECTED_FREEDOMS,
+    ROUGHLY,
     MetricJudged,
     Scatter,
     chance,
@@ -185,7 +186,7 @@ def _with(law: MetricJudged, entry: Look, observations: MetricObservations, tell
     tell(f"fit {' + '.join((*law.effects, entry.name))}")
     larger = with_effect(law.structure, entry.name)
     # Not from the look's start alone: what one step promises doesn't tell which valley is deepest.
-    return judge_metrics((*law.effects, entry.name), larger, law.result.law.values, observations)
+    return judge_metrics((*law.effects, entry.name), larger, law.result.law.values, observations, ROUGHLY)
 
 
 def _again(judged: MetricJudged, observations: MetricObservations) -> MetricJudged:

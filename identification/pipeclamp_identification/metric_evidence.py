@@ -29,7 +29,7 @@ too much."""
 MOST_FOLDS = 12
 """Conditions are left out one by one, in so many folds at most."""
 ROUGHLY = 1e-4
-"""Tolerance of a fit that serves to foretell left-out conditions."""
+"""Tolerance of a fit that serves to foretell left-out conditions, or to choose between starts."""
 ROWS_ALIKE = 0.5
 """An effect rests on one row when leaving that row out takes away more than this share of what it gains."""
 ROWS_TRIED = 12
@@ -93,7 +93,11 @@ class MetricJudged:
 
 
 def judge_metrics(
-    effects: tuple[str, ...], structure: Structure, start: Mapping[str, float], observations: MetricObservations
+    effects: tuple[str, ...],
+    structure: Structure,
+    start: Mapping[str, float],
+    observations: MetricObservations,
+    tolerance: float = CLOSELY,
 ) -> MetricJudged:
     """Fit a structure to metrics and say what speaks against it.
 
@@ -102,8 +106,9 @@ def judge_metrics(
         structure: what is fitted.
         start: values to start from.
         observations: the metrics, in units of their scatter.
+        tolerance: of the fit.
     """
-    result = fit(structure, observations, start=start, tolerance=CLOSELY)
+    result = fit(structure, observations, start=start, tolerance=tolerance)
     return MetricJudged(
         effects,
         structure,
