@@ -193,12 +193,15 @@ def _same(one: MetricRun, other: MetricRun) -> bool:
     return replace(one, name=other.name) == other
 
 
-def metric_observations(campaign: MetricCampaign, scatter: float = SCATTER) -> MetricObservations:
+def metric_observations(
+    campaign: MetricCampaign, scatter: float = SCATTER, samples: int = SAMPLES
+) -> MetricObservations:
     """Give a campaign's metrics as observations.
 
     Args:
         campaign: R runs.
         scatter: share by which dW and W scatter, rounding aside.
+        samples: points of the cycle at which laws are evaluated.
 
     Raises:
         UserError: the temperature is known for some runs only.
@@ -209,7 +212,7 @@ def metric_observations(campaign: MetricCampaign, scatter: float = SCATTER) -> M
         [run.amplitude_mm for run in runs],
         [run.frequency_Hz for run in runs],
         known_temperature(T, [run.name for run in runs]),
-        SAMPLES,
+        samples,
     )
     rounding = np.array([run.rounding for run in runs])
     density = [math.nan if run.density_g_cm3 is None else run.density_g_cm3 for run in runs]
