@@ -31,9 +31,9 @@ from pipeclamp_identification.metric_screen import Look, look
 from pipeclamp_identification.noise import smooth_functions
 from pipeclamp_identification.screen import candidate_names, effect_id
 
-SIGNIFICANT = 0.025
+SIGNIFICANT = 0.05
 """A gain or a lack less likely than this under scatter alone is real; a gain's chance counts once for each effect that
-was tried. Either raises an alarm: both together do so in at most 5 % of all cases in which nothing is missing."""
+was tried."""
 GREATER_PART = 0.5
 """An effect is named when it alone gains this share of what the richest law gains: not one patch of many."""
 ON_THE_WAY = 4
