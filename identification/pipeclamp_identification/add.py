@@ -20,7 +20,7 @@ from pipeclamp_identification.loops import loops_of
 from pipeclamp_identification.metric_campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metric_evidence import heldout_error
 from pipeclamp_identification.metric_law import compare_metrics, metric_law_file, rms
-from pipeclamp_identification.misfit import misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.observations import loop_observations
 from pipeclamp_identification.report import Table
 
@@ -34,7 +34,7 @@ class Addition:
         before, after: the law's file before, and the one with the effect.
         nrmse: error on the campaign before and after, as a share of the force.
         heldout: error on left-out groups of conditions before and after.
-        noise_nrmse: the scatter that no law can explain.
+        noise_nrmse: the scatter that no law can explain; None where it isn't known.
     """
 
     effect: str
@@ -42,7 +42,7 @@ class Addition:
     after: LawFile
     nrmse: tuple[float, float]
     heldout: tuple[float, float]
-    noise_nrmse: float
+    noise_nrmse: float | None
 
 
 def add_effect(
@@ -123,7 +123,7 @@ class _Refitted:
     file: Callable[..., LawFile]
     nrmse: tuple[float, float]
     heldout: tuple[float, float]
-    noise_nrmse: float
+    noise_nrmse: float | None
 
 
 def _refit(campaign: Campaign, file: LawFile, new: Structure, start: Mapping[str, float], tell: Progress) -> _Refitted:
@@ -143,7 +143,7 @@ def _refit(campaign: Campaign, file: LawFile, new: Structure, start: Mapping[str
     )
     identification = Identification(result, loops, runs, "joint")
     return _Refitted(
-        partial(law_file, identification, campaign), (before, overall_nrmse(runs)), heldout, overall_noise(runs)
+        partial(law_file, identification, campaign), (before, overall_nrmse(runs)), heldout, known_noise(runs, loops)
     )
 
 
@@ -195,10 +195,11 @@ def _shared_values(values: Mapping[str, float], structure: Structure) -> dict[st
 
 def addition_table(addition: Addition) -> Table:
     """Give what adding the effect did to the error and to the parameters."""
+    scatter = None if addition.noise_nrmse is None else 100 * addition.noise_nrmse
     rows: list[tuple[str, float | None, float | None]] = [
         ("error on the runs used / %", 100 * addition.nrmse[0], 100 * addition.nrmse[1]),
         ("error on left-out conditions / %", 100 * addition.heldout[0], 100 * addition.heldout[1]),
-        ("scatter that no law explains / %", 100 * addition.noise_nrmse, 100 * addition.noise_nrmse),
+        ("scatter that no law explains / %", scatter, scatter),
     ]
     before, after = addition.before.coefficients, addition.after.coefficients
     for name in dict.fromkeys((*before, *after)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import hashlib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 import polars as pl
 
 from pipeclamp.errors import UserError
@@ -90,13 +92,20 @@ def write_campaign(
     return sum(file.startswith("runs/") for file in write_folder(folder, files))
 
 
+def _digest(record: Record) -> str:
+    """Give the SHA-256 over a record's samples."""
+    channels = (values for values in vars(record).values() if values is not None)
+    return hashlib.sha256(b"".join(np.ascontiguousarray(values).tobytes() for values in channels)).hexdigest()
+
+
 def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
     """Give the runs of several campaigns of one clamp, one after the other; a name that is taken gets a number.
 
     Raises:
-        UserError: a further condition isn't known in all of them.
+        UserError: a further condition isn't known in all of them, or a record is there twice.
     """
     columns = campaigns[0].condition_columns
+    whose: dict[str, str] = {}
     taken: set[str] = set()
     for campaign in campaigns:
         if set(campaign.condition_columns) != set(columns):
@@ -105,6 +114,12 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 f"{campaigns[0].name} has {', '.join(columns) or 'none'}; expected the same, filled in in runs.csv"
             )
         for run in campaign.runs:
+            own = f"run {run.name!r} of {campaign.name}"
+            if (other := whose.setdefault(_digest(run.record), own)) is not own:
+                raise UserError(
+                    f"join: {own} has the same record as {other}; one measurement counts once, or the law would seem "
+                    "better known than it is: leave one out"
+                )
             names = (run.name, *(f"{run.name}_{number}" for number in range(2, len(taken) + 3)))
             name = next(name for name in names if name not in taken)
             taken.add(name)

@@ -445,16 +445,14 @@ def _change(
 
 
 def _print_law(file: Any, output: Path) -> None:
-    from pipeclamp_identification.identify_report import coefficient_table
+    from pipeclamp_identification.identify_report import coefficient_table, fit_words
 
     print_table(coefficient_table(file))
     for entry in file.correlations:
         pair = " and ".join(entry.pair)
         console.print(f"{pair} can hardly be told apart (correlation {entry.value:.3f})", highlight=False)
     if file.fit:
-        noise = f" (scatter {file.fit.noise_nrmse:.2%})" if file.fit.noise_nrmse is not None else ""
-        of = "in dW and W (rms of log ratios)" if file.fit.method == "metrics" else "of the rms force"
-        console.print(f"error {file.fit.nrmse:.2%} {of}{noise}", highlight=False)
+        console.print(fit_words(file.fit), highlight=False)
     console.print(str(output), highlight=False)
 
 

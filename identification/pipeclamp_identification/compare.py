@@ -23,7 +23,7 @@ from pipeclamp_identification.concentration import (
 from pipeclamp_identification.error_sums import RunSums, error_sums
 from pipeclamp_identification.law_range import outside_range
 from pipeclamp_identification.loops import Loops, loops_of
-from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.misfit import RunMisfit, known_noise, misfits, overall_noise, overall_nrmse
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
     loops = comparison.loops
     return {
         "nrmse": comparison.nrmse,
-        "noise_nrmse": comparison.noise_nrmse if comparison.single_cycles < len(comparison.runs) else None,
+        "noise_nrmse": known_noise(comparison.runs, loops),
         "runs": [
             {
                 "run": run.run,

@@ -34,6 +34,7 @@ EVEN = (
     "the same part of its force, all along the loop."
 )
 HARMONICS_SHOWN = 12
+SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
 
 
 def how_much(comparison: Comparison) -> list[str]:
@@ -41,7 +42,7 @@ def how_much(comparison: Comparison) -> list[str]:
     runs, single = len(comparison.runs), comparison.single_cycles
     errs = f"The law errs by {comparison.nrmse:.2%} of the rms force over {runs} run{'s' if runs > 1 else ''}"
     if single == runs:
-        return [f"{errs}; each holds one cycle, so that no scatter from cycle to cycle can be known."]
+        return [f"{errs}; {SINGLE_CYCLES}."]
     words = [f"{errs}; {comparison.noise_nrmse:.2%} is cycle-to-cycle scatter, which no law can explain."]
     if single:
         words.append(f"{single} of {runs} runs hold one cycle only: their scatter isn't known.")

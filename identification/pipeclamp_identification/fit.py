@@ -13,7 +13,7 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from pipeclamp.effect import Parameter
 from pipeclamp.errors import UserError
-from pipeclamp.law import Equations, Law, Structure, compose, smoothing
+from pipeclamp.law import Equations, Law, Structure, compose, find_base, smoothing
 from pipeclamp.one_thread import one_thread
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Response, refuse_unknown_conditions, respond
@@ -21,6 +21,7 @@ from pipeclamp_identification.observations import Observations, data_scales
 
 TOLERANCE = 1e-10
 HELD = "held by the law's structure"
+WISHED = "held by wish"
 VARIES = {"A": 0.05}
 VARIES_OTHERWISE = 0.02
 """A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
@@ -137,6 +138,13 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
     return reasons
 
 
+def _reasons(structure: Structure, equations: Equations, observations: Observations) -> dict[str, str]:
+    """Give the parameters that aren't fitted, with the reason: held by the base's form, by wish, or undetermined."""
+    fixed = find_base(structure.base).fixed
+    held = {name: HELD if fixed.get(name) == value else WISHED for name, value in structure.held().items()}
+    return {**undetermined(equations, observations), **{name: held[name] for name in held if name in equations.names}}
+
+
 def varies(signal: str, values: Array) -> bool:
     """Tell whether a condition varies by more than tests scatter that were meant to be alike."""
     share = VARIES.get(signal, VARIES_OTHERWISE)
@@ -184,9 +192,7 @@ def fit(
     equations = compose(structure)
     refuse_unknown_conditions(sorted(map(str, equations.slow_signals)), observations.motion)
     held = structure.held()
-    reasons = {name: HELD for name in held if name in equations.names}
-    for name, reason in undetermined(equations, observations).items():
-        reasons.setdefault(name, reason)
+    reasons = _reasons(structure, equations, observations)
     scales = data_scales(observations)
     neutral = {parameter.name: _neutral(parameter, scales) for parameter in equations.parameters}
     A, f = observations.motion.slow["A"], observations.motion.slow["f"]
@@ -280,7 +286,7 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
         equations=equations,
         fitted=(),
         covariance=np.zeros((0, 0)),
-        frozen=undetermined(equations, observations),
+        frozen=_reasons(structure, equations, observations),
         at_bound=frozenset(),
         response=response,
         cost=float(np.sum(residual**2)) / 2,

@@ -30,10 +30,10 @@ from pipeclamp.parameter_file import (
 from pipeclamp.symbols import REFERENCES, T_0
 from pipeclamp.toml_file import unknown
 from pipeclamp_identification.campaign import Campaign, LeftOut
-from pipeclamp_identification.fit import HELD, Fit, Progress, fit, unfitted
+from pipeclamp_identification.fit import HELD, WISHED, Fit, Progress, fit, unfitted
 from pipeclamp_identification.law_range import intervals_of, rounded
 from pipeclamp_identification.loops import Loops, loops_of, per_cycle
-from pipeclamp_identification.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.misfit import RunMisfit, known_noise, misfits, overall_nrmse
 from pipeclamp_identification.observations import LoopObservations, loop_observations
 from pipeclamp_identification.series_orders import choose_series
 from pipeclamp_identification.surfaces import elastic_values, surface_values
@@ -106,7 +106,7 @@ def refuse_unknown(structure: Structure) -> None:
     names = compose(structure).names
     for name, _ in structure.frozen:
         if name not in names:
-            raise UserError(f"can't hold {unknown(name, list(names), 'parameter')}")
+            raise UserError(f"--freeze: {unknown(name, list(names), 'parameter')}")
 
 
 def fit_structure(
@@ -171,9 +171,10 @@ def law_file(
     quality = FitQuality(
         method=identification.method,
         nrmse=rounded(overall_nrmse(runs)),
-        noise_nrmse=rounded(overall_noise(runs)),
+        noise_nrmse=_rounded(known_noise(runs, identification.loops)),
         runs=tuple(
-            RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse)) for run in runs
+            RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse) if many else None)
+            for run, many in zip(runs, identification.loops.show_scatter, strict=True)
         ),
     )
     data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
@@ -182,6 +183,10 @@ def law_file(
         identification.fit, covered, data, quality,
         name=name, command=command, date=date, history=history,
     )  # fmt: skip
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else rounded(value)
 
 
 def data_source(name: str, fingerprint: str, runs_used: int, left_out: Iterable[LeftOut]) -> DataSource:
@@ -247,11 +252,11 @@ def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
     for parameter in result.equations.parameters:
         name = parameter.name
         if name in result.frozen:
-            state: CoefficientState = "held" if result.frozen[name] == HELD else "frozen"
+            state: CoefficientState = "held" if result.frozen[name] in (HELD, WISHED) else "frozen"
         elif name in result.at_bound:
             state = "at_bound"
         else:
-            state = "fitted" if name in errors else "given"
+            state = "fitted"
         entries[name] = CoefficientEntry(
             value=rounded(result.law.values[name]),
             unit=parameter.unit,

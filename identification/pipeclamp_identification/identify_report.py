@@ -8,11 +8,12 @@ import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.law import Law, compose
-from pipeclamp.parameter_file import LawFile
+from pipeclamp.parameter_file import FitQuality, LawFile
 from pipeclamp.realise.arrays import Array, realise
 from pipeclamp.realise.text import equation_lines
 from pipeclamp_identification.compare import Comparison
-from pipeclamp_identification.comparison_report import comparison_sections
+from pipeclamp_identification.comparison_report import SINGLE_CYCLES, comparison_sections
+from pipeclamp_identification.metric_law import METHOD
 from pipeclamp_identification.pictures import curves_picture, surface_picture
 from pipeclamp_identification.report import Section, Table
 
@@ -26,6 +27,14 @@ def coefficient_table(file: LawFile) -> Table:
         for name, entry in file.coefficients.items()
     ]
     return Table(("parameter", "value", "standard error", "unit", "state", "meaning"), rows, f"Law {file.name}")
+
+
+def fit_words(fit: FitQuality) -> str:
+    """Say how well a law fits its data."""
+    if fit.method == METHOD:
+        return f"error {fit.nrmse:.2%} in dW and W (rms of log ratios)"
+    scatter = f" (scatter {fit.noise_nrmse:.2%})" if fit.noise_nrmse is not None else f"; {SINGLE_CYCLES}"
+    return f"error {fit.nrmse:.2%} of the rms force{scatter}"
 
 
 def identification_sections(file: LawFile, comparison: Comparison) -> list[Section]:

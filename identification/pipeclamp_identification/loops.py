@@ -99,6 +99,11 @@ class Loops:
     """Share of the period over which the force was averaged before it was recorded."""
 
     @property
+    def show_scatter(self) -> tuple[bool, ...]:
+        """Return for each row whether it has cycles to scatter: one alone shows the noise between its samples only."""
+        return tuple(len(cycles) > 1 for cycles in self.cycles)
+
+    @property
     def noise_nrmse(self) -> float:
         """Return the part of the force, over all samples, that is not periodic: no law can explain it."""
         noise = np.sum(self.samples * self.noise_rms_N**2)

@@ -50,7 +50,7 @@ def metrics_json(campaign: Campaign, loops: Loops) -> dict[str, Any]:
                 "per_cycle": {"cycle": loops.cycles[row], **_row(single, cycles)},
                 "mean_force_N": loops.force[row, 0].real,
                 "mean_displacement_mm": loops.displacement[row, 0].real,
-                "noise_nrmse": loops.noise_rms_N[row] / loops.force_rms_N[row],
+                "noise_nrmse": loops.noise_rms_N[row] / loops.force_rms_N[row] if loops.show_scatter[row] else None,
                 "force_in_phase_N": loops.force[row, 1:].real,
                 "force_in_quadrature_N": loops.force[row, 1:].imag,
                 "force_standard_error_N": loops.force_standard_error[row, 1:],
@@ -63,7 +63,7 @@ def metrics_json(campaign: Campaign, loops: Loops) -> dict[str, Any]:
         "runs": runs,
         "left_out": [asdict(one) for one in campaign.left_out],
         "studies": [_study(study, loops, metrics) for study in studies_of(campaign, loops)],
-        "noise_nrmse": loops.noise_nrmse,
+        "noise_nrmse": loops.noise_nrmse if any(loops.show_scatter) else None,
     }
     plain: dict[str, Any] = _plain(summary)
     return plain

@@ -142,6 +142,11 @@ def overall_noise(runs: tuple[RunMisfit, ...]) -> float:
     return math.sqrt(noise / sum(run.squared_force for run in runs))
 
 
+def known_noise(runs: tuple[RunMisfit, ...], loops: Loops) -> float | None:
+    """Give `overall_noise`; None where every run holds a single cycle, whose scatter nobody knows."""
+    return overall_noise(runs) if any(loops.show_scatter) else None
+
+
 def loop_of_run(loops: Loops, row: int, samples: int = DRAWN_SAMPLES) -> tuple[Array, Array]:
     """Give a run's measured loop as (displacement mm, force N) over one cycle, shape (samples,) each."""
     return on_grid(loops.displacement[row : row + 1], samples)[0], on_grid(loops.force[row : row + 1], samples)[0]

@@ -16,7 +16,7 @@ from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response, respond
 from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.diagnose import FORM, Diagnosis
-from pipeclamp_identification.fit import HELD, parameter_bounds
+from pipeclamp_identification.fit import HELD, WISHED, parameter_bounds
 from pipeclamp_identification.observations import SAMPLES, Rows, data_scales, harmonics_of
 from pipeclamp_identification.problem import Judged
 from pipeclamp_identification.screen import effect_id
@@ -229,7 +229,7 @@ def _foreseer(judged: Judged, diagnosis: Diagnosis) -> _Foreseer:
     result, observations = judged.result, diagnosis.problem.observations
     equations = result.equations
     lower, upper = parameter_bounds(equations, data_scales(observations))
-    held = {name for name, reason in result.frozen.items() if reason != HELD}
+    held = {name for name, reason in result.frozen.items() if reason not in (HELD, WISHED)}
     opened = [
         place
         for place, name in enumerate(equations.names)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import math
 import re
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from types import MappingProxyType
 
 from pipeclamp.errors import UserError
 from pipeclamp.symbols import CELSIUS
+from pipeclamp_identification.description import FILE_NAME as DESCRIPTION
 from pipeclamp_identification.description import CampaignDescription
 
 FILE_NAME = "runs.csv"
@@ -30,6 +32,15 @@ NUMBER_COLUMNS = MappingProxyType(
         "first_cycle": "0 or more cycles",
     }
 )
+# words of units in which the known quantities are given elsewhere
+UNITS = frozenset(
+    (
+        *("c", "k", "f", "deg", "degc", "degf", "celsius", "kelvin", "m", "mm", "um", "in", "hz", "khz", "rpm", "rad"),
+        *("s", "g", "kg", "lb", "m3", "cm3", "mm3", "in3", "ft3"),
+    )
+)
+# letters from which on a word may be one of ours, misspelled; and those of an abbreviation
+SPELLED, ABBREVIATED = 7, 4
 # the metrics of a loop that stand for its record where there is none, with the bound that each must exceed
 METRIC_COLUMNS = MappingProxyType(
     {
@@ -150,15 +161,37 @@ def _checked_header(path: Path, header: list[str]) -> list[str]:
 
 def _refuse_near_misses(path: Path, header: list[str], description: CampaignDescription) -> None:
     """Refuse a column that means one of ours in another unit or spelling: as a further condition it would go unused."""
-    known = {re.split("_", column)[0].lower(): column for column in (*TEXT_COLUMNS, *NUMBER_COLUMNS)}
-    spelled = {column.lower(): column for column in (*TEXT_COLUMNS, *NUMBER_COLUMNS)}
-    for column in (*header, *description.defaults):
-        if column in spelled.values():
-            continue
-        stem, _, unit = column.lower().partition("_")
-        meant = spelled.get(column.lower()) or (known.get(stem) if "_" not in unit and unit else None)
-        if meant is not None:
-            raise UserError(f"{path}: column {column!r} is not known; expected {meant!r}; convert and rename it")
+    defaults = f"{path.with_name(DESCRIPTION)}, [defaults]"
+    for where, columns in ((str(path), header), (defaults, description.defaults)):
+        for column in columns:
+            meant = meant_column(column)
+            if meant is not None:
+                raise UserError(f"{where}: column {column!r} is not known; expected {meant!r}; convert and rename it")
+
+
+def meant_column(column: str) -> str | None:
+    """Give the known column that a name probably means in another unit or spelling; None for one that stands by itself.
+
+    The quantity comes first in a name. What follows it must be a unit or a single word, as in "density_gcm3" or
+    "temperature (K)": "temperature_oil_C" is a quantity of its own.
+    """
+    known = (*TEXT_COLUMNS, *NUMBER_COLUMNS)
+    if column in known:
+        return None
+    quantity, *rest = re.findall(r"[^\W_]+", column.lower()) or [""]
+    if len(rest) > 1 and not UNITS.issuperset(rest):
+        return None
+    spelled = {re.sub("_", "", name).lower(): name for name in known}
+    if (letters := re.sub(r"[\W_]", "", column.lower())) in spelled:
+        return spelled[letters]
+    # run and file are needed: where they go by another name, that is an error of its own
+    stems = {name.lower().split("_")[0]: name for name in known if name not in ("run", "file")}
+    if quantity in stems:
+        return stems[quantity]
+    long = [stem for stem in stems if len(stem) >= SPELLED]
+    begun = [stem for stem in long if len(quantity) >= ABBREVIATED and stem.startswith(quantity)]
+    near = begun or difflib.get_close_matches(quantity, long, n=1, cutoff=0.85)
+    return stems[near[0]] if near else None
 
 
 def _without_records(path: Path, cells: list[tuple[int, dict[str, str]]]) -> bool:

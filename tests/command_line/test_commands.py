@@ -53,6 +53,18 @@ def test_identify_is_reproducible_byte_for_byte(pipeclamp, clamp_a, law, tmp_pat
     assert all('"date"' in line or '"command"' in line for line in other)
 
 
+def test_a_law_says_what_was_held_by_wish_and_what_was_fitted(pipeclamp, small, tmp_path):
+    path = tmp_path / "law.json"
+    pipeclamp("identify", small, "-o", path, "--base", "memory", "--freeze", "c_A=0.1")
+    entries = read(path)["coefficients"]
+    assert (entries["c_A"]["state"], entries["c_A"]["reason"]) == ("held", "held by wish")
+    assert (entries["alpha0"]["state"], entries["alpha0"]["reason"]) == ("held", "held by the law's structure")
+    pipeclamp("identify", small, "-o", path, "--method", "surfaces", "--freeze", "alpha0=0.4")
+    entries = read(path)["coefficients"]
+    assert entries["alpha0"]["state"] == "held"
+    assert {entry["state"] for name, entry in entries.items() if name != "alpha0"} == {"fitted"}
+
+
 def test_compare_has_the_contracts_fields(pipeclamp, law, clamp_a, tmp_path):
     path = tmp_path / "compare.json"
     done = pipeclamp("compare", law, clamp_a, "--json", path)

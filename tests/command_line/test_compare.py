@@ -81,6 +81,14 @@ def test_records_of_one_cycle_show_no_scatter(pipeclamp, compared, tmp_path, cyc
     printed, answer, page = compared("published_R1", campaign)
     assert ("no scatter from cycle to cycle can be known" in printed) is not known
     assert ("no scatter from cycle to cycle can be known" in page) is not known
+    law, metrics = tmp_path / "law.json", tmp_path / "metrics.json"
+    fitted = pipeclamp("identify", campaign, "-o", law).stdout
+    pipeclamp("metrics", campaign, "--json", metrics)
+    assert ("no scatter from cycle to cycle can be known" in fitted) is not known
+    assert ("(scatter " in fitted) is known
+    for quality in (read(law)["fit"], read(metrics)):
+        assert (quality.get("noise_nrmse") is not None) is known
+        assert all((run.get("noise_nrmse") is not None) is known for run in quality["runs"])
     assert (answer["noise_nrmse"] is not None) is known
     assert all((run["noise_nrmse"] is not None) is known for run in answer["runs"])
     for parts in (answer["where"]["phases"], answer["where"]["harmonics"], *answer["where"]["conditions"].values()):

@@ -193,7 +193,7 @@ def test_an_effect_that_is_there_already(refused, small, tmp_path):
         (("--freeze", "k1_T"), "name=value"),
         (("--freeze", "k1_T=soft"), "expected numbers"),
         (("--freeze", "k1_T=nan"), "expected finite numbers"),
-        (("--freeze", "k1T=0"), "did you mean 'k1_T'"),
+        (("--freeze", "k1T=0"), "--freeze: parameter 'k1T' is not known; did you mean 'k1_T'"),
         (("--freeze", "k10=1e300"), "beyond all reason"),
         (("--method", "surfaces", "--effects", "viscous"), "without effects"),
         (("--effects", "viscous,viscous"), "twice"),

@@ -78,7 +78,7 @@ def test_defaults_fill_what_the_table_leaves_open(campaign_folder):
 
 
 def test_further_numbers_are_conditions_and_further_texts_remarks(campaign_folder, harmonic_record, csv_text):
-    table = "run,file,current_A,remark,empty\nA,runs/A.csv,0.5,calm,\nB,runs/B.csv,,windy,\n"
+    table = "run,file,current_A,remark,empty,temperature_oil_C\nA,runs/A.csv,0.5,calm,,\nB,runs/B.csv,,windy,,\n"
     text = csv_text(harmonic_record())
     campaign = read_campaign(campaign_folder(table=table, records={"runs/A.csv": text, "runs/B.csv": text}))
     assert campaign.condition_columns == ("current_A",)
@@ -135,6 +135,11 @@ def test_the_fingerprint_knows_the_content_not_the_place(campaign_folder, tmp_pa
         ("run,file,current_A\nA,runs/A.csv,1\nB,runs/B.csv,one\n", ["row 3", "'current_A'", "'one'"]),
         ("run,file,Temperature_C\nA,runs/A.csv,20\n", ["'Temperature_C'", "'temperature_C'"]),
         ("run,file,temperature_K\nA,runs/A.csv,293\n", ["'temperature_K'", "'temperature_C'"]),
+        ("run,file,temperature\nA,runs/A.csv,20\n", ["'temperature'", "'temperature_C'"]),
+        ("run,file,Temperature [K]\nA,runs/A.csv,293\n", ["'Temperature [K]'", "'temperature_C'"]),
+        ("run,file,density_kg_m3\nA,runs/A.csv,2286\n", ["'density_kg_m3'", "'density_g_cm3'"]),
+        ("run,file,freq_Hz\nA,runs/A.csv,3\n", ["'freq_Hz'", "'frequency_Hz'"]),
+        ("run,file,temprature_C\nA,runs/A.csv,3\n", ["'temprature_C'", "'temperature_C'"]),
         ('run,file\nA,"runs/A.csv\n', ["runs.csv", "no valid CSV"]),
     ],
 )
@@ -155,6 +160,7 @@ def test_a_bad_table_is_one_error_that_names_the_place(campaign_folder, table, t
         ('name = "x\n', ["campaign.toml", "TOML"]),
         ('name = "x"\n[defaults]\ntemperature_C = true\n', ["defaults.temperature_C", "True"]),
         ('name = "x"\n[defaults]\ntemperature_C = inf\n', ["defaults.temperature_C", "finite"]),
+        ('name = "x"\n[defaults]\ndensity_gcm3 = 2.2\n', ["campaign.toml, [defaults]", "'density_gcm3'"]),
         ('name = "x"\n[columns]\nforce = { from = "F" }\n', ["columns", "'force'", "'force_N'"]),
         ('name = "x"\n[columns]\nforce_N = { from = "F", faktor = 2 }\n', ["columns.force_N", "'faktor'", "'factor'"]),
         ('name = "x"\n[columns]\nforce_N = { from = "F", factor = 0 }\n', ["columns.force_N.factor", "other than 0"]),

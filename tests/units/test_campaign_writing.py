@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pipeclamp.errors import UserError
 from pipeclamp_identification.campaign import read_campaign
 from pipeclamp_identification.campaign_writing import WrittenRun, joined_runs, write_campaign
 from pipeclamp_identification.records import Record
@@ -29,8 +30,18 @@ def test_the_temperature_of_a_record_is_kept_by_join(tmp_path, harmonic_record):
     plain = harmonic_record()
     warm = np.linspace(150.0, 160.0, len(plain.time_s))
     record = Record(plain.time_s, plain.displacement_mm, plain.force_N, warm)
-    write_campaign(tmp_path / "one", iter([WrittenRun(_row("A"), record)]), name="one", notes="")
-    one = read_campaign(tmp_path / "one")
-    write_campaign(tmp_path / "all", joined_runs([one, one]), name="all", notes="")
+    for name, shift in (("one", 0.0), ("two", 0.1)):
+        shifted = Record(record.time_s, record.displacement_mm, record.force_N + shift, warm)
+        write_campaign(tmp_path / name, iter([WrittenRun(_row("A"), shifted)]), name=name, notes="")
+    both = [read_campaign(tmp_path / name) for name in ("one", "two")]
+    write_campaign(tmp_path / "all", joined_runs(both), name="all", notes="")
     for run in read_campaign(tmp_path / "all").runs:
         np.testing.assert_array_equal(run.record.temperature_C, warm)
+
+
+def test_a_record_that_is_there_twice_is_refused_by_join(tmp_path, harmonic_record):
+    for name, run in (("one", "A"), ("two", "B")):
+        write_campaign(tmp_path / name, iter([WrittenRun(_row(run), harmonic_record())]), name=name, notes="")
+    both = [read_campaign(tmp_path / name) for name in ("one", "two")]
+    with pytest.raises(UserError, match="run 'B' of two has the same record as run 'A' of one"):
+        list(joined_runs(both))
