@@ -445,12 +445,11 @@ def _change(
 
 
 def _print_law(file: Any, output: Path) -> None:
-    from pipeclamp_identification.identify_report import coefficient_table, fit_words
+    from pipeclamp_identification.identify_report import coefficient_table, doubts, fit_words
 
     print_table(coefficient_table(file))
-    for entry in file.correlations:
-        pair = " and ".join(entry.pair)
-        console.print(f"{pair} can hardly be told apart (correlation {entry.value:.3f})", highlight=False)
+    for line in doubts(file):
+        console.print(line, highlight=False, markup=False)
     if file.fit:
         console.print(fit_words(file.fit), highlight=False)
     console.print(str(output), highlight=False)

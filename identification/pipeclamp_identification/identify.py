@@ -176,6 +176,7 @@ def law_file(
             RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse) if many else None)
             for run, many in zip(runs, identification.loops.show_scatter, strict=True)
         ),
+        unsettled=int(np.count_nonzero(identification.fit.response.unsettled)) or None,
     )
     data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
     covered = range_of(identification.loops, aged=ages(identification.fit.equations))

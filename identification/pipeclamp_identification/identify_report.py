@@ -37,6 +37,20 @@ def fit_words(fit: FitQuality) -> str:
     return f"error {fit.nrmse:.2%} of the rms force{scatter}"
 
 
+def doubts(file: LawFile) -> list[str]:
+    """Say what of a law is less sure than its standard errors tell."""
+    lines = [
+        f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
+        for entry in file.correlations
+    ]
+    if file.fit and file.fit.unsettled:
+        lines.append(
+            f"On {file.fit.unsettled} of the cycles that the law was fitted to, its memory doesn't become periodic: "
+            "the force that was compared there is that of one repetition among others."
+        )
+    return lines
+
+
 def identification_sections(file: LawFile, comparison: Comparison) -> list[Section]:
     """Give the report of an identification from its file and its comparison with the campaign."""
     return [*law_sections(comparison.law, file), *comparison_sections(comparison)]
@@ -44,13 +58,9 @@ def identification_sections(file: LawFile, comparison: Comparison) -> list[Secti
 
 def law_sections(law: Law, file: LawFile) -> list[Section]:
     """Give the part of a report that shows a law: its equations, parameters and surfaces."""
-    correlations = [
-        f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
-        for entry in file.correlations
-    ]
     return [
         Section("Law", equation_lines(compose(law.structure))),
-        Section("Parameters", correlations, [coefficient_table(file)]),
+        Section("Parameters", doubts(file), [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
     ]
 

@@ -78,6 +78,7 @@ def metric_law_file(
         runs=tuple(
             RunQuality(run=run.name, nrmse=rounded(rms(row))) for run, row in zip(campaign.runs, logs, strict=True)
         ),
+        unsettled=int(np.count_nonzero(result.response.unsettled)) or None,
     )
     data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
     return file_of_fit(

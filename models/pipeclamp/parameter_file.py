@@ -100,12 +100,13 @@ class RunQuality(Part):
 
 
 class FitQuality(Part):
-    """How well the law fits its data."""
+    """How well the law fits its data; `unsettled` are cycles on which its memory didn't become periodic, if any."""
 
     method: str
     nrmse: Finite
     noise_nrmse: Finite | None = None
     runs: tuple[RunQuality, ...] = ()
+    unsettled: Annotated[int, Field(ge=1)] | None = None
 
 
 class HistoryStep(Part):

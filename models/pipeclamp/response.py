@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -92,11 +92,14 @@ class Response:
         jacobian: derivatives of the force by the parameters, shape (parameters, R, n), where asked for.
         adrift: rows in which a state never loses its beginning (an element that sticks all the way round, say), so
             that the force is known up to a constant which only the history before the record would tell; shape (R,).
+        unsettled: rows in which a state isn't periodic after all that was tried: their force is that of one cycle among
+            others; shape (R,).
     """
 
     force: Array
     jacobian: Array | None
     adrift: npt.NDArray[np.bool_]
+    unsettled: npt.NDArray[np.bool_]
 
 
 def law_response(law: Law, motion: Motion) -> Response:
@@ -143,7 +146,7 @@ def respond(
             for index, value in coefficient_slopes.items()
         }
         march = _March(compiled, equations, columns, slope_columns, values, smoothing, motion)
-        states, state_slopes, adrift = march.states(derivatives=derivatives)
+        states, state_slopes, adrift, unsettled = march.states(derivatives=derivatives)
         y_previous = np.roll(motion.y, 1, axis=1)
         if not motion.periodic:
             y_previous[:, 0] = 0.0
@@ -152,7 +155,7 @@ def respond(
         turning = _turning(motion)
         force = _with_means(compiled.force, arguments, turning, shape)[0]
         if not derivatives:
-            return _late(compiled, values, motion, Response(force, None, adrift))
+            return _late(compiled, values, motion, Response(force, None, adrift, unsettled))
         jacobian = np.zeros((len(values), rows, samples))
         state_count, coefficient_count = len(states), len(coefficients)
         force_slopes = _with_means(compiled.force_slopes, arguments, turning, shape)
@@ -165,7 +168,7 @@ def respond(
                         jacobian[parameter] += slope * inner
             else:
                 jacobian[column - state_count - coefficient_count] += slope
-    return _late(compiled, values, motion, Response(force, jacobian, adrift))
+    return _late(compiled, values, motion, Response(force, jacobian, adrift, unsettled))
 
 
 @dataclass(frozen=True)
@@ -242,11 +245,11 @@ def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, r
     force = np.fft.rfft(response.force) * turn
     late = np.fft.irfft(force, samples)
     if response.jacobian is None:
-        return Response(late, None, response.adrift)
+        return replace(response, force=late)
     jacobian = np.fft.irfft(np.fft.rfft(response.jacobian) * turn, samples)
     for parameter, slope in zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True):
         jacobian[parameter] -= slope * np.fft.irfft(1j * omega * force, samples)
-    return Response(late, jacobian, response.adrift)
+    return replace(response, force=late, jacobian=jacobian)
 
 
 @dataclass(frozen=True)
@@ -278,8 +281,10 @@ class _March:
                 slopes[entry].append((self.moving.index(parameter), slope))
         return slopes
 
-    def states(self, *, derivatives: bool) -> tuple[list[Array], Array, npt.NDArray[np.bool_]]:
-        """Give the states, J arrays (R, n), their slopes by the moving parameters, (J, M, R, n), and the rows adrift.
+    def states(self, *, derivatives: bool) -> tuple[list[Array], Array, npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+        """Give the states, J arrays (R, n), their slopes by the moving parameters, (J, M, R, n), and rows.
+
+        The rows are those that are adrift, and those that didn't settle.
 
         On periodic motions the states' map over one cycle is brought to its fixed point by Newton's method from rest.
         Directions in which the map is the identity (an element that never slips) stay as the move from rest left them.
@@ -287,13 +292,14 @@ class _March:
         count = len(self.equations.states)
         rows, samples = self.motion.y.shape
         parameters = len(self.moving) if derivatives else 0
+        none = np.zeros(rows, dtype=np.bool_)
         if count == 0:
-            return [], np.zeros((0, parameters, rows, samples)), np.zeros(rows, dtype=bool)
+            return [], np.zeros((0, parameters, rows, samples)), none, none
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
         no_slopes = np.zeros((count, count + parameters, rows))
         if not self.motion.periodic:
             trajectory, trail = self._walk(rest, no_slopes, np.zeros(rows), derivatives=derivatives)
-            return list(trajectory), trail[:, count:], np.zeros(rows, dtype=bool)
+            return list(trajectory), trail[:, count:], none, none
         start, slopes = self._step(rest, no_slopes, np.zeros(rows), -1, derivatives=derivatives)
         scale = 1e-300 + np.max(np.abs(start), axis=0)
         for _ in range(SETTLING_CYCLES):
@@ -303,16 +309,18 @@ class _March:
             change = trajectory[:, :, -1] - start
             to_begin = np.moveaxis(np.eye(count)[:, :, None] - trail[:, :count, :, -1], -1, 0)
             inverse = np.linalg.pinv(to_begin, rcond=SETTLED)
-            if np.all(np.abs(change) <= SETTLED * (scale + np.max(np.abs(trajectory), axis=(0, 2)))):
+            size = scale + np.max(np.abs(trajectory), axis=(0, 2))
+            unsettled = ~np.all(np.abs(change) <= SETTLED * size, axis=0)
+            if not np.any(unsettled):
                 break
             start = start + np.einsum("rjk,kr->jr", inverse, change)
         adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
         if not derivatives:
-            return list(trajectory), trail[:, count:], adrift
+            return list(trajectory), trail[:, count:], adrift, unsettled
         missing = trail[:, count:, :, -1] - slopes[:, count:]
         at_begin = np.einsum("rjk,kpr->jpr", inverse, missing)
         slopes_now = trail[:, count:] + np.einsum("jkrn,kpr->jprn", trail[:, :count], at_begin)
-        return list(trajectory), slopes_now, adrift
+        return list(trajectory), slopes_now, adrift, unsettled
 
     def _walk(self, start: Array, slopes: Array, y_previous: Array, *, derivatives: bool) -> tuple[Array, Array]:
         """Step along all samples from the one before the first; give states (J, R, n), slopes (J, J + M, R, n)."""

@@ -194,7 +194,9 @@ def test_a_frequency_response_is_drawn_with_co_simulations_on_it(pipeclamp, tmp_
         == [4.0] * 4
     )
     assert frame.filter(pl.col("kind") == "co-simulation").height == 4
-    assert "4 co-simulations; those that settled (4) differ by at most 0." in done.stdout
+    said = " ".join(done.stdout.split())
+    assert "4 co-simulations in steps of" in said
+    assert "those that settled and can be trusted (4) differ by at most 0." in said
     assert (tmp_path / "response.html").stat().st_size > 1e5
 
 

@@ -162,3 +162,13 @@ def test_composed_equations_are_sympy_and_complete():
 def test_damping_is_scaled_in_every_base_law_that_has_it(base, effect):
     plain = compose(Structure(base))
     assert set(compose(Structure(base, (effect,))).names) > set(plain.names)
+
+
+def test_memory_that_does_not_settle_is_marked(monkeypatch):
+    structure = Structure("power", ("relaxation",))
+    values = dict.fromkeys(compose(structure).names, 0.0) | {"k10": 5.0, "c0": 0.01, "k_m": 3.0, "tau": 0.2}
+    law = Law(structure, values, 1e-2, 1e-3)
+    motion = sinusoids([0.2, 0.5], 3.0, 300.0, 64)
+    assert not law_response(law, motion).unsettled.any()
+    monkeypatch.setattr("pipeclamp.response.SETTLING_CYCLES", 1)
+    assert law_response(law, motion).unsettled.all()

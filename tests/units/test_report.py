@@ -8,8 +8,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
+from pipeclamp.parameter_file import FitQuality
 from pipeclamp_identification.error_pictures import ConditionsMap, conditions_picture
+from pipeclamp_identification.identify_report import doubts
 from pipeclamp_identification.pictures import (
     LoopPanel,
     curves_picture,
@@ -114,3 +117,10 @@ def test_wide_pictures_scroll_in_a_narrow_window(page):
     assert len(widths) == len(FIGURES)
     assert widths[0] > 800, "four loops side by side"
     assert widths[1] == 0
+
+
+def test_memory_that_does_not_settle_is_said() -> None:
+    law = open_law("emwm2")
+    fit = FitQuality(method="joint", nrmse=0.01, unsettled=3)
+    assert any(line.startswith("On 3 of the cycles") for line in doubts(law.model_copy(update={"fit": fit})))
+    assert not any("periodic" in line for line in doubts(law))
