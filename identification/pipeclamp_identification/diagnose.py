@@ -12,7 +12,7 @@ from pipeclamp.errors import UserError
 from pipeclamp.law import Structure
 from pipeclamp_identification.add import with_effect
 from pipeclamp_identification.evidence import LackOfFit
-from pipeclamp_identification.fit import Progress, linearised, starting_points
+from pipeclamp_identification.fit import Progress, fit, linearised, starting_points
 from pipeclamp_identification.identify import fit_structure
 from pipeclamp_identification.loops import Loops
 from pipeclamp_identification.problem import Contender, Judged, Problem, judge, judge_each, prepare, weighed_for
@@ -48,6 +48,8 @@ PAIRED = 3
 FEWEST_RUNS = 4
 MOST_ELEMENTS = 3
 """Slip elements up to which a spread of slip forces is resolved."""
+VALLEYS = 2
+"""Starts from which a further slip element is fitted, those that promise most: the error has valleys between them."""
 ABOUT_AS_WELL = 10.0
 """Difference in squares on left-out groups that is no reason for a further slip element."""
 
@@ -203,17 +205,36 @@ def _grown(judged: Judged, structure: Structure, problem: Problem, tell: Callabl
         larger = structure
         for effect in effects:
             larger = with_effect(larger, effect)
-        values = judged.result.law.values
-        shared = {key: value for key, value in values.items() if not key.startswith(("k_s", "z_s"))}
-        start = min(
-            starting_points(larger, problem.observations, shared),
-            key=lambda point: linearised(larger, problem.observations, point).cost_after_one_step(),
-        )
+        starts = [*starting_points(larger, problem.observations, _shared(judged)), _split(judged, count)]
+        starts.sort(key=lambda point: linearised(larger, problem.observations, point).cost_after_one_step())
+        fits = [fit(larger, problem.observations, start=start) for start in starts[:VALLEYS]]
+        start = min(fits, key=lambda result: result.cost).law.values
         grown = judge(effects, larger, start, problem)
         if grown.objections or grown.squares > judged.squares - ABOUT_AS_WELL:
             break
         judged, name = grown, more
     return judged
+
+
+def _shared(judged: Judged) -> dict[str, float]:
+    """Give a law's values but for its slip elements'."""
+    return {key: value for key, value in judged.result.law.values.items() if not key.startswith(("k_s", "z_s"))}
+
+
+def _split(judged: Judged, count: int) -> dict[str, float]:
+    """Give values for so many slip elements, one more than a law has: its strongest one in two, early and late."""
+    values = judged.result.law.values
+    suffixes = [""] if count == 2 else [str(number) for number in range(1, count)]
+    elements = sorted(
+        ((values[f"k_s{suffix}"], values[f"z_s{suffix}"]) for suffix in suffixes), key=lambda each: each[1]
+    )
+    stiffness, slip = elements.pop()
+    elements += [(stiffness / 2, share * slip / 2) for share in (0.5, 1.5)]
+    return _shared(judged) | {
+        f"{symbol}{number}": value
+        for number, element in enumerate(elements, 1)
+        for symbol, value in zip(("k_s", "z_s"), element, strict=True)
+    }
 
 
 def _verdict(

@@ -52,11 +52,12 @@ def test_scatter_alone_is_complete(campaign):
         ("offset", {"F_o": 5.0}),
         ("relaxation", {"k_m": 100.0, "tau": 0.05}),
         ("end_stop", {"k_e": 150.0, "y_e": 0.75}),
+        ("memory:2", {"k_s1": 650.0, "z_s1": 68.0, "k_s2": 650.0, "z_s2": 218.0}),
     ],
 )
 def test_a_missing_effect_is_named(campaign, effect, values):
     diagnosis = diagnose(Structure("power"), loops_of(campaign((effect,), **values)))
-    assert (diagnosis.verdict, diagnosis.effects) == ("missing", (effect,))
+    assert (diagnosis.verdict, diagnosis.effects) == ("missing", (effect.partition(":")[0],))
     best = diagnosis.candidates[0]
     assert best.squares < diagnosis.law.squares
     assert best.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
