@@ -202,20 +202,22 @@ def verdict(found: dict[str, list[tuple[float, float, float]]]) -> str:
     return f"largest step for an error of {GOAL:.0%}, and its time: " + "; ".join(lines)
 
 
-def picture(found: dict[str, list[tuple[float, float, float]]], name: str) -> go.Figure:
+def picture_of(found: dict[str, list[tuple[float, float, float]]], title: str) -> go.Figure:
     """Draw error over CPU time."""
     figure = go.Figure(
         [
             go.Scatter(
                 x=[run[1] for run in runs], y=[run[2] for run in runs], mode="lines+markers", name=way,
-                text=[f"{1e6 * run[0]:.4g} us" if run[0] else "" for run in runs],
+                marker={"size": 8}, text=[f"{1e6 * run[0]:.4g} us" if run[0] else "" for run in runs],
             )
             for way, runs in found.items()
         ]
     )  # fmt: skip
-    figure.add_hline(y=GOAL, line={"dash": "dot", "width": 1})
-    figure.update_xaxes(title_text="CPU time / s", type="log").update_yaxes(title_text="largest error", type="log")
-    return styled(figure, f"Work and precision: {name}", height=480)
+    figure.add_hline(y=GOAL, line={"dash": "dot", "width": 1.5})
+    times = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20]
+    figure.update_xaxes(title_text="CPU time / s", type="log", tickvals=times)
+    figure.update_yaxes(title_text="largest error / largest displacement", type="log", dtick=1, exponentformat="power")
+    return styled(figure, title, height=480)
 
 
 def main(name: str = "stiff", page: str = "") -> None:
@@ -225,7 +227,10 @@ def main(name: str = "stiff", page: str = "") -> None:
     print(verdict(found))
     if page:
         write_report(
-            Path(page), "Coupling schemes", name, [Section(name, (verdict(found),), (), [picture(found, name)])]
+            Path(page),
+            "Coupling schemes",
+            name,
+            [Section(name, (verdict(found),), (), [picture_of(found, f"Work and precision: {name}")])],
         )
 
 

@@ -135,7 +135,7 @@ def error_bars(panels: Sequence[ErrorBars], title: str) -> go.Figure:
         figure.update_xaxes(title_text=panel.axis, type="category", tickangle=0, row=row, col=column)
     highest = max((error for panel in panels for error in panel.error if error is not None), default=1.0)
     figure.update_yaxes(range=[0, 1.05 * highest]).update_yaxes(title_text="error / %", col=1)
-    return _with_legend(styled(figure, title, height=height, least_width=330 * columns))
+    return _with_room(styled(figure, title, height=height, least_width=330 * columns))
 
 
 def _add_bars(figure: go.Figure, panel: ErrorBars, row: int, column: int, *, named: bool) -> None:
@@ -157,10 +157,9 @@ def _add_bars(figure: go.Figure, panel: ErrorBars, row: int, column: int, *, nam
         )  # fmt: skip
 
 
-def _with_legend(figure: go.Figure) -> go.Figure:
-    """Put the legend below the axes' titles, whatever the height."""
-    below = -75 / (figure.layout.height - 160)
-    return figure.update_layout(legend={"y": below}, margin={"t": 80, "b": 80}, bargap=0.25)
+def _with_room(figure: go.Figure) -> go.Figure:
+    """Leave room above for panels' titles, and gaps between bars."""
+    return figure.update_layout(margin={"t": 80, "b": 80}, bargap=0.25)
 
 
 def cycles_picture(bars: ErrorBars, measured: Array, computed: Array, title: str) -> go.Figure:
@@ -184,7 +183,7 @@ def cycles_picture(bars: ErrorBars, measured: Array, computed: Array, title: str
         figure.add_trace(trace, row=1, col=2)
     figure.update_xaxes(title_text=bars.axis).update_xaxes(type="category", row=1, col=1)
     figure.update_yaxes(title_text="error / %", rangemode="tozero", row=1, col=1)
-    return _with_legend(styled(figure, title, height=380, least_width=640))
+    return _with_room(styled(figure, title, height=380, least_width=640))
 
 
 @dataclass(frozen=True)
@@ -239,7 +238,7 @@ def along_loop_picture(bars: ErrorBars, loop: LoopInTime, near_deg: float, title
     figure.update_xaxes(title_text=bars.axis, row=2, col=1)
     figure.update_yaxes(title_text="F / N", row=1, col=1)
     figure.update_yaxes(title_text="error / %", rangemode="tozero", row=2, col=1)
-    return _with_legend(figure)
+    return _with_room(figure)
 
 
 @dataclass(frozen=True)
@@ -288,4 +287,4 @@ def harmonics_picture(levels: Sequence[HarmonicLevels], title: str) -> go.Figure
     figure.update_yaxes(type="log", dtick=1, exponentformat="none", row=1)
     figure.update_yaxes(title_text="force / %", row=1, col=1)
     figure.update_yaxes(title_text="error / %", rangemode="tozero", row=2, col=1)
-    return _with_legend(figure)
+    return _with_room(figure)

@@ -67,7 +67,7 @@ def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
     for row in range(1, rows + 1):
         figure.update_yaxes(title_text="F / N", row=row, col=1)
     figure = styled(figure, title, height=90 + PANEL_HEIGHT * rows, least_width=LEAST_PANEL_WIDTH * columns)
-    return figure.update_layout(legend={"y": -70 / (PANEL_HEIGHT * rows)}, margin={"t": 80, "b": 80})
+    return figure.update_layout(margin={"t": 80, "b": 80})
 
 
 def _closed(samples: Array) -> Array:

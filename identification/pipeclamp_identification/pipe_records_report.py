@@ -55,6 +55,5 @@ def record_picture(comparison: RecordsComparison, pair: RecordPair) -> go.Figure
     figure.update_xaxes(title_text="t / s", row=len(probes), col=1)
     figure.update_xaxes(title_text="f / Hz", row=len(probes), col=2)
     figure.update_annotations(font={"size": 12})
-    height = 110 + ROW * len(probes)
-    figure = styled(figure, f"Record {pair.name}", height=height, least_width=640)
-    return figure.update_layout(legend={"y": -60 / (height - 160)}, margin={"t": 80, "b": 80})
+    figure = styled(figure, f"Record {pair.name}", height=110 + ROW * len(probes), least_width=640)
+    return figure.update_layout(margin={"t": 80, "b": 80})

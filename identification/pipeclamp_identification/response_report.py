@@ -14,6 +14,8 @@ from pipeclamp_identification.response_dots import Dot
 WIDE = 4.0
 """Levels that differ by more than this factor are drawn on a logarithmic axis."""
 
+WORDS = "Half the peak-to-peak displacement; the stronger a line's colour, the higher its level. Dotted: unstable."
+
 TRUSTED = {"size": 7, "line": {"color": "white", "width": 1}}
 DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
@@ -35,7 +37,7 @@ def response_sections(response: FrequencyResponse) -> list[Section]:
     tables = [Table(header, rows, "co-simulations, and how far they are off the nearest stable branch")] if rows else []
     return [
         Section("What came out", response.summary().splitlines()),
-        Section("Frequency response", ("Half the peak-to-peak displacement. Dotted: unstable.",), (), pictures),
+        Section("Frequency response", (WORDS,), (), pictures),
         Section("Co-simulations", (), tables),
     ]
 
@@ -53,11 +55,10 @@ def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
     temperatures = list(dict.fromkeys(curve.temperature for curve in response.curves))
     for curve in response.curves:
         colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
-        name = label(curve.temperature, curve.level)
-        for number, (stable, piece) in enumerate(_pieces(curve)):
+        for stable, piece in pieces(curve):
             figure.add_scatter(
                 x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
-                mode="lines", name=name, legendgroup=name, showlegend=number == 0,
+                mode="lines", name=label(curve.temperature, curve.level), showlegend=False,
                 line={"color": colour, "width": 1.6, "dash": "solid" if stable else "dot"},
                 opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
             )  # fmt: skip
@@ -69,8 +70,12 @@ def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
             if own:
                 figure.add_scatter(
                     x=[dot.frequency for dot in own], y=[dot.amplitudes[point] for dot in own], mode="markers",
-                    showlegend=False, marker={"color": colour, **mark},
+                    name=label(curve.temperature, curve.level), showlegend=False, marker={"color": colour, **mark},
                 )  # fmt: skip
+    for index, temperature in enumerate(temperatures):
+        name = "clamps as stated" if temperature is None else f"{temperature:g} °C"
+        line = {"color": SERIES[index % len(SERIES)], "width": 2}
+        figure.add_scatter(x=[None], y=[None], mode="lines", name=name, line=line)
     for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
         if any(dot.trusted == trusted for dot in response.dots):
             name = "co-simulation" if trusted else "co-simulation, not to be trusted"
@@ -79,16 +84,16 @@ def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
     wide = max(levels) > WIDE * min(levels)
     figure.update_xaxes(title_text="f / Hz")
     figure.update_yaxes(title_text="amplitude / mm", type="log" if wide else "linear")
-    return styled(figure, f"Displacement at {response.points[point]}", height=460)
+    return styled(figure, f"Displacement at {response.points[point]}", height=480)
 
 
-def _pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
+def pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
     """Cut a curve into stable and unstable pieces that share their ends; a gap in it stays open."""
-    pieces: list[tuple[bool, list[SteadyState]]] = []
+    cut: list[tuple[bool, list[SteadyState]]] = []
     for followed in curve.followed.pieces:
         before: list[SteadyState] = []
         for stable, group in groupby(followed, key=lambda state: state.stable):
             piece = [*before[-1:], *group]
-            pieces.append((stable, piece))
+            cut.append((stable, piece))
             before = piece
-    return pieces
+    return cut

@@ -1,13 +1,4 @@
-"""The README's picture: one loop that the fit never saw, and the law as it grows.
-
-Run: python build_scripts/readme_picture.py        (needs a Chromium to turn the page into docs/law_grows.png)
-"""
-
-import shutil
-import subprocess
-import sys
-import tempfile
-from pathlib import Path
+"""One loop that the fit never saw, and the law as it grows."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -22,10 +13,8 @@ from pipeclamp_identification.demo import EFFECTS
 from pipeclamp_identification.identify import identify, law_file
 from pipeclamp_identification.report import MEASURED, MODEL, styled
 
-OUTPUT = Path(__file__).parents[1] / "docs" / "law_grows.png"
 RUN = "A0p35_f4_T60"
-WIDTH, HEIGHT = 1080, 600
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
+HEIGHT = 600
 
 
 def comparisons() -> list[tuple[str, Comparison]]:
@@ -39,8 +28,9 @@ def comparisons() -> list[tuple[str, Comparison]]:
     return steps
 
 
-def picture(steps: list[tuple[str, Comparison]]) -> go.Figure:
+def picture() -> go.Figure:
     """Loops above, what is left of the force below, one column a step."""
+    steps = comparisons()
     row = next(index for index, run in enumerate(steps[0][1].runs) if run.run == RUN)
     titles = [
         f"{name}<br><span style='font-size:12px'>{run.runs[row].nrmse:.1%} here, {run.nrmse:.1%} over 18 runs</span>"
@@ -72,28 +62,4 @@ def picture(steps: list[tuple[str, Comparison]]) -> go.Figure:
     figure.update_yaxes(title_text="F / N", row=1, col=1)
     figure.update_yaxes(title_text="F / N", row=2, col=1)
     figure.update_annotations(font={"size": 15})
-    return figure.update_layout(width=WIDTH, margin={"t": 60, "b": 70, "l": 70}, legend={"y": -0.12})
-
-
-def main() -> None:
-    """Draw the picture and let a browser turn it into a PNG."""
-    browser = next((path for path in map(shutil.which, BROWSERS) if path), None)
-    if browser is None:
-        sys.exit(f"no browser found; expected one of {', '.join(BROWSERS)} on the path")
-    OUTPUT.parent.mkdir(exist_ok=True)
-    figure = picture(comparisons())
-    with tempfile.TemporaryDirectory() as temporary:
-        page = Path(temporary) / "picture.html"
-        body = figure.to_html(full_html=False, include_plotlyjs=True, config={"displayModeBar": False})
-        page.write_text(f"<!DOCTYPE html><meta charset='utf-8'><body style='margin:0'>{body}</body>", encoding="utf-8")
-        options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--virtual-time-budget=4000"]
-        subprocess.run(
-            [browser, *options, f"--user-data-dir={temporary}/profile", f"--window-size={WIDTH},{HEIGHT}",
-             f"--screenshot={OUTPUT}", page.as_uri()],
-            check=True, capture_output=True, timeout=120,
-        )  # fmt: skip
-    print(f"{OUTPUT}: {OUTPUT.stat().st_size / 1024:.0f} kB")
-
-
-if __name__ == "__main__":
-    main()
+    return figure.update_layout(margin={"t": 60, "b": 70, "l": 70})
