@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from pipe_rig import Sensor, Sine
+from record_rig import Motion
 
 from pipeclamp.law import Structure, compose
 
@@ -82,6 +83,7 @@ class Design:
         excitation: the system's table.
         motion: amplitude in mm and frequency in Hz for which the laws are taken.
         sensors, sines: of the test.
+        motions: of a test with records, by the kind of motion.
     """
 
     pipe: str
@@ -91,6 +93,7 @@ class Design:
     motion: tuple[float, float]
     sensors: tuple[Sensor, ...]
     sines: tuple[Sine, ...]
+    motions: Mapping[str, tuple[Motion, ...]]
 
     def write(self, folder: Path, fields: Mapping[str, object], laws: Mapping[str, Mapping[str, float]]) -> Path:
         """Write the system with other fields and coefficients in place; give its file."""
@@ -144,6 +147,11 @@ DESIGNS: Mapping[str, Design] = {
         (1.0, 8.0),
         (Sensor("tip", 3.0, "m/s2"), Sensor("middle", 1.5, "mm")),
         sines(5.0, 12.0, 16, (0.5, 2.0)),
+        {
+            "sweep": (Motion("sweep", 0.5, 5.0, 12.0, 8.0), Motion("sweep", 2.0, 5.0, 12.0, 8.0)),
+            "burst": (Motion("burst", 6.0, 5.0, 12.0, 12.0),),
+            "random": (Motion("random", 3.0, 3.0, 16.0, 12.0),),
+        },
     ),
     "rack": Design(
         RACK,
@@ -156,6 +164,11 @@ DESIGNS: Mapping[str, Design] = {
         (1.0, 6.0),
         (Sensor("quarter", 2.5, "mm"), Sensor("span", 5.2, "mm/s"), Sensor("end", 7.5, "g")),
         sines(4.0, 14.0, 18, (30.0, 150.0)),
+        {
+            "sweep": (Motion("sweep", 30.0, 4.0, 14.0, 8.0), Motion("sweep", 150.0, 4.0, 14.0, 8.0)),
+            "burst": (Motion("burst", 400.0, 4.0, 14.0, 12.0),),
+            "random": (Motion("random", 150.0, 3.0, 16.0, 12.0),),
+        },
     ),
 }
 
@@ -171,6 +184,7 @@ class Trial:
         fields, laws: what is put in place of what is stated.
         gains: factors by which sensors are out of calibration, in their order.
         noise: of the sensors.
+        measured: what was measured: "sines", or kinds of motion.
     """
 
     design: str
@@ -180,6 +194,7 @@ class Trial:
     laws: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     gains: tuple[float, ...] = ()
     noise: float = 0.01
+    measured: tuple[str, ...] = ("sines",)
 
 
 def _times(design: str, clamp: str, factor: float, *names: str) -> Mapping[str, Mapping[str, float]]:
@@ -245,4 +260,70 @@ TRIALS = (
         "cantilever", "damping 4 %, clamp 1.3 times as stiff", ("damping", "clamp1.stiffness"), {"ratio": 0.04},
         _times("cantilever", "clamp1", 1.3, "k10", "k30"),
     ),
+    # Somebody saw once that it gave no result.
+    Trial("cantilever", "damping 1.3 % instead of 2 %", ("damping",), {"ratio": 0.013}),
 )  # fmt: skip
+
+HIDDEN: Mapping[str, tuple[Trial, ...]] = {
+    "cantilever": (
+        Trial("cantilever", "nothing", ()),
+        Trial("cantilever", "left end turns", ("left.rotational",), TURNS),
+        Trial("cantilever", "left end turns a little", ("left.rotational",), {
+            "left": "{ stiffness_N_mm = 1e7, rotational_stiffness_Nm_rad = 6e5 }"
+        }),
+        Trial("cantilever", "damping 4 % instead of 2 %", ("damping",), {"ratio": 0.04}),
+        Trial("cantilever", "damping 1.3 % instead of 2 %", ("damping",), {"ratio": 0.013}),
+        Trial("cantilever", "0.8 kg at 2.6 m", ("added_mass",), {"further": MASS.format(2.6, 0.8)}),
+        Trial("cantilever", "0.3 kg at 1.4 m", ("added_mass",), {"further": MASS.format(1.4, 0.3)}),
+        Trial(
+            "cantilever", "clamp 1.3 times as stiff", ("clamp1.stiffness",),
+            laws=_times("cantilever", "clamp1", 1.3, "k10", "k30"),
+        ),
+        Trial(
+            "cantilever", "clamp 0.9 times as stiff", ("clamp1.stiffness",),
+            laws=_times("cantilever", "clamp1", 0.9, "k10", "k30"),
+        ),
+        Trial(
+            "cantilever", "clamp 0.6 times as damped", ("clamp1.damping",),
+            laws=_times("cantilever", "clamp1", 0.6, "c0"),
+        ),
+        Trial(
+            "cantilever", "clamp 1.2 times as damped", ("clamp1.damping",),
+            laws=_times("cantilever", "clamp1", 1.2, "c0"),
+        ),
+    ),
+    "rack": (
+        Trial("rack", "nothing", ()),
+        Trial("rack", "support 35 instead of 60 N/mm", ("support:6.stiffness",), {"support": 35.0}),
+        Trial("rack", "support 52 instead of 60 N/mm", ("support:6.stiffness",), {"support": 52.0}),
+        Trial("rack", "damping 0.5 % instead of 1.5 %", ("damping",), {"ratio": 0.005}),
+        Trial("rack", "damping 2.2 % instead of 1.5 %", ("damping",), {"ratio": 0.022}),
+        Trial("rack", "8 kg at 3.8 m", ("added_mass",), {"further": MASS.format(3.8, 8.0)}),
+        Trial("rack", "4 kg at 7 m", ("added_mass",), {"further": MASS.format(7.0, 4.0)}),
+        Trial(
+            "rack", "clamp1 1.4 times as stiff", ("clamp1.stiffness",), laws=_times("rack", "clamp1", 1.4, "k10", "k30")
+        ),
+        Trial(
+            "rack", "clamp1 0.85 times as stiff", ("clamp1.stiffness",),
+            laws=_times("rack", "clamp1", 0.85, "k10", "k30"),
+        ),
+        Trial("rack", "clamp2 1.6 times as damped", ("clamp2.damping",), laws=_times("rack", "clamp2", 1.6, "c0")),
+        Trial("rack", "clamp1 1.3 times as damped", ("clamp1.damping",), laws=_times("rack", "clamp1", 1.3, "c0")),
+    ),
+}  # fmt: skip
+"""What is hidden in tests with records."""
+
+RECORD_TRIALS = (
+    *(
+        replace(trial, measured=(kind,))
+        for design, kind in (("cantilever", "sweep"), ("rack", "random"), ("cantilever", "burst"))
+        for trial in HIDDEN[design]
+    ),
+    replace(HIDDEN["rack"][0], measured=("sweep",)),
+    replace(HIDDEN["rack"][2], measured=("sweep",)),
+    replace(HIDDEN["rack"][0], measured=("sines", "random")),
+    replace(HIDDEN["rack"][6], measured=("sines", "random")),
+    replace(HIDDEN["cantilever"][10], measured=("sines", "burst")),
+    Trial("rack", "one sensor 15 % too high", None, gains=(1.0, 1.15, 1.0), measured=("random",)),
+)
+"""Each kind of motion with each fault at two sizes; some with sines besides."""

@@ -54,8 +54,8 @@ class Sine:
 
 def measure(
     system: Path, sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], folder: Path, noise: float, seed: int
-) -> None:
-    """Measure the sines on a described system and write them, a file a temperature.
+) -> str:
+    """Measure the sines on a described system, write them, a file a temperature, and give what to describe of them.
 
     Args:
         system: SYSTEM.toml; its pipe's file holds what is true.
@@ -78,9 +78,7 @@ def measure(
     seen = exact + size * (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape))
     folder.mkdir(parents=True, exist_ok=True)
     column = "acceleration_m_s2" if pipe.excitation.kind == "base" else "force_N"
-    lines = [f'name = "{folder.name}"']
-    for sensor in sensors:
-        lines += ["[[probes]]", f'name = "{sensor.name}"', f"position_m = {sensor.position}", f'unit = "{sensor.unit}"']
+    lines = []
     for number, temperature in enumerate(dict.fromkeys(sine.temperature for sine in sines)):
         rows = [index for index, sine in enumerate(sines) if sine.temperature == temperature]
         table = {"frequency_Hz": [sines[row].frequency for row in rows], column: [sines[row].drive for row in rows]}
@@ -90,7 +88,15 @@ def measure(
         pl.DataFrame(table).write_csv(folder / f"sines_{number}.csv")
         lines += ["[[responses]]", f'file = "sines_{number}.csv"']
         lines += [] if temperature is None else [f"temperature_C = {temperature}"]
-    (folder / FILE_NAME).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def describe(folder: Path, sensors: tuple[Sensor, ...], files: str) -> None:
+    """Write the description of a measurement: its sensors, and its files as they stand in it."""
+    lines = [f'name = "{folder.name}"']
+    for sensor in sensors:
+        lines += ["[[probes]]", f'name = "{sensor.name}"', f"position_m = {sensor.position}", f'unit = "{sensor.unit}"']
+    (folder / FILE_NAME).write_text("\n".join(lines) + "\n" + files, encoding="utf-8")
 
 
 def response(system: Path, pipe: PipeDescription, sensors: tuple[Sensor, ...], sine: Sine) -> np.ndarray:

@@ -15,11 +15,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import joblib
-from designs import DESIGNS, TRIALS, Trial
-from pipe_rig import measure
+from designs import DESIGNS, RECORD_TRIALS, TRIALS, Trial
+from pipe_rig import describe, measure
+from record_rig import measure_motions
 
 from pipeclamp_identification.pipe_attribution import Attribution, attribute
-from pipeclamp_identification.pipe_comparison import compare_pipe
+from pipeclamp_identification.pipe_compared import compare_measured
 from pipeclamp_identification.pipe_measurement import FILE_NAME
 
 
@@ -33,7 +34,12 @@ def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:
         if trial.gains:
             sensors = tuple(replace(sensor, gain=gain) for sensor, gain in zip(sensors, trial.gains, strict=True))
         true = design.write(own / "true", trial.fields, trial.laws)
-        measure(true, sensors, design.sines, test, trial.noise, seed=number)
+        files = ""
+        if "sines" in trial.measured:
+            files += measure(true, sensors, design.sines, test, trial.noise, seed=number)
+        motions = tuple(motion for kind in trial.measured for motion in design.motions.get(kind, ()))
+        files += measure_motions(true, sensors, motions, test, trial.noise, seed=number)
+        describe(test, sensors, files)
     return stated, test
 
 
@@ -57,14 +63,14 @@ def tried(number: int, trial: Trial, folder: Path) -> str:
     """Make and judge a trial; give its outcome."""
     system, test = measured(number, trial, folder)
     begin = time.process_time()
-    comparison = compare_pipe(system, test)
+    comparison = compare_measured(system, test)
     found = attribute(comparison)
     took = time.process_time() - begin
     result = outcome(trial, found)
     names = ", ".join(entry.id for entry in found.named)
     print(
-        f"{number:2d} {trial.design:10s} {trial.hidden:44s} {comparison.nrmse:6.1%} {took:5.1f} s  {result:26s} "
-        f"{found.verdict}: {names} (left {found.left:.2f})",
+        f"{number:2d} {trial.design:10s} {'+'.join(trial.measured):12s} {trial.hidden:44s} {comparison.nrmse:6.1%} "
+        f"{took:5.1f} s  {result:26s} {found.verdict}: {names} (left {found.left:.2f})",
         flush=True,
     )
     return result
@@ -79,8 +85,8 @@ def main() -> None:
     asked = parser.parse_args()
     chosen = [
         (number, trial)
-        for number, trial in enumerate(TRIALS)
-        if asked.only in f"{number:02d} {trial.design} {trial.hidden}"
+        for number, trial in enumerate((*TRIALS, *RECORD_TRIALS))
+        if asked.only in f"{number:02d} {trial.design} {'+'.join(trial.measured)} {trial.hidden}"
     ]
     outcomes = joblib.Parallel(n_jobs=asked.jobs)(
         joblib.delayed(tried)(number, trial, asked.output) for number, trial in chosen

@@ -174,25 +174,18 @@ def compare(
 ) -> None:
     """Hold a law, or a pipe with its clamps, against measurements: how much it errs, and where."""
     from pipeclamp.bundled import open_law
-    from pipeclamp_identification.findings import compared, compared_on_pipe, compared_on_records
+    from pipeclamp_identification.findings import compared, compared_on_pipe
     from pipeclamp_identification.pipe_measurement import is_system
 
     if is_system(Path(law)):
-        from pipeclamp_identification.pipe_comparison import compare_pipe
-        from pipeclamp_identification.pipe_records import compare_records, has_records
+        from pipeclamp_identification.pipe_compared import compare_measured
 
         with told("compare") as tell:
             tell(f"hold {law} against {campaign}")
-            if has_records(campaign):
-                records = compare_records(Path(law), campaign)
-                system, measurement = records.system, records.description
-                found = compared_on_records(records, with_report=report is not None)
-            else:
-                sines = compare_pipe(Path(law), campaign)
-                system, measurement = sines.system, sines.measurement.description
-                found = compared_on_pipe(sines, with_report=report is not None, progress=tell)
-        title = f"{system.name} against {measurement.name}"
-        show(found, json, report, title, measurement.notes or "pipe and clamps")
+            held = compare_measured(Path(law), campaign)
+            found = compared_on_pipe(held, with_report=report is not None, progress=tell)
+        title = f"{held.system.name} against {held.description.name}"
+        show(found, json, report, title, held.description.notes or "pipe and clamps")
         return
     with told("compare") as tell:
         file = open_law(law)

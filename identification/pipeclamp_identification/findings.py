@@ -31,6 +31,7 @@ from pipeclamp_identification.pipe_attribution_report import (
     attribution_words,
     candidate_table,
 )
+from pipeclamp_identification.pipe_compared import Compared
 from pipeclamp_identification.pipe_comparison import PipeComparison
 from pipeclamp_identification.pipe_comparison_report import pipe_comparison_sections, probe_table
 from pipeclamp_identification.pipe_next_test import propose
@@ -136,27 +137,41 @@ def compared(file: LawFile, tests: Campaign | MetricCampaign, *, with_report: bo
     )
 
 
-def compared_on_pipe(comparison: PipeComparison, *, with_report: bool, progress: Progress) -> Findings:
+def compared_on_pipe(compared: Compared, *, with_report: bool, progress: Progress) -> Findings:
     """Give how a coupled model stands against what was measured on the pipe, and which parameter may be wrong."""
-    found = attribute(comparison, progress)
+    found = attribute(compared, progress)
     proposal = None
     if found is not None and found.verdict == "ambiguous":
         progress("look for a test that would tell")
-        proposal = propose(found)
+        proposal = propose(found, compared)
+    parts = [
+        *([_on_sines(compared.sines, with_report=with_report)] if compared.sines else []),
+        *([_on_records(compared.records, with_report=with_report)] if compared.records else []),
+    ]
+    answer = parts[0].answer | ({"over_time": parts[1].answer} if len(parts) > 1 else {})
     sections: list[Section] = []
     if with_report:
-        how, *others = pipe_comparison_sections(comparison)
+        how, *others = [section for part in parts for section in part.sections]
         sections = [how, attribution_section(found, proposal), *others]
-    tables = [probe_table(comparison), *([candidate_table(found, most=SHOWN)] if found else [])]
     return Findings(
-        pipe_comparison_json(comparison) | {"attribution": found and attribution_json(found, proposal)},
+        answer | {"attribution": found and attribution_json(found, proposal)},
         sections,
-        tables,
-        [*how_much(comparison), *where_on_pipe(comparison), *attribution_words(found, proposal)],
+        [*(table for part in parts for table in part.tables), *([candidate_table(found, most=SHOWN)] if found else [])],
+        [*(line for part in parts for line in part.lines), *attribution_words(found, proposal)],
     )
 
 
-def compared_on_records(comparison: RecordsComparison, *, with_report: bool) -> Findings:
+def _on_sines(comparison: PipeComparison, *, with_report: bool) -> Findings:
+    """Give how a coupled model stands against sines."""
+    return Findings(
+        pipe_comparison_json(comparison),
+        pipe_comparison_sections(comparison) if with_report else [],
+        [probe_table(comparison)],
+        [*how_much(comparison), *where_on_pipe(comparison)],
+    )
+
+
+def _on_records(comparison: RecordsComparison, *, with_report: bool) -> Findings:
     """Give how a coupled model stands against records of any motion."""
     return Findings(
         records_json(comparison),

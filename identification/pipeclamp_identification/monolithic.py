@@ -66,6 +66,7 @@ class MonolithicResult:
         velocity: m/s, (n, clamps).
         force: into each clamp, N, (n, clamps).
         probes: displacement of each probe, m, (n, probes).
+        probe_velocity, probe_acceleration: relative to the base, m/s and m/s2, (n, probes).
     """
 
     time: Array
@@ -73,6 +74,8 @@ class MonolithicResult:
     velocity: Array
     force: Array
     probes: Array
+    probe_velocity: Array
+    probe_acceleration: Array
 
 
 def solve_monolithic(
@@ -141,5 +144,7 @@ def solve_monolithic(
     force = np.array(
         [clamp_forces(state, y, v) for state, y, v in zip(states, displacement, velocity, strict=True)]
     ).reshape(time.size, len(clamps))
-    probes = q @ np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), count).T
-    return MonolithicResult(time, displacement, velocity, force, probes)
+    loads = np.outer([excitation(t) for t in time], participation) - force @ shapes
+    acceleration = loads - p @ damping.T - q @ stiffness.T
+    seen = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), count).T
+    return MonolithicResult(time, displacement, velocity, force, q @ seen, p @ seen, acceleration @ seen)

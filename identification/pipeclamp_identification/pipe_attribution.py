@@ -1,13 +1,13 @@
 """Which parameter of a coupled model is wrong: the pipe's or the clamp's, or can't these measurements tell?
 
-Each suspect is refitted alone, and all of them together. A suspect is judged by what it leaves over on frequencies that
-it was not fitted to, in units of the noise; one is named only if every other one leaves clearly more. Where no single
-one comes near to what all together reach, pairs are tried.
+Each suspect is refitted alone, and all of them together, to sines, to records of any motion, or to both. A suspect is
+judged by what it leaves over on frequencies that it was not fitted to, in units of the noise; one is named only if
+every other one leaves clearly more. Where no single one comes near to what all together reach, pairs are tried.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,12 +15,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from pipeclamp_identification.pipe_compared import Compared
 from pipeclamp_identification.pipe_comparison import PipeComparison
-from pipeclamp_identification.pipe_model import Prediction, predict
-from pipeclamp_identification.pipe_noise import first_guess, noise_of
-from pipeclamp_identification.pipe_refit import Refit, Task, as_stated, bounds_of, changed, refit, searched
-from pipeclamp_identification.pipe_series import series_of
+from pipeclamp_identification.pipe_model import predict
+from pipeclamp_identification.pipe_refit import (
+    MOST_EVALUATIONS,
+    Refit,
+    Start,
+    as_stated,
+    bounds_of,
+    changed,
+    refit,
+    searched,
+)
+from pipeclamp_identification.pipe_sine_evidence import SineEvidence
 from pipeclamp_identification.pipe_suspects import Suspect, suspects_of, with_mounts
+from pipeclamp_identification.pipe_task import Task, task_of
 
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]
@@ -124,38 +134,41 @@ class Attribution:
         return tuple({suspect.id: suspect for entry in self.named for suspect in entry.suspects}.values())
 
 
-def attribute(comparison: PipeComparison, tell: Tell = lambda what: None) -> Attribution | None:
+def attribute(compared: Compared, tell: Tell = lambda what: None) -> Attribution | None:
     """Find out which parameter of a coupled model is wrong; None where too little was measured to ask.
 
     Args:
-        comparison: of the model with a measurement.
+        compared: the model with what was measured.
         tell: told what is being done.
     """
-    if comparison.measurement.steady.values < FEWEST:
+    task = _task(compared)
+    if as_stated(task).residual.size < FEWEST:
         return None
-    model = with_mounts(comparison.model)
-    measurement = comparison.measurement
-    prediction = predict(model, measurement, comparison.prediction)
-    task = Task(measurement, model, prediction, first_guess(measurement))
-    suspects = suspects_of(comparison.model)
-    refits = []
-    for suspect in suspects:
-        tell(f"refit {suspect.words}")
-        refits.append(refit(task, (suspect,), *searched(task, suspect)))
-    tell("look for other branches")
-    refits = _on_the_nearest_branches(task, sorted(refits, key=lambda one: one.squared), comparison)
+    suspects = suspects_of(compared.model)
+    tell("refit each parameter alone")
+    refits = sorted(refit(task, searched(task, suspects)), key=lambda one: one.squared)
+    if compared.sines:
+        tell("look for other branches")
+        refits = _on_the_nearest_branches(task, refits, compared.sines)
     tell("refit all together")
-    together = _together(task, suspects, min(refits, key=lambda one: one.squared))
-    noise = noise_of(measurement, together.prediction.response)
-    if noise is None:
-        freedoms = max(1, together.residual.size - len(together.values))
-        noise = task.noise * np.sqrt(together.squared / freedoms)
-    guessed, task = task, replace(task, noise=noise)
+    best = min(refits, key=lambda one: one.squared)
+    (together,) = refit(task, [_all_from(suspects, best)])
+    freedoms = max(1, together.residual.size - len(together.values))
+    task = task.renewed(together.computed, float(np.sqrt(together.squared / freedoms)))
     tell("refit with the noise that was found")
-    together = refit(task, together.suspects, together.values, together.prediction)
-    least = min(float(task.residual(one.prediction) @ task.residual(one.prediction)) for one in refits)
-    singles = [_candidate(comparison, task, _renewed(task, one, least, guessed)) for one in refits]
-    return _judged(comparison, task, sorted(singles, key=lambda one: one.heldout), together, tell)
+    together, *refits = refit(task, [_from(one) for one in (together, *refits)], _limits(task, (together, *refits)))
+    singles = [_candidate(compared, task, one) for one in refits]
+    return _judged(compared, task, sorted(singles, key=lambda one: one.heldout), together, tell)
+
+
+def _task(compared: Compared) -> Task:
+    """Give what is fitted to, with mounts on the clamps and a first guess of the noise."""
+    model = with_mounts(compared.model)
+    sines = None
+    if compared.sines:
+        measurement = compared.sines.measurement
+        sines = SineEvidence.begun(measurement, predict(model, measurement, compared.sines.prediction))
+    return task_of(model, sines, compared.records)
 
 
 def _on_the_nearest_branches(task: Task, refits: Sequence[Refit], comparison: PipeComparison) -> list[Refit]:
@@ -170,17 +183,23 @@ def _on_the_nearest_branches(task: Task, refits: Sequence[Refit], comparison: Pi
     found = list(refits)
     for index in range(1 if near else 0, min(looked_at + 1, len(refits))):
         one = refits[index]
-        fresh = predict(changed(task.model, one.suspects, one.values), task.measurement)
-        residual = task.residual(fresh)
+        fresh = predict(changed(task.model, one.suspects, one.values), comparison.measurement)
+        computed = replace(one.computed, sines=fresh)
+        residual = task.residual(computed)
         if float(residual @ residual) < MUCH_LESS**2 * one.squared:
-            found[index] = refit(task, one.suspects, one.values, fresh)
+            (found[index],) = refit(task, [Start(one.suspects, one.values, computed)])
     return found
 
 
-def _together(task: Task, suspects: Sequence[Suspect], best: Refit) -> Refit:
-    """Refit all suspects at once, from the best single one."""
+def _from(one: Refit) -> Start:
+    """Go on from a refit."""
+    return Start(one.suspects, one.values, one.computed)
+
+
+def _all_from(suspects: Sequence[Suspect], best: Refit) -> Start:
+    """Begin with all suspects at once, from the best single one."""
     values = [best.values if suspect.id == best.suspects[0].id else _neutral(suspect) for suspect in suspects]
-    return refit(task, tuple(suspects), tuple(value for part in values for value in part), best.prediction)
+    return Start(tuple(suspects), tuple(value for part in values for value in part), best.computed)
 
 
 def _neutral(suspect: Suspect) -> tuple[float, ...]:
@@ -189,21 +208,19 @@ def _neutral(suspect: Suspect) -> tuple[float, ...]:
     return (max(0.0, first[0]), *((low + high) / 2 for low, high in others))
 
 
-def _renewed(task: Task, one: Refit, least: float, guessed: Task) -> Refit:
-    """Refit once more where that can matter, now that the noise is another than was guessed."""
-    residual = task.residual(one.prediction)
-    if float(residual @ residual) < NEAR * max(least, residual.size):
-        return refit(task, one.suspects, one.values, one.prediction)
-    scale = guessed.noise / task.noise
-    return replace(one, residual=residual, jacobian=one.jacobian * task.flat(scale, scale)[:, None])
+def _limits(task: Task, refits: Iterable[Refit]) -> list[int]:
+    """Give how often each refit may be evaluated once more: but once where it can't matter any more."""
+    residuals = [task.residual(one.computed) for one in refits]
+    squares = [float(residual @ residual) for residual in residuals]
+    least = min(squares)
+    return [
+        MOST_EVALUATIONS if squared < NEAR * max(least, residual.size) else 1
+        for squared, residual in zip(squares, residuals, strict=True)
+    ]
 
 
-def _candidate(comparison: PipeComparison, task: Task, one: Refit) -> Candidate:
-    return Candidate(one, _heldout(task, one), _nrmse(comparison, one.prediction))
-
-
-def _nrmse(comparison: PipeComparison, prediction: Prediction) -> float:
-    return replace(comparison, prediction=prediction).nrmse
+def _candidate(compared: Compared, task: Task, one: Refit) -> Candidate:
+    return Candidate(one, _heldout(task, one), compared.saying(one.computed).nrmse)
 
 
 def _heldout(task: Task, one: Refit) -> float:
@@ -214,34 +231,19 @@ def _heldout(task: Task, one: Refit) -> float:
     total = 0.0
     J, residual, values = one.jacobian, one.residual, np.array(one.values)
     lower, upper = bounds_of(one.suspects)
-    for inside in _blocks(task):
-        rest = ~inside
+    blocks = task.blocks(BLOCKS)
+    for block in np.unique(blocks):
+        inside, rest = blocks == block, blocks != block
         step = np.linalg.lstsq(J[rest], -residual[rest], rcond=None)[0] if J.shape[1] else np.zeros(0)
         left = residual[inside] + J[inside] @ (np.clip(values + step, lower, upper) - values)
         total += float(left @ left)
     return total
 
 
-def _blocks(task: Task) -> Iterator[NDArray[np.bool_]]:
-    """Give the parts that are left out in turn: neighbouring frequencies of a series, all probes."""
-    steady = task.measurement.steady
-    block = np.zeros(steady.frequency.size, dtype=np.intp)
-    series = series_of(steady)
-    each = max(1, round(BLOCKS / len(series)))
-    for number, one in enumerate(series):
-        block[one.rows] = number * each + np.arange(one.rows.size) * each // one.rows.size
-    of_rows = np.broadcast_to(block[:, None], steady.response.shape).astype(np.float64)
-    labels = task.flat(of_rows, of_rows)
-    for label in np.unique(labels):
-        yield labels == label
-
-
-def _judged(
-    comparison: PipeComparison, task: Task, singles: list[Candidate], together: Refit, tell: Tell
-) -> Attribution:
+def _judged(compared: Compared, task: Task, singles: list[Candidate], together: Refit, tell: Tell) -> Attribution:
     """Give the verdict."""
-    stated = _candidate(comparison, task, as_stated(task))
-    everything = _candidate(comparison, task, together)
+    stated = _candidate(compared, task, as_stated(task))
+    everything = _candidate(compared, task, together)
 
     def found(verdict: Verdict, named: Sequence[Candidate], candidates: Sequence[Candidate]) -> Attribution:
         best = candidates[0].refit if verdict != "complete" else stated.refit
@@ -254,7 +256,7 @@ def _judged(
         return found("complete" if enough else "unknown", (), singles)
     if _needs_more(best, everything):
         tell("refit pairs")
-        pairs = sorted(_pairs(comparison, task, singles), key=lambda one: one.heldout)
+        pairs = sorted(_pairs(compared, task, singles), key=lambda one: one.heldout)
         singles = sorted([*singles, *pairs], key=lambda one: one.heldout)
         if pairs and _better(pairs[0], best):
             best = pairs[0]
@@ -286,19 +288,21 @@ def _needs_more(one: Candidate, everything: Candidate) -> bool:
     return gained > chi2.isf(SURELY, freedoms) and everything.refit.squared < MUCH_LESS**2 * one.refit.squared
 
 
-def _pairs(comparison: PipeComparison, task: Task, singles: Sequence[Candidate]) -> Iterator[Candidate]:
+def _pairs(compared: Compared, task: Task, singles: Sequence[Candidate]) -> Iterator[Candidate]:
     """Refit the pairs that promise most, each begun from one of them alone."""
     hopeful = singles[:HOPEFUL]
+    starts = [
+        Start(
+            (one.suspects[0], other.suspects[0]), (*one.refit.values, *_neutral(other.suspects[0])), one.refit.computed
+        )
+        for index, one in enumerate(hopeful)
+        for other in (*hopeful[index + 1 :], *singles[HOPEFUL:])
+    ]
     promised = []
-    for one in hopeful:
-        for other in singles:
-            if one is other or (other in hopeful and singles.index(other) < singles.index(one)):
-                continue
-            pair = (one.suspects[0], other.suspects[0])
-            values = (*one.refit.values, *_neutral(other.suspects[0]))
-            begun = refit(task, pair, values, one.refit.prediction, most=1)
-            step = np.linalg.lstsq(begun.jacobian, -begun.residual, rcond=None)[0]
-            left = begun.residual + begun.jacobian @ step
-            promised.append((float(left @ left), pair, values, one.refit.prediction))
-    for _, pair, values, near in sorted(promised, key=lambda entry: entry[0])[:PAIRS]:
-        yield _candidate(comparison, task, refit(task, pair, values, near))
+    for start, begun in zip(starts, refit(task, starts, most=1), strict=True):
+        step = np.linalg.lstsq(begun.jacobian, -begun.residual, rcond=None)[0]
+        left = begun.residual + begun.jacobian @ step
+        promised.append((float(left @ left), start))
+    chosen = [start for _, start in sorted(promised, key=lambda entry: entry[0])[:PAIRS]]
+    for one in refit(task, chosen):
+        yield _candidate(compared, task, one)

@@ -11,8 +11,9 @@ from pipeclamp_identification.report import Section, Table
 
 METHOD = (
     "Each parameter was refitted alone, and all of them together. A parameter is named only if every other one leaves "
-    "clearly more on frequencies that it was not fitted to, in units of the sensors' noise. A clamp's stiffness "
-    "follows the amplitude as its law does, a support's doesn't: several levels tell them apart."
+    "clearly more on frequencies that it was not fitted to, in units of the sensors' noise. Of records of any motion, "
+    "the amplitude and the phase in each band of frequency of each part of time count, not samples. A clamp's "
+    "stiffness follows the amplitude as its law does, a support's doesn't: several levels tell them apart."
 )
 NOT_COVERED = (
     "Not tried: the pipe's bending stiffness, positions, flow and axial force, sensors out of calibration, and laws of "

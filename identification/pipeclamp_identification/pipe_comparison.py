@@ -30,6 +30,7 @@ from pipeclamp_identification.pipe_model import (
     Prediction,
     predict,
     read_model,
+    temperatures,
 )
 from pipeclamp_identification.system import SystemDescription
 
@@ -240,7 +241,15 @@ def compare_pipe(system: Path, measured: Path) -> PipeComparison:
         UserError: a file can't serve, they don't belong together, or no steady state is found anywhere.
     """
     measurement = read_measurement(measured)
-    described, model = read_model(system, measurement)
+    steady = measurement.steady
+    levels = [temperature for temperature, _ in temperatures(steady)]
+    described, model = read_model(system, measurement.description, {steady.drive_unit}, levels)
+    highest = float(steady.frequency.max())
+    if highest > model.pipe.modes.up_to_Hz:
+        raise UserError(
+            f"{system}: its pipe has modes.up_to_Hz = {model.pipe.modes.up_to_Hz:g}, but the measurement goes up to "
+            f"{highest:g} Hz; expected more modes than that; raise it"
+        )
     prediction = predict(model, measurement)
     comparison = PipeComparison(described, model, measurement, prediction)
     if not np.any(comparison.squared_measured > 0):

@@ -103,7 +103,7 @@ class RecordTable(Table):
 
 
 class MeasurementDescription(Table):
-    """What was measured on a pipe; paths are relative to the file they stand in."""
+    """What was measured on a pipe: sines, records of any motion, or both; paths are relative to the file."""
 
     name: str = "measurement"
     notes: str = ""
@@ -111,6 +111,11 @@ class MeasurementDescription(Table):
     responses: tuple[ResponseTable, ...] = ()
     sines: tuple[SineTable, ...] = ()
     records: tuple[RecordTable, ...] = ()
+
+    @property
+    def has_sines(self) -> bool:
+        """Whether sines were measured."""
+        return bool(self.responses or self.sines)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -120,8 +125,6 @@ class MeasurementDescription(Table):
                 raise ValueError(f"probes: the name {name!r} is there twice; expected a name of its own for each")
         if not self.responses and not self.sines and not self.records:
             raise ValueError("nothing was measured; expected [[responses]], [[sines]] or [[records]], with their files")
-        if self.records and (self.responses or self.sines):
-            raise ValueError("[[records]] are compared over time, sines are not; expected a folder for each")
         return self
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -93,36 +93,38 @@ def _reduced(description: PipeDescription, neighbour: ReducedPipe) -> ReducedPip
     return reduce_likewise(description, neighbour)
 
 
-def read_model(path: Path, measurement: PipeMeasurement) -> tuple[SystemDescription, CoupledModel]:
+def read_model(
+    path: Path, description: MeasurementDescription, drives: Iterable[Drive], clamps_at: Iterable[float | None]
+) -> tuple[SystemDescription, CoupledModel]:
     """Read a coupled system, with the probes of a measurement on its pipe.
+
+    Args:
+        path: SYSTEM.toml.
+        description: of the measurement.
+        drives: columns that its excitation stands in.
+        clamps_at: temperatures of the clamps, degC; None for the system's own.
 
     Raises:
         UserError: the system can't be read or built, or the measurement doesn't belong to it.
     """
-    system, pipe, pipe_path = measured_pipe(path, measurement.description, measurement.steady.drive_unit)
-    highest = float(measurement.steady.frequency.max())
-    if highest > pipe.modes.up_to_Hz:
-        raise UserError(
-            f"{pipe_path}: modes.up_to_Hz = {pipe.modes.up_to_Hz:g}, but the measurement goes up to {highest:g} Hz; "
-            "expected more modes than that; raise it"
-        )
+    system, pipe = _measured_pipe(path, description, drives)
     reduced = reduce(pipe)
     clamps = {
         temperature: tuple(
             (index, replace(clamp, samples=SAMPLES))
             for index, clamp in steady_clamps(system, reduced, path.parent, temperature, str(path))
         )
-        for temperature, _ in temperatures(measurement.steady)
+        for temperature in clamps_at
     }
     names = tuple(source.at for source in system.clamps)
     harmonics = system.response.harmonics if system.response else HARMONICS
     return system, CoupledModel(pipe, clamps, names, harmonics, reduced)
 
 
-def measured_pipe(
-    path: Path, description: MeasurementDescription, drive: Drive
-) -> tuple[SystemDescription, PipeDescription, Path]:
-    """Read a coupled system; give it, its pipe with a measurement's probes, and the pipe's file.
+def _measured_pipe(
+    path: Path, description: MeasurementDescription, drives: Iterable[Drive]
+) -> tuple[SystemDescription, PipeDescription]:
+    """Read a coupled system; give it, and its pipe with a measurement's probes.
 
     Raises:
         UserError: they can't be read, or the measurement doesn't belong to them.
@@ -134,14 +136,15 @@ def measured_pipe(
         )
     pipe_path = path.parent / system.pipe.file
     pipe = with_probes(read_pipe(pipe_path), description, str(pipe_path))
-    kind = DRIVES[drive].shakes
-    if kind != pipe.excitation.kind:
-        raise UserError(
-            f"{pipe_path}: excitation: the pipe is excited by {pipe.excitation.kind}, the measurement by {kind} "
-            f"({drive}); expected the same; set excitation.kind = {kind!r}"
-        )
+    for drive in sorted(drives):
+        kind = DRIVES[drive].shakes
+        if kind != pipe.excitation.kind:
+            raise UserError(
+                f"{pipe_path}: excitation: the pipe is excited by {pipe.excitation.kind}, the measurement by {kind} "
+                f"({drive}); expected the same; set excitation.kind = {kind!r}"
+            )
     modes = pipe.modes.model_copy(update={"error": min(pipe.modes.error, REDUCTION)})
-    return system, pipe.model_copy(update={"modes": modes}), pipe_path
+    return system, pipe.model_copy(update={"modes": modes})
 
 
 def with_probes(pipe: PipeDescription, measurement: MeasurementDescription, where: str) -> PipeDescription:

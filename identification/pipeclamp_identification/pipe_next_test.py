@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -11,8 +12,9 @@ from numpy.typing import NDArray
 
 from pipeclamp.errors import UserError
 from pipeclamp.pipe_description import Place
-from pipeclamp_identification.measured_table import DRIVES
+from pipeclamp_identification.measured_table import DRIVES, Drive
 from pipeclamp_identification.pipe_attribution import Attribution, Candidate
+from pipeclamp_identification.pipe_compared import Compared
 from pipeclamp_identification.pipe_measurement import (
     MeasurementDescription,
     PipeMeasurement,
@@ -23,6 +25,7 @@ from pipeclamp_identification.pipe_model import CoupledModel, predict
 from pipeclamp_identification.pipe_refit import changed
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 SINES = 12
 """Of a proposed series."""
@@ -58,18 +61,29 @@ class Proposal:
         )
 
 
-def propose(attribution: Attribution) -> Proposal | None:
-    """Propose the test at which the named candidates differ most; None where none is found that tells more."""
+@dataclass(frozen=True)
+class Tested:
+    """What was measured so far: Hz, least and largest level in the excitation's unit, degC of the clamps; in words."""
+
+    verb: str
+    description: MeasurementDescription
+    low: float
+    high: float
+    quietest: float
+    loudest: float
+    drive_unit: Drive
+    temperature: float | None
+
+
+def propose(attribution: Attribution, compared: Compared) -> Proposal | None:
+    """Propose the sines at which the named candidates differ most; None where none is found that tells more."""
     named = attribution.named[:3]
     if len(named) < 2:
         return None
-    measurement, model = attribution.task.measurement, attribution.task.model
-    now = min(
-        _difference(one.refit.prediction.response, other.refit.prediction.response)
-        for one, other in combinations(named, 2)
-    )
+    model = attribution.task.model
+    now = min(_difference_now(one, other) for one, other in combinations(named, 2))
     best: tuple[float, str] | None = None
-    for words, probes, test in _tests(measurement, model):
+    for words, probes, test in _tests(tested(compared), model):
         responses = [_response(model, one, probes, test) for one in named]
         known = [response for response in responses if response is not None]
         if len(known) < len(named):
@@ -82,7 +96,38 @@ def propose(attribution: Attribution) -> Proposal | None:
     return Proposal(best[1], best[0], now)
 
 
-def _difference(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> float:
+def tested(compared: Compared) -> Tested:
+    """Give the range that was measured: of the sines, where there are any, else of the records."""
+    if compared.sines:
+        steady = compared.sines.measurement.steady
+        own = np.isnan(steady.temperature)
+        return Tested(
+            "Measure", compared.description, float(steady.frequency.min()), float(steady.frequency.max()),
+            float(steady.level.min()), float(steady.level.max()), steady.drive_unit,
+            None if own.any() else float(steady.temperature[0]),
+        )  # fmt: skip
+    assert compared.records
+    records = [pair.record for pair in compared.records.pairs]
+    levels = [math.sqrt(2 * float(np.mean(record.drive**2))) / DRIVES[record.drive_unit].scale for record in records]
+    edges = compared.records.edges.tolist()
+    return Tested(
+        "Measure sines", compared.description, edges[0], edges[-1], min(levels), max(levels), records[0].drive_unit,
+        records[0].temperature,
+    )  # fmt: skip
+
+
+def _difference_now(one: Candidate, other: Candidate) -> float:
+    """Give by how much two models differ at what was measured."""
+    first, second = one.refit.computed, other.refit.computed
+    found = [
+        _difference(mine.computed, theirs.computed) for mine, theirs in zip(first.records, second.records, strict=True)
+    ]
+    if first.sines and second.sines:
+        found.append(_difference(first.sines.response, second.sines.response))
+    return max(found)
+
+
+def _difference(one: Array | Complex, other: Array | Complex) -> float:
     known = np.isfinite(one) & np.isfinite(other)
     if not known.any():
         return 0.0
@@ -104,57 +149,46 @@ def _response(
     return response if np.isfinite(response).all() else None
 
 
-def _tests(
-    measurement: PipeMeasurement, model: CoupledModel
-) -> Iterator[tuple[str, tuple[Place, ...], PipeMeasurement]]:
+def _tests(so_far: Tested, model: CoupledModel) -> Iterator[tuple[str, tuple[Place, ...], PipeMeasurement]]:
     """Give tests that could be made: in words, the probes, the sines."""
-    steady, pipe = measurement.steady, model.pipe
-    low, high = float(steady.frequency.min()), float(steady.frequency.max())
-    levels = sorted({float(steady.level.min()), float(steady.level.max())})
-    unit = DRIVES[steady.drive_unit].unit
-    for level in (LOUDER[0] * levels[0], LOUDER[1] * levels[-1]):
-        words = f"Measure at {level:.3g} {unit}, {low:.3g} to {high:.3g} Hz"
-        yield words, pipe.probes, _sines(measurement, low, high, level)
+    pipe, low, high, verb = model.pipe, so_far.low, so_far.high, so_far.verb
+    unit = DRIVES[so_far.drive_unit].unit
+    for level in (LOUDER[0] * so_far.quietest, LOUDER[1] * so_far.loudest):
+        words = f"{verb} at {level:.3g} {unit}, {low:.3g} to {high:.3g} Hz"
+        yield words, pipe.probes, _sines(so_far, low, high, level)
     above = min(WIDER * high, pipe.modes.up_to_Hz)
     for begin, end in ((low / WIDER, low), (high, above)):
         if end > begin:
-            words = f"Measure from {begin:.3g} to {end:.3g} Hz at {levels[-1]:.3g} {unit}"
-            yield words, pipe.probes, _sines(measurement, begin, end, levels[-1])
+            words = f"{verb} from {begin:.3g} to {end:.3g} Hz at {so_far.loudest:.3g} {unit}"
+            yield words, pipe.probes, _sines(so_far, begin, end, so_far.loudest)
     for number in range(1, PLACES + 1):
         position = pipe.pipe.length_m * number / (PLACES + 1)
         if all(abs(position - probe.position_m) > pipe.pipe.length_m / (2 * PLACES) for probe in pipe.probes):
             probe = ProbeTable(name="further", position_m=position, unit="mm")
-            description = measurement.description.model_copy(update={"probes": (probe,)})
-            test = _sines(measurement, low, high, levels[-1], description)
+            description = so_far.description.model_copy(update={"probes": (probe,)})
+            test = _sines(so_far, low, high, so_far.loudest, description)
             place = Place(name="further", position_m=position)
-            yield f"Measure with a probe at {position:.3g} m as well", (place,), test
+            yield f"{verb} with a probe at {position:.3g} m as well", (place,), test
 
 
 def _sines(
-    measurement: PipeMeasurement,
-    low: float,
-    high: float,
-    level: float,
-    description: MeasurementDescription | None = None,
+    so_far: Tested, low: float, high: float, level: float, description: MeasurementDescription | None = None
 ) -> PipeMeasurement:
     """Give a test of sines at one level, in the measured unit."""
-    description = description or measurement.description
+    description = description or so_far.description
     frequency, levels = np.linspace(low, high, SINES), np.full(SINES, level)
-    kind = measurement.steady.drive_unit
-    drive = DRIVES[kind].scale * levels
-    if kind == "displacement_mm":
+    drive = DRIVES[so_far.drive_unit].scale * levels
+    if so_far.drive_unit == "displacement_mm":
         drive = drive * (2 * np.pi * frequency) ** 2
     shape = SINES, len(description.probes)
-    own = np.isnan(measurement.steady.temperature)
-    temperature = np.full(SINES, np.nan if own.any() else measurement.steady.temperature[0])
     return PipeMeasurement(
         description,
         SteadyMeasurement(
             frequency=frequency,
             drive=drive,
             level=levels,
-            drive_unit=kind,
-            temperature=temperature,
+            drive_unit=so_far.drive_unit,
+            temperature=np.full(SINES, np.nan if so_far.temperature is None else so_far.temperature),
             sweep=np.zeros(SINES, dtype=np.intp),
             source=("",) * SINES,
             response=np.zeros(shape, dtype=np.complex128),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,29 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp.errors import UserError
-from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp_identification.breakdown import Breakdown, Part, parts_json
 from pipeclamp_identification.concentration import Factor, Region, densest, region_sentence
-from pipeclamp_identification.frequency_response import steady_clamps
-from pipeclamp_identification.measured_table import DRIVES, Drive, ascending_time, csv_frame, drive_column, numbers
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.pipe_measurement import MeasurementDescription, ProbeTable, read_description
-from pipeclamp_identification.pipe_model import measured_pipe
-from pipeclamp_identification.steady_clamp import SteadyClamp
+from pipeclamp_identification.pipe_measurement import MeasurementDescription, read_description
+from pipeclamp_identification.pipe_model import CoupledModel, read_model
+from pipeclamp_identification.pipe_record_files import MotionRecord, read_motion_records
+from pipeclamp_identification.pipe_record_motion import Conditions, RecordPrediction, steps_between
 from pipeclamp_identification.system import SystemDescription
 
 Array = NDArray[np.float64]
 
-ACCURACY = 1e-5
-"""Relative tolerance of the integration: well below what sensors err by."""
-PASSES, SAME = 4, 0.02
-"""Runs in which a law's A and f are brought to those of the motion, until they change by less than this share."""
 BANDS = 8
 """Bands of frequency, each as wide as the others on a logarithmic axis."""
 LEAST = 5e-3
 """Share of the squared record that must lie beyond the lowest, and beyond the highest band."""
-EVEN_STEPS = 0.02
-"""Share by which time steps may differ."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,17 +34,39 @@ class RecordPair:
     """A record and what the model says of it.
 
     Attributes:
-        name: of the file.
-        time: s, (n,).
-        measured, computed: SI, (n, probes).
-        conditions: A (mm) and f (Hz) that each clamp's law was taken for.
+        record: what was measured.
+        every: steps between two samples in which the model was integrated.
+        prediction: what it says.
     """
 
-    name: str
-    time: Array
-    measured: Array
-    computed: Array
-    conditions: tuple[tuple[float, float], ...]
+    record: MotionRecord
+    every: int
+    prediction: RecordPrediction
+
+    @property
+    def name(self) -> str:
+        """Name of the file."""
+        return self.record.name
+
+    @property
+    def time(self) -> Array:
+        """Time, s, (n,)."""
+        return self.record.time
+
+    @property
+    def measured(self) -> Array:
+        """What was measured, SI, (n, probes)."""
+        return self.record.measured
+
+    @property
+    def computed(self) -> Array:
+        """What the model says, SI, (n, probes)."""
+        return self.prediction.computed
+
+    @property
+    def conditions(self) -> Conditions:
+        """A (mm) and f (Hz) that each clamp's law was taken for."""
+        return self.prediction.conditions
 
     @cached_property
     def spectra(self) -> tuple[Array, Array, Array]:
@@ -66,8 +79,8 @@ class RecordPair:
             weight[:, None] * np.abs(np.fft.rfft(values, axis=0)) ** 2 / self.time.size
             for values in (self.measured, self.measured - self.computed)
         ]
-        step = (self.time[-1] - self.time[0]) / (self.time.size - 1)
-        return np.fft.rfftfreq(self.time.size, step), squares[0], squares[1]
+        frequency = np.asarray(np.fft.rfftfreq(self.time.size, self.record.step), dtype=np.float64)
+        return frequency, squares[0], squares[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +89,19 @@ class RecordsComparison:
 
     Attributes:
         system, description: of the model, and of the measurement.
+        model: pipe and clamps.
         pairs: the records.
     """
 
     system: SystemDescription
+    model: CoupledModel
     description: MeasurementDescription
     pairs: tuple[RecordPair, ...]
+
+    def saying(self, predictions: Sequence[RecordPrediction]) -> RecordsComparison:
+        """Give the comparison with what another model says."""
+        pairs = [replace(pair, prediction=one) for pair, one in zip(self.pairs, predictions, strict=True)]
+        return replace(self, pairs=tuple(pairs))
 
     @cached_property
     def scales(self) -> Array:
@@ -172,15 +192,6 @@ class RecordsComparison:
                     yield Factor("band", words, everywhere, inside)
 
 
-def has_records(path: Path) -> bool:
-    """Tell whether a measurement holds records of any motion, not sines.
-
-    Raises:
-        UserError: its description is missing or can't serve.
-    """
-    return bool(read_description(path)[1].records)
-
-
 def compare_records(system_path: Path, measured: Path) -> RecordsComparison:
     """Hold the coupled model of a system's file against records.
 
@@ -188,105 +199,13 @@ def compare_records(system_path: Path, measured: Path) -> RecordsComparison:
         UserError: a file can't serve, they don't belong together, or the model can't be integrated.
     """
     file, description = read_description(measured)
-    pairs = []
-    for entry in description.records:
-        path = file.parent / entry.file
-        time, kind, drive, values = read_record(path, description.probes)
-        system, pipe, _ = measured_pipe(system_path, description, kind)
-        reduced = reduce(pipe)
-        clamps = steady_clamps(system, reduced, system_path.parent, entry.temperature_C, str(system_path))
-        moved, conditions = _integrated(reduced, clamps, time, drive, path)
-        base = drive if DRIVES[kind].shakes == "base" else np.zeros_like(drive)
-        step = float(time[1] - time[0])
-        columns = [_as_measured(moved[:, index], base, step, probe) for index, probe in enumerate(description.probes)]
-        pairs.append(RecordPair(entry.file, time, values, np.column_stack(columns), conditions))
+    records = read_motion_records(file.parent, description)
+    kinds = {record.drive_unit for record in records}
+    system, model = read_model(system_path, description, kinds, {record.temperature for record in records})
+    pairs = tuple(RecordPair(record, *steps_between(model, record)) for record in records)
     if not any(pair.measured.any() for pair in pairs):
         raise UserError(f"{file}: the records hold nothing other than 0; expected what the probes measured")
-    return RecordsComparison(system, description, tuple(pairs))
-
-
-def read_record(path: Path, probes: tuple[ProbeTable, ...]) -> tuple[Array, Drive, Array, Array]:
-    """Read a record: time (s, from 0), the excitation's kind, the excitation and the probes' values in SI.
-
-    Raises:
-        UserError: it can't be read, its steps are uneven, or a column can't serve.
-    """
-    frame = csv_frame(path)
-    kind = drive_column(frame, path)
-    if kind == "displacement_mm":
-        raise UserError(
-            f"{path}: the base's displacement would have to be differentiated twice, which noise forbids; expected its "
-            "acceleration_m_s2"
-        )
-    time = ascending_time(frame, path)
-    steps = np.diff(time)
-    if time.size < 16 or np.ptp(steps) > EVEN_STEPS * float(np.mean(steps)):
-        raise UserError(f"{path}: time_s has {time.size} uneven steps; expected 16 even ones at least")
-    for probe in probes:
-        if probe.order < 2 and probe.absolute and DRIVES[kind].shakes == "base":
-            raise UserError(
-                f"{path}: probe {probe.name!r} measures against the ground, and where the base is isn't recorded; "
-                'expected against = "base", or an acceleration'
-            )
-    values = np.column_stack([probe.scale * numbers(frame, probe.name, path) for probe in probes])
-    return time - time[0], kind, DRIVES[kind].scale * numbers(frame, kind, path), values
-
-
-def _integrated(
-    pipe: ReducedPipe, clamps: list[tuple[int, SteadyClamp]], time: Array, drive: Array, path: Path
-) -> tuple[Array, tuple[tuple[float, float], ...]]:
-    """Give the probes' displacements, m, (n, probes), and the A and f of each law: given, or the motion's own."""
-    for _, clamp in clamps:
-        if clamp.further:
-            names = ", ".join(clamp.further)
-            raise UserError(f"{path}: a law follows {names}; records are compared for laws of A, f and T alone")
-    held = replace(
-        pipe,
-        clamp_names=tuple(pipe.clamp_names[index] for index, _ in clamps),
-        clamp_shapes=tuple(pipe.clamp_shapes[index] for index, _ in clamps),
-    )
-    excitation: Callable[[float], float] = lambda t: float(np.interp(t, time, drive))  # noqa: E731
-    conditions = [(clamp.amplitude or math.sqrt(math.prod(clamp.range_A)), _given(clamp)) for _, clamp in clamps]
-    for _ in range(PASSES):
-        equations = [
-            clamp_equations(clamp.law, *taken, clamp.temperature)
-            for (_, clamp), taken in zip(clamps, conditions, strict=True)
-        ]
-        try:
-            result = solve_monolithic(held, equations, excitation, time, ACCURACY)
-        except ArithmeticError as error:
-            raise UserError(f"{path}: {error}; check the excitation's unit, and the clamps' laws") from error
-        found = [
-            taken
-            if clamp.amplitude is not None
-            else _own(clamp, result.displacement[:, index], result.velocity[:, index])
-            for index, ((_, clamp), taken) in enumerate(zip(clamps, conditions, strict=True))
-        ]
-        changes = [
-            abs(a / b - 1) for new, old in zip(found, conditions, strict=True) for a, b in zip(new, old, strict=True)
-        ]
-        if max(changes, default=0.0) < SAME:
-            break
-        conditions = found
-    return result.probes, tuple(conditions)
-
-
-def _given(clamp: SteadyClamp) -> float:
-    return clamp.frequency or math.sqrt(math.prod(clamp.range_f))
-
-
-def _own(clamp: SteadyClamp, displacement: Array, velocity: Array) -> tuple[float, float]:
-    """Give A (mm) and f (Hz) of a motion in m and m/s, inside the law's range."""
-    variance = max(float(np.var(displacement)), 1e-30)
-    amplitude, frequency = 1e3 * math.sqrt(2 * variance), math.sqrt(float(np.var(velocity)) / variance) / (2 * math.pi)
-    return float(np.clip(amplitude, *clamp.range_A)), float(np.clip(frequency, *clamp.range_f))
-
-
-def _as_measured(displacement: Array, base: Array, step: float, probe: ProbeTable) -> Array:
-    """Turn a displacement relative to the base (m) into what a probe measures, SI."""
-    for _ in range(probe.order):
-        displacement = np.gradient(displacement, step, edge_order=2)
-    return displacement + base if probe.order == 2 and probe.absolute else displacement
+    return RecordsComparison(system, model, description, pairs)
 
 
 def records_words(comparison: RecordsComparison) -> list[str]:
@@ -304,7 +223,6 @@ def records_words(comparison: RecordsComparison) -> list[str]:
         )
         if taken:
             words.append(f"{pair.name}: the laws' A and f are held over the record: {taken}.")
-    words.append("Which parameter is wrong is asked of sines, not of records.")
     return words
 
 
@@ -328,5 +246,4 @@ def records_json(comparison: RecordsComparison) -> dict[str, Any]:
             "probes": parts_json(probes),
             "conditions": {"frequency_Hz": parts_json(bands)},
         },
-        "attribution": None,
     }

@@ -21,10 +21,11 @@ def records_sections(comparison: RecordsComparison) -> list[Section]:
     """Give the report of a comparison with records."""
     broken = comparison.breakdowns()
     bars = error_bars([bars_of("", parts.by, parts) for parts in broken], "Percent of the rms of what was measured")
+    pictures = [record_picture(comparison, pair) for pair in comparison.pairs]
     return [
-        Section("How much", records_words(comparison)),
-        Section("Measured and computed", (), (), [record_picture(comparison, pair) for pair in comparison.pairs]),
-        Section("Where", (), [parts_table(parts) for parts in broken], [bars]),
+        Section("How much, over time", records_words(comparison)),
+        Section("Measured and computed, over time", (), (), pictures),
+        Section("Where, over time", (), [parts_table(parts) for parts in broken], [bars]),
     ]
 
 

@@ -7,68 +7,24 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
-from pipeclamp.errors import UserError
-from pipeclamp_identification.pipe_comparison import turned_error
-from pipeclamp_identification.pipe_measurement import PipeMeasurement
-from pipeclamp_identification.pipe_model import CoupledModel, Prediction, predict
+from pipeclamp_identification.lockstep import Evaluated, Problem, fit_together
+from pipeclamp_identification.pipe_model import CoupledModel
 from pipeclamp_identification.pipe_suspects import Suspect, Values
+from pipeclamp_identification.pipe_task import Computed, Family, Task
 
 Array = NDArray[np.float64]
 
 NUDGE = 3e-3
 """Of a parameter's smallest start, or of itself: by so much it is moved for a derivative."""
 SETTLED = 1e-3
-"""A refit is done when the squared error, or the parameters, change by less than this share."""
+"""A refit is done when no more than this share of the squared error, or of the noise's, is to be gained."""
 MOST_EVALUATIONS = 25
 CLOSE = 0.15
 """Rms of the coarse residual below which the model as stated is a good enough start."""
 ROUGHLY = 0.02
 MOST_ROUGH = 8
 """Likewise, of the first approach on the coarse residual."""
-BURIED = 10.0
-"""A response of fewer times its noise counts little in a first approach."""
-
-
-@dataclass(frozen=True, eq=False)
-class Task:
-    """What refits are fitted to.
-
-    Attributes:
-        measurement: what was measured.
-        model: as stated, with mounts.
-        prediction: what it says.
-        noise: standard deviation of real and of imaginary part of each response, (P, probes).
-    """
-
-    measurement: PipeMeasurement
-    model: CoupledModel
-    prediction: Prediction
-    noise: Array
-
-    def residual(self, prediction: Prediction) -> Array:
-        """Give measured less computed over the noise; not finite where a steady state is missing that was there."""
-        error = turned_error(self.measurement, prediction.response) / self.noise
-        return self.flat(error.real, error.imag)
-
-    def flat(self, real: Array, imaginary: Array) -> Array:
-        """Give what belongs to real and to imaginary parts, (P, probes) each, in the order of the residual, (n,)."""
-        steady = self.measurement.steady
-        compared = np.isfinite(steady.response) & np.isfinite(self.prediction.response)
-        return np.concatenate([real[compared], imaginary[compared & steady.phased]])
-
-    def coarse_residual(self, prediction: Prediction) -> Array:
-        """Give the logarithm of measured over computed response where `residual` gives their difference.
-
-        A resonance that is moved by several times its width changes it steadily, where differences have many valleys.
-        """
-        steady = self.measurement.steady
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.log(steady.response / prediction.response)
-            above_noise = np.abs(steady.response) / (np.abs(steady.response) + BURIED * self.noise)
-        ratio *= above_noise
-        return self.flat(ratio.real, ratio.imag)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,14 +34,14 @@ class Refit:
     Attributes:
         suspects: what was refitted; none for the model as stated.
         values: of all parameters, in the suspects' order.
-        prediction: what the refitted model says.
+        computed: what the refitted model says.
         residual: over the noise, (n,).
         jacobian: of the residual by the values, (n, parameters).
     """
 
     suspects: tuple[Suspect, ...]
     values: Values
-    prediction: Prediction
+    computed: Computed
     residual: Array
     jacobian: Array
 
@@ -105,10 +61,19 @@ class Refit:
         return tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist())[_places(self.suspects)[suspect.id]]
 
 
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a refit begins: suspects, their values, and what the model says there or nearby."""
+
+    suspects: tuple[Suspect, ...]
+    values: Values
+    near: Computed
+
+
 def as_stated(task: Task) -> Refit:
     """Give the model as it is stated."""
-    residual = task.residual(task.prediction)
-    return Refit((), (), task.prediction, residual, np.zeros((residual.size, 0)))
+    residual = task.residual(task.stated)
+    return Refit((), (), task.stated, residual, np.zeros((residual.size, 0)))
 
 
 def bounds_of(suspects: Sequence[Suspect]) -> tuple[Array, Array]:
@@ -116,6 +81,11 @@ def bounds_of(suspects: Sequence[Suspect]) -> tuple[Array, Array]:
     lower = [value for suspect in suspects for value in suspect.lower]
     upper = [value for suspect in suspects for value in suspect.upper]
     return np.array(lower), np.array(upper)
+
+
+def neutral(suspect: Suspect) -> Values:
+    """Give the values nearest to those that change nothing."""
+    return tuple(np.clip(np.zeros(len(suspect.lower)), suspect.lower, suspect.upper).tolist())
 
 
 def changed(model: CoupledModel, suspects: Sequence[Suspect], values: Values) -> CoupledModel:
@@ -126,102 +96,139 @@ def changed(model: CoupledModel, suspects: Sequence[Suspect], values: Values) ->
     return model
 
 
-def refit(
-    task: Task, suspects: tuple[Suspect, ...], begin: Values, near: Prediction, most: int = MOST_EVALUATIONS
-) -> Refit:
-    """Refit suspects from values, in so many evaluations at most; `near` is what the model says there or nearby."""
-    path = _Path(task, suspects, near, task.residual)
-    values, jacobian = path.fitted(np.array(begin), SETTLED, most)
-    return Refit(suspects, tuple(values.tolist()), path.at(values), path.residual(values), jacobian)
+def refit(task: Task, starts: Sequence[Start], most: Sequence[int] | int = MOST_EVALUATIONS) -> list[Refit]:
+    """Refit from each start, all in lock step, in so many evaluations at most."""
+    negligible = SETTLED * task.residual(task.stated).size
+    found = _fitted(task, starts, task.residual, (SETTLED, negligible), most)
+    return [
+        Refit(start.suspects, tuple(one.values.tolist()), one.state, one.residual, one.jacobian)
+        for start, one in zip(starts, found, strict=True)
+    ]
 
 
-def searched(task: Task, suspect: Suspect) -> tuple[Values, Prediction]:
-    """Give values of a suspect from which its refit should begin, and what the model says there.
+def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
+    """Give where the refit of each suspect alone should begin.
 
-    Starts are tried outwards from the model as stated, each from its neighbour's steady states; from the best of them
-    the coarse residual is followed down. Where the model as stated comes near, a factor is not searched.
+    Starts are tried outwards from the model as stated, each from its neighbour's motion; from the best of them the
+    coarse residual is followed down. Where the model as stated comes near, a factor is not searched, and of what has
+    no size of its own only the next starts are tried.
     """
-    best = np.clip(np.zeros(len(suspect.lower)), suspect.lower, suspect.upper)
-    near_best = task.prediction
-    coarse = task.coarse_residual(task.prediction)
+    coarse = task.coarse_residual(task.stated)
     least = float(coarse @ coarse)
-    if least < CLOSE**2 * coarse.size and best[0] > suspect.lower[0]:
-        return tuple(best.tolist()), task.prediction
-    for side in (-1, 1):
-        near = task.prediction
-        for start in sorted((one for one in suspect.starts if side * one[0] > 0), key=lambda one: abs(one[0])):
-            path = _Path(task, (suspect,), near, task.coarse_residual)
-            squared = float(np.sum(path.residual(np.array(start)) ** 2))
-            if not np.isfinite(squared):
-                break
-            near = path.at(np.array(start)) if len(start) == 1 else near
-            if squared < least:
-                best, near_best, least = np.array(start), path.at(np.array(start)), squared
-    path = _Path(task, (suspect,), near_best, task.coarse_residual)
-    found, _ = path.fitted(best, ROUGHLY, MOST_ROUGH)
-    return tuple(found.tolist()), path.at(found)
+    near_enough = least < CLOSE**2 * coarse.size
+    stated = [Start((suspect,), neutral(suspect), task.stated) for suspect in suspects]
+    open_ones = [
+        index
+        for index, suspect in enumerate(suspects)
+        if not (near_enough and stated[index].values[0] > suspect.lower[0])
+    ]
+    best = {index: (least, stated[index]) for index in open_ones}
+    rays = [(index, ray) for index in open_ones for ray in _rays(suspects[index])]
+    last = [task.stated] * len(rays)
+    longest = max((len(ray) for _, ray in rays), default=0)
+    for number in range(min(longest, 1) if near_enough else longest):
+        tried = [place for place, (_, ray) in enumerate(rays) if number < len(ray) and last[place] is not None]
+        families = [
+            Family([changed(task.model, (suspects[rays[place][0]],), rays[place][1][number])], last[place])
+            for place in tried
+        ]
+        for place, (computed,) in zip(tried, task.computed(families), strict=True):
+            index, ray = rays[place]
+            squared = np.inf if computed is None else float(np.sum(task.coarse_residual(computed) ** 2))
+            if computed is None or not np.isfinite(squared):
+                rays[place] = index, ray[:number]
+                continue
+            last[place] = computed
+            if squared < best[index][0]:
+                best[index] = squared, Start((suspects[index],), ray[number], computed)
+    if near_enough:
+        return [best[index][1] if index in best else start for index, start in enumerate(stated)]
+    begun = [start for _, start in best.values()]
+    rough = _fitted(task, begun, task.coarse_residual, (ROUGHLY, 0.0), MOST_ROUGH)
+    for index, start, found in zip(best, begun, rough, strict=True):
+        stated[index] = Start(start.suspects, tuple(found.values.tolist()), found.state)
+    return stated
 
 
-class _Path:
-    """The model along a refit: each prediction starts from the last one at which derivatives were taken."""
+def _rays(suspect: Suspect) -> list[list[Values]]:
+    """Give the starts of a suspect in the order in which they are tried, each from the one before it.
 
-    def __init__(
-        self,
-        task: Task,
-        suspects: tuple[Suspect, ...],
-        near: Prediction,
-        residual_of: Callable[[Prediction], Array],
-    ) -> None:
-        self._task, self._suspects, self._near, self._residual_of = task, suspects, near, residual_of
-        self._lower, self._upper = bounds_of(suspects)
-        self._scales = np.concatenate([np.min(np.abs(np.array(suspect.starts)), axis=0) for suspect in suspects])
-        self._size = residual_of(task.prediction).size
-        self._known: dict[Values, Prediction] = {}
+    Of a single parameter they go outwards to both sides; of several each begins from the model as stated.
+    """
+    if len(suspect.lower) > 1:
+        return [[start] for start in suspect.starts]
+    outwards = sorted(suspect.starts, key=lambda one: abs(one[0]))
+    return [[one for one in outwards if side * one[0] > 0] for side in (-1, 1)]
 
-    def fitted(self, begin: Array, tolerance: float, most: int) -> tuple[Array, Array]:
-        """Give the values of least squares, and the residual's derivatives there."""
-        inside = np.clip(begin, self._lower, self._upper)
-        if not np.all(np.isfinite(self.residual(inside))):
-            self._near = self._task.prediction
-            inside = np.clip(np.zeros_like(inside), self._lower, self._upper)
-            self._known.pop(tuple(inside.tolist()), None)
-        # A step to where there is no steady state is infinitely bad, and shortened; numpy needn't warn of it.
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            found = least_squares(
-                self.residual, inside, self.jacobian, bounds=(self._lower, self._upper), x_scale=self._scales,
-                ftol=tolerance, xtol=tolerance, gtol=None, max_nfev=most,
-            )  # fmt: skip
-        if not np.all(np.isfinite(found.x)):
-            return inside, self.jacobian(inside)
-        return np.asarray(found.x, dtype=np.float64), np.asarray(found.jac, dtype=np.float64)
 
-    def at(self, values: Array) -> Prediction:
-        """Give what the model says."""
-        key = tuple(values.tolist())
-        if key not in self._known:
-            model = changed(self._task.model, self._suspects, key)
-            self._known[key] = predict(model, self._task.measurement, self._near)
-        return self._known[key]
+def _fitted(
+    task: Task,
+    starts: Sequence[Start],
+    residual_of: Callable[[Computed], Array],
+    tolerances: tuple[float, float],
+    most: Sequence[int] | int,
+) -> list[Evaluated[Computed]]:
+    """Refit from each start; one without a motion there begins from the model as stated."""
+    bounds = [bounds_of(start.suspects) for start in starts]
+    scales = [
+        np.concatenate([np.min(np.abs(np.array(suspect.starts)), axis=0) for suspect in start.suspects])
+        for start in starts
+    ]
+    limits = [most] * len(starts) if isinstance(most, int) else most
 
-    def residual(self, values: Array) -> Array:
-        """Give the residual; infinite where the model has no steady states."""
-        try:
-            residual = self._residual_of(self.at(values))
-        except (UserError, np.linalg.LinAlgError):
-            return np.full(self._size, np.inf)
-        return residual if np.all(np.isfinite(residual)) else np.full(self._size, np.inf)
+    def evaluate(asked: Sequence[tuple[int, Array, Computed]]) -> list[Evaluated[Computed] | None]:
+        families, moves = [], []
+        for index, values, near in asked:
+            steps = NUDGE * np.maximum(np.abs(values), scales[index])
+            steps = np.where(values + steps <= bounds[index][1], steps, -steps)
+            moves.append(steps)
+            places = [values, *(values + np.diag(steps))]
+            models = [changed(task.model, starts[index].suspects, tuple(place.tolist())) for place in places]
+            families.append(Family(models, near))
+        return [
+            _evaluated(values, computed, steps, residual_of)
+            for (_, values, _), steps, computed in zip(asked, moves, task.computed(families), strict=True)
+        ]
 
-    def jacobian(self, values: Array) -> Array:
-        """Differentiate at values that were evaluated; a derivative that can't be taken is 0."""
-        self._near = self.at(values)
-        here = self.residual(values)
-        columns = []
-        for index, step in enumerate(NUDGE * np.maximum(np.abs(values), self._scales)):
-            moved = values.copy()
-            moved[index] += step if values[index] + step <= self._upper[index] else -step
-            column = (self.residual(moved) - here) / (moved[index] - values[index])
-            columns.append(np.where(np.isfinite(column), column, 0.0))
-        return np.column_stack(columns)
+    def problem(index: int, begin: Array, near: Computed) -> Problem[Computed]:
+        lower, upper = bounds[index]
+        return Problem(np.clip(begin, lower, upper), lower, upper, scales[index], near, limits[index])
+
+    problems = [problem(index, np.array(start.values), start.near) for index, start in enumerate(starts)]
+    found = fit_together(problems, evaluate, *tolerances)
+    lost = [index for index, one in enumerate(found) if one is None]
+    again = [problem(index, np.zeros(len(bounds[index][0])), task.stated) for index in lost]
+
+    def evaluate_lost(asked: Sequence[tuple[int, Array, Computed]]) -> list[Evaluated[Computed] | None]:
+        return evaluate([(lost[index], values, near) for index, values, near in asked])
+
+    for index, one in zip(lost, fit_together(again, evaluate_lost, *tolerances), strict=True):
+        found[index] = one
+    return [one or _still(starts[index], task, residual_of) for index, one in enumerate(found)]
+
+
+def _evaluated(
+    values: Array, computed: Sequence[Computed | None], steps: Array, residual_of: Callable[[Computed], Array]
+) -> Evaluated[Computed] | None:
+    """Give residual and derivatives; None where there is no motion. A derivative that can't be taken is 0."""
+    first, *moved = computed
+    if first is None:
+        return None
+    here = residual_of(first)
+    if not np.all(np.isfinite(here)):
+        return None
+    columns = np.zeros((here.size, steps.size))
+    for column, (one, step) in enumerate(zip(moved, steps, strict=True)):
+        change = (residual_of(one) - here) / step if one is not None else np.zeros(here.size)
+        columns[:, column] = np.where(np.isfinite(change), change, 0.0)
+    return Evaluated(values, first, here, columns)
+
+
+def _still(start: Start, task: Task, residual_of: Callable[[Computed], Array]) -> Evaluated[Computed]:
+    """Give the model as stated, where nothing else has a motion."""
+    values = np.array([value for suspect in start.suspects for value in neutral(suspect)])
+    residual = residual_of(task.stated)
+    return Evaluated(values, task.stated, residual, np.zeros((residual.size, values.size)))
 
 
 def _places(suspects: Sequence[Suspect]) -> dict[str, slice]:

@@ -5,7 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from pipeclamp.parameter_file import law_of, read_law
+from pipeclamp.pipe import reduce
+from pipeclamp.pipe_description import parse_pipe
+from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
 
 EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
 MEASUREMENT = '[[probes]]\nname = "midspan"\nunit = "mm"\n[[responses]]\nfile = "sines.csv"\n'
@@ -58,3 +64,78 @@ def test_a_record_of_any_motion_is_compared_over_time(pipeclamp, bench):
     found = json.loads(answer.read_text(encoding="utf-8"), parse_constant=pytest.fail)
     assert f"errs by {found['nrmse']:.2%}" in done.stdout
     assert "Record burst.csv" in report.read_text(encoding="utf-8")
+
+
+SHAKEN = """
+name = "cantilever"
+[pipe]
+outer_diameter_mm = 60.3
+wall_mm = 3.91
+length_m = 3.0
+material = "316L"
+[ends]
+left = "clamped"
+right = "free"
+[[clamps]]
+name = "clamp1"
+position_m = 2.0
+[[probes]]
+name = "tip"
+position_m = 3.0
+[[probes]]
+name = "middle"
+position_m = 1.5
+[damping]
+ratio = {ratio}
+[modes]
+up_to_Hz = 50
+error = 0.001
+"""
+SWEPT = """
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "clamp1"
+law = "law.json"
+temperature_C = 20.0
+amplitude_mm = 0.5
+frequency_Hz = 8.0
+[excitation]
+kind = "sine"
+acceleration_m_s2 = 1.0
+frequency_Hz = 8.0
+[run]
+stop_s = 1.0
+step_s = 0.001
+"""
+
+
+def test_what_is_wrong_is_named_from_a_record_alone(pipeclamp, tmp_path, write_law):
+    """A sweep of a pipe with twice the stated damping, integrated by SciPy: the answer names damping and its size."""
+    write_law(tmp_path / "law.json", {"k10": 8.0, "k30": 1.0, "c0": 0.7, "alpha0": 0.7}, v_r=1.0)
+    (tmp_path / "pipe.toml").write_text(SHAKEN.format(ratio=0.02), encoding="utf-8")
+    (tmp_path / "system.toml").write_text(SWEPT, encoding="utf-8")
+    folder = tmp_path / "measured"
+    folder.mkdir()
+    probes = "".join(f'[[probes]]\nname = "{name}"\nunit = "mm"\n' for name in ("tip", "middle"))
+    (folder / "measurement.toml").write_text(f'{probes}[[records]]\nfile = "sweep.csv"\n', encoding="utf-8")
+    time = np.arange(1601) / 200
+    equations = clamp_equations(law_of(read_law(tmp_path / "law.json")), 0.5, 8.0, 293.15)
+    true = reduce(parse_pipe(SHAKEN.format(ratio=0.04)))
+    moved = solve_monolithic(true, [equations], lambda t: float(swept(t)), time, 1e-5).probes
+    noise = 0.01 * np.std(moved, axis=0) * np.random.default_rng(1).standard_normal(moved.shape)
+    rows = np.column_stack([time, swept(time), 1e3 * (moved + noise)])
+    head = "time_s,acceleration_m_s2,tip,middle"
+    np.savetxt(folder / "sweep.csv", rows, delimiter=",", header=head, comments="")
+    answer = tmp_path / "compare.json"
+    done = pipeclamp("compare", tmp_path / "system.toml", folder, "--json", answer)
+    found = json.loads(answer.read_text(encoding="utf-8"), parse_constant=pytest.fail)["attribution"]
+    assert found["verdict"] in ("wrong", "ambiguous")
+    assert "damping" in found["parameters"]
+    damping = next(entry for entry in found["candidates"] if entry["parameters"] == ["damping"])
+    assert damping["nrmse"] < 0.2 * found["nrmse"]["stated"]
+    assert "% of critical instead of 2 % of critical" in done.stdout
+
+
+def swept(t):
+    return 2.0 * np.sin(2 * np.pi * (5.0 * t + 0.45 * t**2))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pipeclamp_identification.pipe_attribution import attribute
-from pipeclamp_identification.pipe_comparison import compare_pipe
+from pipeclamp_identification.pipe_compared import compare_measured
 
 FOLDER = Path(__file__).parents[2] / "build_scripts" / "pipe_truth"
 
@@ -21,14 +21,15 @@ def trials_on_path(monkeypatch):
 @pytest.mark.parametrize("hidden", ["nothing", "damping 4 % instead of 2 %", "clamp 0.6 times as damped"])
 def test_what_is_hidden_is_named(hidden, tmp_path):
     from designs import DESIGNS, TRIALS, sines
-    from pipe_rig import measure
+    from pipe_rig import describe, measure
 
     trial = next(trial for trial in TRIALS if (trial.design, trial.hidden) == ("cantilever", hidden))
     design = replace(DESIGNS[trial.design], sines=sines(5.0, 12.0, 9, (0.5, 2.0)))
     stated = design.write(tmp_path, {}, {})
     true = design.write(tmp_path / "true", trial.fields, trial.laws)
-    measure(true, design.sensors, design.sines, tmp_path / "measured", trial.noise, seed=5)
-    found = attribute(compare_pipe(stated, tmp_path / "measured"))
+    files = measure(true, design.sensors, design.sines, tmp_path / "measured", trial.noise, seed=5)
+    describe(tmp_path / "measured", design.sensors, files)
+    found = attribute(compare_measured(stated, tmp_path / "measured"))
     assert found is not None
     named = {suspect.id for suspect in found.suspects}
     if trial.truth:

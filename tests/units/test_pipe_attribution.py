@@ -11,6 +11,7 @@ import pytest
 
 from pipeclamp_identification.pipe_attribution import attribute
 from pipeclamp_identification.pipe_attribution_report import attribution_json, attribution_section, attribution_words
+from pipeclamp_identification.pipe_compared import Compared
 from pipeclamp_identification.pipe_comparison import compare_pipe
 from pipeclamp_identification.pipe_model import predict
 from pipeclamp_identification.pipe_next_test import propose
@@ -106,11 +107,11 @@ def test_suspects_change_nothing_at_zero_and_something_elsewhere(bench):
 
 def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(bench):
     comparison = compare_pipe(bench / "system.toml", bench / "measured")
-    found = attribute(comparison)
+    found = attribute(Compared(comparison))
     assert found.verdict == "ambiguous"
     named = {suspect.id for suspect in found.suspects}
     assert {"left.stiffness", "right.stiffness"} <= named
-    proposal = propose(found)
+    proposal = propose(found, Compared(comparison))
     answer = attribution_json(found, proposal)
     assert "pipe" in answer["sides"]
     assert answer["nrmse"]["stated"] > 3 * min(entry["nrmse"] for entry in answer["candidates"])
@@ -136,6 +137,6 @@ def test_too_few_values_are_not_asked(bench):
     measured = bench / "measured" / "sines.csv"
     lines = measured.read_text(encoding="utf-8").splitlines()
     measured.write_text("\n".join(lines[:8]) + "\n", encoding="utf-8")
-    found = attribute(compare_pipe(bench / "system.toml", bench / "measured"))
+    found = attribute(Compared(compare_pipe(bench / "system.toml", bench / "measured")))
     assert found is None
     assert "at least" in attribution_words(found, None)[0]

@@ -13,7 +13,9 @@ from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import Place, parse_pipe
 from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.pipe_records import RecordsComparison, compare_records, has_records, records_json
+from pipeclamp_identification.pipe_attribution import attribute
+from pipeclamp_identification.pipe_compared import Compared
+from pipeclamp_identification.pipe_records import RecordsComparison, compare_records, records_json
 from pipeclamp_identification.pipe_records_report import records_sections
 from pipeclamp_identification.report import render
 
@@ -74,13 +76,16 @@ def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
     (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
     (tmp_path / "system.toml").write_text(SYSTEM.format(motion=GIVEN), encoding="utf-8")
     time = np.arange(1200) / 400
-    base = np.sin(2 * np.pi * (4.0 * time + 10.0 / 6 * time**2))
+
+    def shaken(t):
+        return np.sin(2 * np.pi * (4.0 * t + 10.0 / 6 * t**2))
+
     places = (Place(name="tip", position_m=3.0), Place(name="middle", position_m=1.5))
     pipe = reduce(parse_pipe(PIPE).model_copy(update={"probes": places}))
     equations = clamp_equations(law_of(read_law(tmp_path / "law.json")), 0.5, 8.0, 293.15)
-    moved = solve_monolithic(pipe, [equations], lambda t: float(np.interp(t, time, base)), time, 1e-6).probes
-    middle = np.gradient(np.gradient(moved[:, 1], time, edge_order=2), time, edge_order=2) + base
-    write(tmp_path, np.column_stack([time, base, 1e3 * moved[:, 0], middle]))
+    moved = solve_monolithic(pipe, [equations], lambda t: float(shaken(t)), time, 1e-6)
+    middle = moved.probe_acceleration[:, 1] + shaken(time)
+    write(tmp_path, np.column_stack([time, shaken(time), 1e3 * moved.probes[:, 0], middle]))
     (tmp_path / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
     return tmp_path
 
@@ -99,7 +104,6 @@ def compared(bench: Path) -> RecordsComparison:
 
 
 def test_a_record_of_the_model_itself(bench):
-    assert has_records(bench)
     assert compared(bench).nrmse < 2e-3
 
 
@@ -128,6 +132,17 @@ def test_a_law_that_follows_its_motion_is_taken_for_the_records_own(bench):
     (amplitude, frequency), = compared(bench).pairs[0].conditions  # fmt: skip
     assert 0.01 < amplitude < 5.0
     assert 4.0 < frequency < 14.0
+
+
+def test_what_is_wrong_is_asked_of_a_record(bench):
+    """The model itself is found complete; with half of the stated damping, damping is named and its size is right."""
+    assert attribute(Compared(records=compared(bench))).verdict == "complete"
+    (bench / "pipe.toml").write_text(PIPE.replace("ratio = 0.03", "ratio = 0.06"), encoding="utf-8")
+    found = attribute(Compared(records=compared(bench)))
+    assert found.verdict in ("wrong", "ambiguous")
+    assert "damping" in {suspect.id for suspect in found.suspects}
+    damping = next(entry for entry in found.candidates if entry.id == "damping")
+    assert damping.refit.values[0] == pytest.approx(np.log(0.5), abs=0.05)
 
 
 @pytest.mark.parametrize(
