@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UsageError, UserError
 
 MAIN_SOURCE = "fmu.c"
 
@@ -79,7 +79,7 @@ def refuse_unknown_platforms(platforms: Sequence[str], fmi: int) -> None:
     known = [name for name, target in PLATFORMS.items() if fmi in target.folder]
     for name in platforms:
         if name not in known:
-            raise UserError(f"platform {name!r} is not known for FMI {fmi}; expected some of {', '.join(known)}")
+            raise UsageError(f"platform {name!r} is not known for FMI {fmi}; expected some of {', '.join(known)}")
 
 
 def compile_sources(sources: Mapping[str, str], platforms: Sequence[str]) -> dict[str, bytes]:

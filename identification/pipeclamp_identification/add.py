@@ -175,7 +175,8 @@ def with_effect(structure: Structure, effect: str) -> Structure:
     if added.part == "base":
         raise UserError(f"effect {effect!r} is a term of base laws; choose a base with identify --base")
     if added.name in {present.name for present in structure.all_effects()}:
-        raise UserError(f"effect {effect!r} is in the law already, base {structure.base!r} with {structure.effects}")
+        present = " + ".join((structure.base, *structure.effects))
+        raise UserError(f"effect {effect!r} is in the law already: {present}; expected another one")
     kept = tuple(name for name in structure.effects if not _replaces(added, structure.effect(name)))
     return replace(structure, effects=(*kept, effect))
 

@@ -16,16 +16,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UsageError, UserError
 from pipeclamp.files import write_whole
 from pipeclamp_identification import cli_simulation
 from pipeclamp_identification.terminal import (
+    JobsOption,
     JsonOption,
     LawArgument,
     ReportOption,
     console,
     errors,
     names_in,
+    opened_law,
     print_table,
     show,
     told,
@@ -76,7 +78,7 @@ class RecordFormat(StrEnum):
 CampaignFolder = Annotated[
     Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
 ]
-StrictOption = Annotated[bool, typer.Option("--strict", help="A run that can't be used is an error.")]
+StrictOption = Annotated[bool, typer.Option("--strict", metavar="", help="A run that can't be used is an error.")]
 EffectsOption = Annotated[
     str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")
 ]
@@ -84,16 +86,34 @@ DeclaredOption = Annotated[
     list[Path] | None,
     typer.Option("--declared", metavar="F.toml", help="An effect of your own, by declaration; any number of times."),
 ]
-ReproducibleOption = Annotated[bool, typer.Option("--reproducible", help="Leave out the date.")]
+ReproducibleOption = Annotated[bool, typer.Option("--reproducible", metavar="", help="Leave out the date.")]
+
+
+def _tell_version(wanted: bool) -> None:
+    if wanted:
+        from pipeclamp_identification.identify import software
+
+        console.print(software(), highlight=False)
+        raise typer.Exit
 
 
 def main() -> None:
-    """Run the command line; a user's mistake is one message on stderr and exit status 1."""
+    """Run the command line; a user's mistake is one message on stderr and exit status 1, or 2 where it's the usage."""
     try:
         app(prog_name="pipeclamp")
     except (UserError, OSError) as error:
         errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
-        sys.exit(1)
+        sys.exit(2 if isinstance(error, UsageError) else 1)
+
+
+@app.callback()
+def program(
+    version: Annotated[
+        bool,
+        typer.Option("--version", metavar="", is_eager=True, callback=_tell_version, help="Show the version and exit."),
+    ] = False,
+) -> None:
+    """Take what stands before a command; the help is the program's own."""
 
 
 @app.command(epilog="Example: pipeclamp metrics my_campaign --report metrics.html")
@@ -126,9 +146,11 @@ def identify(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW.json", help="The parameter file to write.")],
     effects: EffectsOption = "",
     base: Annotated[
-        BaseLaw, typer.Option(help="Base law: Eq. 17 (power), Eq. 14 (memory), Eq. 10 (series).")
+        BaseLaw, typer.Option(help="Base law, of Jiang et al. 2020: Eq. 17 (power), 14 (memory), 10 (series).")
     ] = BaseLaw.power,
-    method: Annotated[FitMethod, typer.Option(help="All at once, or the paper's route by itself.")] = FitMethod.joint,
+    method: Annotated[
+        FitMethod, typer.Option(help="All at once, or the route of Jiang et al. 2020 by itself.")
+    ] = FitMethod.joint,
     freeze: Annotated[str, typer.Option(metavar="name=value,...", help="Parameters that are held, not fitted.")] = "",
     declared: DeclaredOption = None,
     name: Annotated[str | None, typer.Option(help="Name of the law; the campaign's by default.")] = None,
@@ -173,10 +195,11 @@ def compare(
     strict: StrictOption = False,
 ) -> None:
     """Hold a law, or a pipe with its clamps, against measurements: how much it errs, and where."""
-    from pipeclamp.bundled import open_law
+    from pipeclamp.declaration import refuse_declaration
     from pipeclamp_identification.findings import compared, compared_on_pipe
     from pipeclamp_identification.pipe_measurement import is_system
 
+    refuse_declaration(Path(law))
     if is_system(Path(law)):
         from pipeclamp_identification.pipe_compared import compare_measured
 
@@ -188,7 +211,7 @@ def compare(
         show(found, json, report, title, held.description.notes or "pipe and clamps")
         return
     with told("compare") as tell:
-        file = open_law(law)
+        file = opened_law(law)
         tests = _read(campaign, strict, tell)
         found = compared(file, tests, with_report=report is not None)
     effects = ", ".join(file.effects) or "none"
@@ -208,11 +231,10 @@ def diagnose(
         str, typer.Option(metavar="A=0.1..2,f=0.5..20,T=20..300", help="What the rig can do, for the next test.")
     ] = "",
     declared: DeclaredOption = None,
-    jobs: Annotated[int, typer.Option(help="Processes for large campaigns; -1: one a core.")] = -1,
+    jobs: JobsOption = -1,
     strict: StrictOption = False,
 ) -> None:
     """Which physical effect does the law lack? Or which test would tell?"""
-    from pipeclamp.bundled import open_law
     from pipeclamp.declaration import read_effects
     from pipeclamp.parameter_file import law_text
     from pipeclamp_identification.auto import add_until_settled, answer_to
@@ -220,7 +242,7 @@ def diagnose(
     from pipeclamp_identification.next_test import parse_limits
 
     with told("diagnose") as tell:
-        file = open_law(law)
+        file = opened_law(law)
         _, declarations = read_effects((), declared or ())
         tests = _read(campaign, strict, tell)
         reach = parse_limits(limits) if limits else None
@@ -317,11 +339,10 @@ def rig(
     riding_order: Annotated[int, typer.Option(help="So many of them a cycle.")] = 7,
     amplitude_error: Annotated[float, typer.Option(help="Rms error of the amplitude, as a share.")] = 0.005,
     temperature_error: Annotated[float, typer.Option(help="Rms error of the temperature, K.")] = 1.0,
-    seed: Annotated[int, typer.Option(help="Of the random numbers.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
     format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
 ) -> None:
     """A virtual campaign of a law: would this test plan see that effect?"""
-    from pipeclamp.bundled import open_law
     from pipeclamp.declaration import read_effects
     from pipeclamp_identification import rig as virtual
     from pipeclamp_identification.campaign_writing import write_campaign
@@ -346,7 +367,7 @@ def rig(
             seed=seed,
         )
         ids, declarations = read_effects(names_in(effects), declared or ())
-        truth, conditions = virtual.truth_law(open_law(law), ids, _values(set_values), declarations)
+        truth, conditions = virtual.truth_law(opened_law(law), ids, _values(set_values), declarations)
         count = write_campaign(
             output, virtual.virtual_runs(truth, plan, conditions), name=output.name, notes=f"Virtual rig: {_command()}",
             format=format.value, progress=tell,
@@ -423,12 +444,11 @@ def _change(
     reproducible: bool,
 ) -> None:
     """Change a law by an effect, refit it, write it, and print what that did."""
-    from pipeclamp.bundled import open_law
     from pipeclamp.parameter_file import law_text
     from pipeclamp_identification.add import addition_table
 
     with told(title) as tell:
-        file = open_law(law)
+        file = opened_law(law)
         tests = _read(campaign, strict, tell)
         date = None if reproducible else _now()
         changed = change(file, campaign=tests, command=_command(), date=date, progress=tell)
@@ -453,7 +473,7 @@ def _values(text: str) -> dict[str, float]:
     for entry in names_in(text):
         name, equals, number = entry.partition("=")
         if not equals:
-            raise UserError(f"got {entry!r}; expected name=value, for example k1_T=0")
+            raise UsageError(f"got {entry!r}; expected name=value, for example k1_T=0")
         values[name.strip()] = _numbers(number, name)[0]
     return values
 
@@ -462,9 +482,9 @@ def _numbers(text: str, where: str) -> tuple[float, ...]:
     try:
         numbers = tuple(float(entry) for entry in names_in(text))
     except ValueError as error:
-        raise UserError(f"{where}: got {text!r}; expected numbers separated by commas") from error
+        raise UsageError(f"{where}: got {text!r}; expected numbers separated by commas") from error
     if not numbers or not all(math.isfinite(number) for number in numbers):
-        raise UserError(f"{where}: got {text!r}; expected finite numbers separated by commas")
+        raise UsageError(f"{where}: got {text!r}; expected finite numbers separated by commas")
     return numbers
 
 

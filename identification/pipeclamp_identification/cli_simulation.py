@@ -10,8 +10,18 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from pipeclamp.errors import UserError
-from pipeclamp_identification.terminal import LawArgument, ReportOption, console, errors, names_in, told, write
+from pipeclamp.errors import UsageError
+from pipeclamp_identification.terminal import (
+    JobsOption,
+    LawArgument,
+    ReportOption,
+    console,
+    errors,
+    names_in,
+    opened_law,
+    told,
+    write,
+)
 
 if TYPE_CHECKING:
     from pipeclamp_fmu.native_fmu import Built
@@ -54,11 +64,10 @@ def build_fmu(
     platforms: PlatformsOption = None,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
-    from pipeclamp.bundled import open_law
     from pipeclamp_fmu.build import build_clamp, build_native_clamp
 
     with told("build-fmu"):
-        made = _built(open_law(law), output, build_clamp, build_native_clamp, kind, fmi, platforms)
+        made = _built(opened_law(law), output, build_clamp, build_native_clamp, kind, fmi, platforms)
     console.print(f"{output}: {made}")
 
 
@@ -71,11 +80,10 @@ def set_parameters(
     ] = None,
 ) -> None:
     """Put another law's parameters into a finished clamp FMU, without a compiler."""
-    from pipeclamp.bundled import open_law
     from pipeclamp_fmu import set_parameters as setting
 
     with told("set-parameters"):
-        file = open_law(law)
+        file = opened_law(law)
         setting.set_parameters(fmu, file, output or fmu)
     console.print(f"{output or fmu}: parameters of {file.name}")
 
@@ -159,7 +167,7 @@ def system_structure(
 def sweep(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The system and what is varied in it.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="STUDY.parquet", help="The table to write.")],
-    jobs: Annotated[int, typer.Option(help="Processes; -1 for all cores.")] = -1,
+    jobs: JobsOption = -1,
     dask: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler that takes the cases.")] = None,
     report: ReportOption = None,
 ) -> None:
@@ -205,7 +213,7 @@ def _built(
         libraries = ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
         return f"FMI {built.fmi}.0 co-simulation and model exchange, native ({libraries})"
     if platforms is not None or fmi is not None:
-        raise UserError(
+        raise UsageError(
             "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
         )
     build_python(source, output)

@@ -91,8 +91,9 @@ def read_description(folder: Path) -> CampaignDescription:
         UserError: the folder or the file is not there, is no TOML, or has keys or values that CAMPAIGN.md doesn't know.
     """
     if not folder.is_dir():
-        raise UserError(f"{folder}: no such folder; expected a campaign's folder with {FILE_NAME} and runs.csv")
-    return read_table(folder / FILE_NAME, CampaignDescription)
+        found = "is a file" if folder.exists() else "no such folder"
+        raise UserError(f"{folder}: {found}; expected a campaign's folder with {FILE_NAME} and runs.csv")
+    return read_table(folder / FILE_NAME, CampaignDescription, "the campaign's description with at least its name")
 
 
 def description_text(name: str, notes: str) -> str:

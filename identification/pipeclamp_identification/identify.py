@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeclamp import symbols
 from pipeclamp.declaration import Declaration
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UsageError
 from pipeclamp.law import Equations, Structure, compose
 from pipeclamp.parameter_file import (
     SCHEMA,
@@ -106,7 +106,7 @@ def refuse_unknown(structure: Structure) -> None:
     names = compose(structure).names
     for name, _ in structure.frozen:
         if name not in names:
-            raise UserError(f"--freeze: {unknown(name, list(names), 'parameter')}")
+            raise UsageError(f"--freeze: {unknown(name, list(names), 'parameter')}")
 
 
 def fit_structure(
@@ -133,7 +133,7 @@ def fit_structure(
     from_surfaces = surface_values(structure, loops)
     if method == "surfaces":
         if not from_surfaces or structure.effects:
-            raise UserError(
+            raise UsageError(
                 f"method surfaces: got base {structure.base!r} with effects {list(structure.effects)}; "
                 "expected base power or memory without effects (the joint method fits the others)"
             )

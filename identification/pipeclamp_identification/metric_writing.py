@@ -80,7 +80,9 @@ def metric_table(campaign: MetricCampaign) -> Table:
         for run in campaign.runs
     ]  # fmt: skip
     return Table(
-        ("run", "A / mm", "f / Hz", "T / °C", "dW / J", "W / J", "eta", "k / N/mm"), rows, "Eq. 1-6, as stated"
+        ("run", "A / mm", "f / Hz", "T / °C", "dW / J", "W / J", "eta", "k / N/mm"),
+        rows,
+        "Jiang et al. 2020, Eq. 1-6, as stated",
     )
 
 

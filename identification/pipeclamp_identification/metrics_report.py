@@ -88,7 +88,8 @@ def _runs_table(loops: Loops, metrics: Metrics, scatter: Metrics) -> Table:
         for row, run in enumerate(loops.run)
     ]
     header = ("run", "A / mm", "f / Hz", "T / °C", "dW / J", "± dW", "W / J", "± W", "eta", "k / N/mm")
-    return Table(header, rows, "Eq. 1-6 of the cycle-averaged loop; ± is the scatter from cycle to cycle")
+    caption = "Jiang et al. 2020, Eq. 1-6, of the cycle-averaged loop; ± is the scatter from cycle to cycle"
+    return Table(header, rows, caption)
 
 
 def _known(value: float) -> float | None:

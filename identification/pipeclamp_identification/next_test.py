@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from pipeclamp import symbols
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UsageError
 from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, Response, respond
 from pipeclamp.symbols import CELSIUS
@@ -59,7 +59,7 @@ def parse_limits(text: str) -> Limits:
     """Read limits such as `A=0.1..2,f=0.5..20,T=20..300`.
 
     Raises:
-        UserError: the text is not of this form.
+        UsageError: the text is not of this form.
     """
     found: dict[str, tuple[float, float]] = {}
     for entry in text.split(","):
@@ -68,13 +68,13 @@ def parse_limits(text: str) -> Limits:
             name, low, high = match.groups() if match else ("", "", "")
             found[name] = (float(low), float(high))
         except ValueError as error:
-            raise UserError(f"--limits: got {entry!r}; expected A=0.1..2,f=0.5..20,T=20..300") from error
+            raise UsageError(f"--limits: got {entry!r}; expected A=0.1..2,f=0.5..20,T=20..300") from error
     if set(found) != {"A", "f", "T"} or any(low > high for low, high in found.values()):
-        raise UserError(
+        raise UsageError(
             f"--limits: got {text!r}; expected all of A, f, T, lower end first: A=0.1..2,f=0.5..20,T=20..300"
         )
     if min(*found["A"], *found["f"]) <= 0:
-        raise UserError(f"--limits: got {text!r}; expected A and f above 0")
+        raise UsageError(f"--limits: got {text!r}; expected A and f above 0")
     return Limits(found["A"], found["f"], found["T"])
 
 

@@ -196,7 +196,7 @@ def read_description(path: Path) -> tuple[Path, MeasurementDescription]:
         UserError: it is missing or can't serve.
     """
     file = path / FILE_NAME if path.is_dir() else path
-    return file, read_table(file, MeasurementDescription)
+    return file, read_table(file, MeasurementDescription, "what was measured on the pipe")
 
 
 def read_measurement(path: Path) -> PipeMeasurement:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp import symbols
 from pipeclamp.declaration import Declaration
-from pipeclamp.errors import UserError
+from pipeclamp.errors import UsageError, UserError
 from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import LawFile, law_of
 from pipeclamp.realise.arrays import Array
@@ -68,35 +68,35 @@ class TestPlan:
         """Refuse a plan that can't be run.
 
         Raises:
-            UserError: a value is out of its range; the message names it.
+            UsageError: a value is out of its range; the message names it.
         """
         if not (self.amplitudes and self.frequencies and self.temperatures):
-            raise UserError("test plan: got an empty list; expected at least one amplitude, frequency and temperature")
+            raise UsageError("test plan: got an empty list; expected at least one amplitude, frequency and temperature")
         lists = {"amplitude": self.amplitudes, "frequency": self.frequencies, "temperature": self.temperatures}
         for name, values in lists.items():
             texts = [f"{value:g}" for value in values]
             if len(set(texts)) < len(texts):
-                raise UserError(f"test plan: {name} {', '.join(texts)}; expected each value once")
+                raise UsageError(f"test plan: {name} {', '.join(texts)}; expected each value once")
         for name, values in (("amplitude", self.amplitudes), ("frequency", self.frequencies)):
             for value in values:
                 if not (np.isfinite(value) and value > 0):
-                    raise UserError(f"test plan: {name} is {value:g}; expected a number above 0")
+                    raise UsageError(f"test plan: {name} is {value:g}; expected a number above 0")
         for value in self.temperatures:
             if not (np.isfinite(value) and value > -CELSIUS):
-                raise UserError(f"test plan: temperature is {value:g} degC; expected a number above {-CELSIUS:g}")
+                raise UsageError(f"test plan: temperature is {value:g} degC; expected a number above {-CELSIUS:g}")
         if not self.cycles >= 1:
-            raise UserError(f"test plan: {self.cycles:g} cycles; expected at least one whole cycle")
+            raise UsageError(f"test plan: {self.cycles:g} cycles; expected at least one whole cycle")
         samples = (self.cycles + self.ramp_cycles) * self.rate / min(self.frequencies)
         if not samples * len(self.amplitudes) * len(self.temperatures) <= MOST_SAMPLES:
-            raise UserError(
+            raise UsageError(
                 f"test plan: {samples:.3g} samples per record at {min(self.frequencies):g} Hz; expected at most "
                 f"{MOST_SAMPLES:.0e} at one frequency over all amplitudes and temperatures: fewer cycles, a lower rate"
             )
         if self.riding_order < 2:
-            raise UserError(f"test plan: riding_order is {self.riding_order}; expected a whole number above 1")
+            raise UsageError(f"test plan: riding_order is {self.riding_order}; expected a whole number above 1")
         fastest = max(self.frequencies) * (self.riding_order if self.riding > 0 else 1)
         if not self.rate >= 20 * fastest:
-            raise UserError(
+            raise UsageError(
                 f"test plan: {self.rate:g} samples per second for {fastest:g} Hz; "
                 "expected at least 20 samples per cycle"
             )
@@ -106,7 +106,7 @@ class TestPlan:
         )  # fmt: skip
         for name in quality:
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
-                raise UserError(f"test plan: {name} is {getattr(self, name):g}; expected a number of at least 0")
+                raise UsageError(f"test plan: {name} is {getattr(self, name):g}; expected a number of at least 0")
 
 
 def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | None = None) -> Iterator[WrittenRun]:

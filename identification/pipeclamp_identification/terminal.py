@@ -17,6 +17,7 @@ from rich.table import Table as RichTable
 from pipeclamp.files import write_whole
 
 if TYPE_CHECKING:
+    from pipeclamp.parameter_file import LawFile
     from pipeclamp_identification.findings import Findings
     from pipeclamp_identification.fit import Progress as Tell
     from pipeclamp_identification.report import Section, Table
@@ -29,6 +30,35 @@ errors = Console(stderr=True)
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
 ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
+
+
+def _processes(jobs: int) -> int:
+    if jobs == 0 or jobs < -1:
+        raise typer.BadParameter(f"got {jobs}; expected -1 or a number above 0")
+    return jobs
+
+
+JobsOption = Annotated[int, typer.Option(callback=_processes, help="Processes; -1: one a core.")]
+
+
+def opened_law(name_or_path: str) -> LawFile:
+    """Open a law; of one that a newer program made, say so: what it holds may mean something else there.
+
+    Raises:
+        UserError: there is no such law, or it isn't one.
+    """
+    from importlib.metadata import version
+
+    from pipeclamp.bundled import open_law
+    from pipeclamp.parameter_file import is_newer
+
+    file = open_law(name_or_path)
+    if is_newer(file, own := version("pipeclamp")):
+        errors.print(
+            f"note: {name_or_path} was made by {file.software}, this is {own}; update, or check what it gives here",
+            markup=False, highlight=False, soft_wrap=True,
+        )  # fmt: skip
+    return file
 
 
 @contextmanager

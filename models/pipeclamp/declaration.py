@@ -5,6 +5,7 @@ from __future__ import annotations
 import keyword
 import math
 import re
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -130,12 +131,31 @@ def read_declaration(path: Path) -> Declaration:
     Raises:
         UserError: the file can't be read, isn't of the form, or its id is one of the catalogue's.
     """
-    declaration = read_table(path, Declaration)
+    declaration = read_table(path, Declaration, "the declaration of an effect")
     try:
         effect_of(declaration)
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
     return declaration
+
+
+def refuse_declaration(path: Path) -> None:
+    """Refuse the declaration of an effect where a law or a system is expected.
+
+    Raises:
+        UserError: the file holds a declaration.
+    """
+    if path.suffix != SUFFIX or not path.is_file():
+        return
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return  # whoever reads it next says what is wrong
+    if "id" in content and "parameters" in content:
+        raise UserError(
+            f"{path}: declares the effect {content['id']!r}; expected a law, a coupled system, or the name of a "
+            "bundled law: add the effect to a law by pipeclamp add"
+        )
 
 
 def read_effects(names: Iterable[str], files: Iterable[Path]) -> tuple[tuple[str, ...], tuple[Declaration, ...]]:

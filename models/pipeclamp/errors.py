@@ -14,6 +14,10 @@ class UserError(Exception):
     """
 
 
+class UsageError(UserError):
+    """An option's value that no input could make sense of, which the command line exits from with status 2."""
+
+
 def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
     """Ask whether one of the known names nearest to an unknown one was meant, to stand before what was expected."""
     near = get_close_matches(name, list(known), n=most, cutoff=0.5)

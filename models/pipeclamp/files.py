@@ -11,6 +11,13 @@ from pathlib import Path
 from pipeclamp.errors import UserError
 
 
+def why_unreadable(error: OSError | UnicodeDecodeError) -> str:
+    """Say why a text file couldn't be read, without the system's numbers."""
+    if isinstance(error, UnicodeDecodeError):
+        return f"is not UTF-8 text (byte {error.start})"
+    return "no such file" if isinstance(error, FileNotFoundError) else f"can't be read ({error.strerror})"
+
+
 def write_whole(path: Path, content: bytes | str) -> None:
     """Write `content` to `path` so that the file appears whole or not at all.
 
@@ -19,8 +26,10 @@ def write_whole(path: Path, content: bytes | str) -> None:
         content: bytes, or text that is written as UTF-8 with "\\n" line ends on every platform.
 
     Raises:
-        UserError: the folder doesn't exist or can't be written.
+        UserError: there is a folder of that name, or the file's folder doesn't exist or can't be written.
     """
+    if path.is_dir():
+        raise UserError(f"{path}: is a folder; expected the name of a file to write")
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
@@ -33,8 +42,10 @@ def write_whole(path: Path, content: bytes | str) -> None:
             stream.write(data)
         Path(temporary).chmod(0o644)
         Path(temporary).replace(path)
-    except BaseException:
+    except BaseException as error:
         Path(temporary).unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise UserError(f"{path}: can't be written ({error.strerror})") from error
         raise
 
 

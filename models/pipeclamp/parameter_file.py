@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -10,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from pipeclamp.declaration import Declaration
 from pipeclamp.errors import UserError
-from pipeclamp.files import write_whole
+from pipeclamp.files import why_unreadable, write_whole
 from pipeclamp.law import Law, Structure, compose
 
 SCHEMA: Final = "pipeclamp-law-1"
@@ -187,7 +188,7 @@ def read_law(path: Path) -> LawFile:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: can't read the law file ({error}); expected a JSON file made by identify") from error
+        raise UserError(f"{path}: {why_unreadable(error)}; expected a law, as identify writes it") from error
     return parse_law(text, str(path))
 
 
@@ -211,6 +212,15 @@ def parse_law(text: str, where: str) -> LawFile:
     except UserError as error:
         raise UserError(f"{where}: {error}") from error
     return file
+
+
+def is_newer(file: LawFile, version: str) -> bool:
+    """Tell whether a file was made by a later version of this program than the given one, such as 0.1.0."""
+
+    def numbers(text: str) -> list[int]:
+        return [int(part) for part in re.findall(r"\d+", text)][:3]
+
+    return file.software.startswith("pipeclamp ") and numbers(file.software) > numbers(version)
 
 
 def law_text(file: LawFile) -> str:

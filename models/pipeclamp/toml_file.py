@@ -10,6 +10,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipeclamp.errors import UserError, did_you_mean
+from pipeclamp.files import why_unreadable
 from pipeclamp.symbols import CELSIUS
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -62,8 +63,8 @@ def looked_up(find: Callable[[str], Found]) -> Callable[[str], str]:
     return check
 
 
-def read_table(path: Path, model: type[Model]) -> Model:
-    """Read a TOML file into a table.
+def read_table(path: Path, model: type[Model], what: str = "a description") -> Model:
+    """Read a TOML file into a table; `what` it should be is named in errors.
 
     Raises:
         UserError: the file is missing, is not TOML, or doesn't hold what the table expects.
@@ -71,7 +72,7 @@ def read_table(path: Path, model: type[Model]) -> Model:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: can't read this file ({error}); expected a TOML file in UTF-8") from error
+        raise UserError(f"{path}: {why_unreadable(error)}; expected {what}, a TOML file in UTF-8") from error
     return parse_table(text, model, str(path))
 
 

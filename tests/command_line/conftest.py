@@ -61,19 +61,19 @@ def started() -> Callable[..., subprocess.Popen[str]]:
 
 @pytest.fixture
 def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
-    """Give a function that runs a command that can't serve: status 1, one message, nothing on stdout; gives it.
+    """Give a function that runs a command that can't serve and gives its one message; nothing may be on stdout.
 
     It calls the program's `main` in this process, which saves a second a call; whatever escapes it is an error.
     """
 
-    def run(*words: str | Path) -> str:
+    def run(*words: str | Path, status: int = 1) -> str:
         monkeypatch.setattr(sys, "argv", ["pipeclamp", *(str(word) for word in words)])
         capsys.readouterr()
         with warnings.catch_warnings(record=True) as warned, pytest.raises(SystemExit) as ended:
             warnings.simplefilter("always")
             main()
         told = capsys.readouterr()
-        assert ended.value.code == 1, told.err
+        assert ended.value.code == status, told.err
         assert not warned, warned[0].message
         message, *further = [line for line in told.err.splitlines() if not line.startswith("warning: ")]
         assert message.startswith("pipeclamp: ")

@@ -53,6 +53,8 @@ def test_help_is_shown(pipeclamp, name):
         ["identify", "somewhere", "-o", "law.json", "--base", "cubic"],
         ["compare", "law.json", "somewhere", "--jason", "x"],
         ["rig", "emwm2", "-o", "virtual", "--cycles", "many"],
+        ["rig", "emwm2", "-o", "virtual", "--seed", "-1"],
+        ["diagnose", "emwm2", "somewhere", "--jobs", "0"],
     ],
 )
 def test_a_wrong_usage_is_status_2(pipeclamp, words):
@@ -63,3 +65,13 @@ def test_a_wrong_usage_is_status_2(pipeclamp, words):
 def test_no_command_at_all_shows_the_help(pipeclamp):
     done = pipeclamp(status=2)
     assert "identify" in done.stdout + done.stderr
+
+
+def test_the_version_is_told(pipeclamp):
+    assert re.fullmatch(r"pipeclamp \d+\.\d+\.\d+\n", pipeclamp("--version").stdout)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_flag_takes_no_value(name):
+    flags = [option for option in COMMANDS[name].params if getattr(option, "is_flag", False)]
+    assert all(option.metavar == "" for option in flags)

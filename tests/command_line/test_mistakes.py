@@ -166,8 +166,42 @@ def test_a_wrong_law(refused, law, small, tmp_path, make, words, what):
     assert not output.exists()
 
 
+def test_a_file_that_is_not_there_is_said_without_the_systems_numbers(refused, law, small, tmp_path):
+    for words in (
+        ("compare", tmp_path / "none.json", small),
+        ("metrics", tmp_path),
+        ("add", law, tmp_path / "none.toml", small, "-o", tmp_path / "x.json"),
+        ("compare", EXAMPLES / "system.toml", tmp_path),
+    ):
+        message = refused(*words)
+        assert "no such file; expected" in message
+        assert "Errno" not in message
+
+
+def test_a_file_where_a_campaign_is_expected(refused, small):
+    assert "runs.csv: is a file; expected a campaign's folder" in refused("metrics", small / "runs.csv")
+
+
+def test_a_declaration_where_a_law_or_system_is_expected(refused, small, tmp_path):
+    (tmp_path / "bracket.toml").write_text('id = "bracket"\n[[parameters]]\nsymbol = "k"\n', encoding="utf-8")
+    assert "declares the effect 'bracket'; expected a law" in refused("compare", tmp_path / "bracket.toml", small)
+
+
+def test_an_output_that_is_a_folder(refused, law, small, tmp_path):
+    (tmp_path / "there").mkdir()
+    message = refused("metrics", small, "--json", tmp_path / "there")
+    assert "there: is a folder; expected the name of a file" in message
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+
+
+def test_a_law_of_a_newer_program_is_used_with_a_note(pipeclamp, law, small, tmp_path):
+    newer = tmp_path / "newer.json"
+    newer.write_text(json.dumps(changed(law, software="pipeclamp 9.9.9")), encoding="utf-8")
+    assert "newer.json was made by pipeclamp 9.9.9" in pipeclamp("compare", newer, small).stderr
+    assert "made by" not in pipeclamp("compare", law, small).stderr
+
+
 def test_a_law_that_is_not_there(refused, small, tmp_path):
-    assert "expected" in refused("compare", tmp_path / "none.json", small)
     assert "did you mean 'emwm2'" in refused("compare", "emwm", small)
 
 
@@ -185,6 +219,21 @@ def test_an_effect_that_is_there_already(refused, small, tmp_path):
     message = refused("add", "emwm2", "contact_growth", small, "-o", tmp_path / "x.json")
     assert "contact_growth" in message
     assert "already" in message
+    assert "(" not in message
+
+
+def test_a_value_that_no_input_could_make_sense_of_is_usage(refused, law, small, tmp_path):
+    """Status 2, in CONTRACT.md's words; what depends on a law or on tests is 1."""
+    for words, expected in (
+        (("diagnose", law, small, "--limits", "A=2..1,f=1..2,T=20..30"), "lower end first"),
+        (("diagnose", law, small, "--limits", "wide"), "expected A=0.1..2"),
+        (("rig", law, "-o", tmp_path / "x", "--amplitudes", "0,3;1"), "--amplitudes"),
+        (("rig", law, "-o", tmp_path / "x", "--set", "c1"), "name=value"),
+        (("build-fmu", law, "-o", tmp_path / "x.fmu", "--fmi", "3"), "--kind native"),
+        (("build-fmu", law, "-o", tmp_path / "x.fmu", "--kind", "native", "--platforms", "amiga"), "'amiga'"),
+    ):
+        assert expected in refused(*words, status=2)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -194,8 +243,18 @@ def test_an_effect_that_is_there_already(refused, small, tmp_path):
         (("--freeze", "k1_T=soft"), "expected numbers"),
         (("--freeze", "k1_T=nan"), "expected finite numbers"),
         (("--freeze", "k1T=0"), "--freeze: parameter 'k1T' is not known; did you mean 'k1_T'"),
-        (("--freeze", "k10=1e300"), "beyond all reason"),
         (("--method", "surfaces", "--effects", "viscous"), "without effects"),
+    ],
+)
+def test_options_that_never_serve(refused, small, tmp_path, words, expected):
+    assert expected in refused("identify", small, "-o", tmp_path / "x.json", *words, status=2)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--freeze", "k10=1e300"), "beyond all reason"),
         (("--effects", "viscous,viscous"), "twice"),
         (("--effects", "condition:current_A"), "current_A"),
         (("--effects", "memory:many"), "memory:2"),
@@ -210,18 +269,28 @@ def test_options_that_cannot_serve(refused, small, tmp_path, words, expected):
     ("words", "expected"),
     [
         (("--amplitudes", "-1"), "amplitude"),
-        (("--amplitudes", "1e300"), "no finite force"),
         (("--frequencies", "0"), "frequency"),
         (("--temperatures", "-300"), "-273.15"),
         (("--cycles", "0.5"), "cycle"),
         (("--cycles", "1e12"), "samples"),
         (("--rate", "10"), "samples per cycle"),
         (("--force-noise", "-1"), "force_noise"),
+    ],
+)
+def test_a_test_plan_that_cannot_be_run(refused, tmp_path, words, expected):
+    assert expected in refused("rig", "emwm2", "-o", tmp_path / "virtual", *words, status=2)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--amplitudes", "1e300"), "no finite force"),
         (("--set", "k99=1"), "k99"),
         (("--effects", "viscous"), "give c1 with --set"),
     ],
 )
-def test_a_test_plan_that_cannot_be_run(refused, tmp_path, words, expected):
+def test_a_test_plan_that_cannot_be_run_with_this_law(refused, tmp_path, words, expected):
     assert expected in refused("rig", "emwm2", "-o", tmp_path / "virtual", *words)
     assert list(tmp_path.iterdir()) == []
 

@@ -103,7 +103,7 @@ def test_a_law_is_opened_by_name_or_by_path(tmp_path):
     assert open_law("emwm2").name == "emwm2"
     with pytest.raises(UserError, match="did you mean 'published_R1'"):
         open_law("publishd_R1")
-    with pytest.raises(UserError, match="can't read"):
+    with pytest.raises(UserError, match="no such file; expected a law"):
         open_law(str(tmp_path / "none.json"))
-    with pytest.raises(UserError, match="can't read"):
+    with pytest.raises(UserError, match="can't be read"):
         open_law(str(tmp_path))
