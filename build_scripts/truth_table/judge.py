@@ -11,8 +11,7 @@ from typing import Any, Protocol
 from cases import Case, Drawn, Measured, draw, further_runs, measure
 
 from pipeclamp.parameter_file import LawFile, law_of
-from pipeclamp_identification.add import add_effect
-from pipeclamp_identification.auto import MOST_EFFECTS, answer_to, named
+from pipeclamp_identification.auto import MOST_EFFECTS, Settled, add_until_settled
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.diagnosis_report import Answer, answer_for
 from pipeclamp_identification.identify import identify, law_file
@@ -20,6 +19,7 @@ from pipeclamp_identification.loops import loops_of
 from pipeclamp_identification.metric_campaign import MetricCampaign
 from pipeclamp_identification.misfit import misfits, overall_nrmse
 from pipeclamp_identification.next_test import Limits
+from pipeclamp_identification.screen import effect_id
 
 COMMAND = "truth table"
 RIG_LIMITS = Limits((0.1, 1.5), (0.5, 20.0), (20.0, 300.0))
@@ -116,15 +116,16 @@ def judged(case: Case, seed: int) -> Outcome:
     drawn = draw(case, seed)
     data = measure(drawn)
     steps: list[Step] = []
-    added: list[str] = []
+    added: tuple[str, ...] = ()
     tests: list[Tested] = []
     error = settled = ""
     try:
         file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
         most = 0 if case.kind == "narrow" else MOST_EFFECTS
-        file, answer = follow(file, data.campaign, steps, added, partial(noted, data=data), most)
-        if answer.verdict == "ambiguous" and case.truth:
-            settled = after_proposed(drawn, data, file, answer, tests)
+        end = follow(file, data.campaign, steps, partial(noted, data=data), most)
+        added = end.file.effects
+        if isinstance(end.answer, Answer) and end.answer.verdict == "ambiguous" and case.truth:
+            settled = after_proposed(drawn, data, end.file, end.answer, tests)
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
     return outcome_of(case, data.strengths, data.noise_share, steps, added, begin, error, settled, tests)
@@ -154,30 +155,22 @@ def follow(
     file: LawFile,
     campaign: Campaign | MetricCampaign,
     steps: list[Any],
-    added: list[str],
     note: Callable[[Any, LawFile], Any],
     most: int,
-) -> tuple[LawFile, Any]:
-    """Diagnose and add, as `pipeclamp diagnose --auto` does, until settled; give where it ended, law and answer.
+) -> Settled:
+    """Diagnose and add as `pipeclamp diagnose --auto` does.
 
     Args:
         file: the law as it was identified.
         campaign: records, or metrics alone.
-        steps, added: are given each diagnosis as it is noted, and each effect.
+        steps: is given each diagnosis as it is noted.
         note: notes an answer on a law.
         most: effects that are added at most.
     """
-    while True:
-        answer = answer_to(file, campaign, limits=RIG_LIMITS)
-        steps.append(note(answer, file))
-        if answer.verdict != "missing" or len(added) == most:
-            return file, answer
-        effect = named(answer)
-        addition = add_effect(file, effect, campaign, command=COMMAND, date=None)
-        if addition.heldout[1] >= addition.heldout[0]:
-            return file, answer
-        added.append(effect)
-        file = addition.after
+    return add_until_settled(
+        file, campaign, command=COMMAND, limits=RIG_LIMITS, most=most,
+        seen=lambda answer, law: steps.append(note(answer, law)),
+    )  # fmt: skip
 
 
 def after_proposed(drawn: Drawn, data: Measured, file: LawFile, answer: Answer, tests: list[Tested]) -> str:
@@ -228,11 +221,6 @@ def heldout_over_floor(file: LawFile, heldout: Campaign, floor: float) -> float:
     return overall_nrmse(misfits(law_of(file), heldout, loops_of(heldout))) / floor
 
 
-def plain(name: str) -> str:
-    """Give an effect's id: without the number of memory elements."""
-    return name if name.startswith("condition:") else name.partition(":")[0]
-
-
 def counted(case: Case, steps: Sequence[Noted], added: Sequence[str]) -> str:
     """Say how a case came out, in a word.
 
@@ -247,7 +235,7 @@ def counted(case: Case, steps: Sequence[Noted], added: Sequence[str]) -> str:
     if case.kind == "unlisted":
         return {"unknown": "right", "missing": "wrong", "complete": "complete"}.get(first.verdict, "ambiguous_wrong")
     if case.kind == "two":
-        return _two(case, steps[-1], {plain(name) for name in added})
+        return _two(case, steps[-1], {effect_id(name) for name in added})
     if first.verdict == "missing":
         return "right" if set(first.effects) <= case.truth else "wrong"
     if first.verdict == "ambiguous":

@@ -43,11 +43,12 @@ def judged_metrics(case: Case, seed: int) -> Outcome:
     data = measure_metrics(draw_metrics(case, seed))
     campaign = data.campaign
     steps: list[MetricStep] = []
-    added: list[str] = []
+    added: tuple[str, ...] = ()
     error = ""
     try:
         file = metric_law_file(identify_metrics(campaign), campaign, name="base", command=COMMAND, date=None)
-        follow(file, campaign, steps, added, noted_metrics, most=MOST_EFFECTS if case.kind == "two" else 0)
+        most = MOST_EFFECTS if case.kind == "two" else 0
+        added = follow(file, campaign, steps, noted_metrics, most).file.effects
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
     return outcome_of(case, data.strengths, data.scatter, steps, added, begin, error)

@@ -115,8 +115,10 @@ def run(
     if journal:
         journal.parent.mkdir(parents=True, exist_ok=True)
         if journal.exists():
-            lines = journal.read_text(encoding="utf-8").splitlines()
-            done = {row["name"]: row for row in map(json.loads, lines)}
+            text = journal.read_text(encoding="utf-8")
+            whole = text[: text.rfind("\n") + 1]  # a run that was killed may have left half a line
+            journal.write_text(whole, encoding="utf-8")
+            done = {row["name"]: row for row in map(json.loads, whole.splitlines())}
     left = [case for case in cases if case.name not in done]
     random.Random(seed).shuffle(left)  # so that what is done at any time stands for the whole
     begin = time.perf_counter()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pipeclamp.declaration import Declaration
@@ -62,8 +62,17 @@ def add_until_settled(
     limits: Limits | None = None,
     jobs: int = 1,
     progress: Progress | None = None,
+    most: int = MOST_EFFECTS,
+    seen: Callable[[Answer | MetricAnswer, LawFile], None] = lambda answer, file: None,
 ) -> Settled:
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
+
+    Args:
+        file: the law to begin with.
+        campaign: records, or metrics alone.
+        command, declared, limits, jobs, progress: as for `add_effect` and `answer_for`.
+        most: effects that are added at most.
+        seen: is given each answer with its law.
 
     Raises:
         UserError: the data can't serve the law.
@@ -72,7 +81,8 @@ def add_until_settled(
     cautions: list[tuple[str, ...]] = []
     while True:
         answer = answer_to(file, campaign, declared=declared, limits=limits, jobs=jobs, progress=progress)
-        if answer.verdict != "missing" or len(additions) == MOST_EFFECTS:
+        seen(answer, file)
+        if answer.verdict != "missing" or len(additions) == most:
             return Settled(file, answer, tuple(additions), tuple(cautions))
         addition = add_effect(
             file, named(answer), campaign, command=command, date=file.date, declared=declared, progress=progress
