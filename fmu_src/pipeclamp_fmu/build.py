@@ -112,7 +112,12 @@ def require_passive(model: ClampModel) -> None:
         UserError: it would.
     """
     require_dissipation(
-        model.name, model.law, model.range_A, model.range_f, model.range_T, *(entry.interval for entry in model.further)
+        model.name,
+        model.law,
+        model.range_A,
+        model.range_f,
+        model.temperatures,
+        *(entry.interval for entry in model.further),
     )
 
 
@@ -202,7 +207,7 @@ def clamp_model(file: LawFile) -> ClampModel:
         ),
         range_A=_ends(file.range["A"]),
         range_f=_ends(file.range["f"]),
-        range_T=_ends(file.range["T"]),
+        range_T=_ends(file.range["T"]) if "T" in file.range else None,
         further=tuple(_further(name, file) for name in conditions_of(equations)[len(CONDITIONS_FIRST) :]),
         equations=equation_lines(equations),
         parameters=[

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeclamp.parameter_file import FitQuality, HistoryStep
+from pipeclamp.symbols import REFERENCES, T_0
 from pipeclamp_fmu import clamp_slave
 from pipeclamp_fmu.documentation import Section, page, variables_section
 from pipeclamp_fmu.history import history_section
@@ -79,7 +80,7 @@ class ClampModel:
         coefficients: in the order in which the source takes them.
         range_A: amplitudes that its data hold, mm.
         range_f: frequencies, Hz.
-        range_T: temperatures, K.
+        range_T: temperatures, K; None where they aren't known and the law is for any.
         equations: for the documentation, one line each.
         parameters: for the documentation: symbol, value, standard error, unit, meaning.
         notes: for the documentation: what else to say of the law, its data and its quality.
@@ -92,7 +93,7 @@ class ClampModel:
     coefficients: tuple[Entry, ...]
     range_A: Interval
     range_f: Interval
-    range_T: Interval
+    range_T: Interval | None
     equations: Sequence[str] = ()
     parameters: Sequence[Sequence[str]] = ()
     notes: Sequence[str] = ()
@@ -106,9 +107,19 @@ class ClampModel:
         return (
             Range(*self.range_A, "mm"),
             Range(*self.range_f, "Hz"),
-            Range(*self.range_T, "K"),
+            Range(*self.temperatures, "K"),
             *(Range(*entry.interval, entry.law_unit) for entry in self.further),
         )
+
+    @property
+    def temperatures(self) -> Interval:
+        """The temperatures at which the law may be used, K: all, where it was identified without any."""
+        return self.range_T or TEMPERATURES
+
+    @property
+    def temperature(self) -> float:
+        """The temperature that the clamp has unless it is told another, K."""
+        return middle(self.range_T) if self.range_T else float(REFERENCES[T_0])
 
     @property
     def law(self) -> ScalarLaw:
@@ -150,7 +161,7 @@ def middle(interval: Interval) -> float:
 def quantities(model: ClampModel) -> Mapping[str, Quantity]:
     """Give what an importer should know of the clamp's variables."""
     law = model.law
-    A, f, T = map(middle, (model.range_A, model.range_f, model.range_T))
+    A, f, T = middle(model.range_A), middle(model.range_f), model.temperature
     start = tuple(value for _, value in law.states)
     middles = tuple(entry.scale * entry.start for entry in model.further)
     force = usual(law.step(law.coefficients(A, f, T, *middles), start, 0.0, A, 0.0, 1 / (4 * f))[0])
@@ -172,7 +183,7 @@ def quantities(model: ClampModel) -> Mapping[str, Quantity]:
         return f"(law's range {interval[0]:g} to {interval[1]:g} {unit})"
 
     range_A, range_f = in_range(model.range_A, "mm"), in_range(model.range_f, "Hz")
-    range_T = in_range(model.range_T, "K")
+    range_T = in_range(model.range_T, "K") if model.range_T else "(its law was identified without)"
     return {
         "flange.s": Quantity("displacement of the clamp at the end of the step", "m", "mm", -farthest, farthest, s),
         "flange.v": Quantity("its velocity at the end of the step", "m/s", "mm/s", -fastest, fastest, v),
@@ -220,10 +231,10 @@ def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Var
     starts: dict[str, float | bool] = {
         "flange.s": 0.0,
         "flange.v": 0.0,
-        "T_in": middle(model.range_T),
+        "T_in": model.temperature,
         "A": middle(model.range_A) / clamp_slave.MM,
         "f": middle(model.range_f),
-        "T": middle(model.range_T),
+        "T": model.temperature,
         **{entry.name: entry.start for entry in model.further},
         **dict.fromkeys(clamp_slave.BOOLEAN_PARAMETERS, False),
     }
@@ -308,6 +319,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
             [
                 (name, f"{entry.minimum:g}", f"{entry.maximum:g}", entry.unit)
                 for name, entry in zip(model.condition_names, model.ranges, strict=True)
+                if name != "T" or model.range_T
             ],
         ),
         variables_section(described),

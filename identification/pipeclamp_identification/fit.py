@@ -129,7 +129,9 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
             continue
         for signal in parameter.follows:
             values = observations.motion.slow.get(str(signal))
-            if values is None or not np.all(np.isfinite(values)):
+            if str(signal) in observations.motion.assumed:
+                reasons[parameter.name] = f"{signal} isn't known"
+            elif values is None or not np.all(np.isfinite(values)):
                 reasons[parameter.name] = f"{signal} isn't known in every run"
             elif (count := _levels(str(signal), values)) < parameter.levels:
                 reasons[parameter.name] = (

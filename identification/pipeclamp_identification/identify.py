@@ -27,7 +27,6 @@ from pipeclamp.parameter_file import (
     LeftOutRun,
     RunQuality,
 )
-from pipeclamp.symbols import REFERENCES, T_0
 from pipeclamp.toml_file import unknown
 from pipeclamp_identification.campaign import Campaign, LeftOut
 from pipeclamp_identification.fit import HELD, WISHED, Fit, Progress, fit, unfitted
@@ -275,14 +274,18 @@ def ages(equations: Equations) -> bool:
 
 
 def range_of(loops: Loops, *, aged: bool = False) -> dict[str, Interval]:
-    """Give the range of conditions that the loops cover; conditions that aren't known are left out, but for A, f, T.
+    """Give the range of conditions that the loops cover; conditions that aren't known are left out.
 
     Args:
         loops: the tests.
         aged: whether the load cycles belong to it.
     """
-    T = np.where(np.isfinite(loops.temperature_K), loops.temperature_K, REFERENCES[T_0])
-    slow = {"A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": T, "rho": loops.density_g_cm3}
+    slow = {
+        "A": loops.amplitude_mm,
+        "f": loops.frequency_Hz,
+        "T": loops.temperature_K,
+        "rho": loops.density_g_cm3,
+    }
     cycles = {"N": np.concatenate(loops.cycles)} if aged else {}
     return intervals_of({**slow, **cycles, **loops.conditions})
 

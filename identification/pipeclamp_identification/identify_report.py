@@ -11,6 +11,7 @@ from pipeclamp.law import Law, compose
 from pipeclamp.parameter_file import FitQuality, LawFile
 from pipeclamp.realise.arrays import Array, realise
 from pipeclamp.realise.text import equation_lines
+from pipeclamp.symbols import REFERENCES, T_0
 from pipeclamp_identification.compare import Comparison
 from pipeclamp_identification.comparison_report import SINGLE_CYCLES, comparison_sections
 from pipeclamp_identification.metric_law import METHOD
@@ -74,7 +75,8 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
         for name in compiled.slow
         if name in file.range and file.range[name].maximum > file.range[name].minimum
     }
-    middle = {
+    unknown = {} if "T" in file.range else {"T": float(REFERENCES[T_0])}
+    middle = unknown | {
         name: (file.range[name].minimum + file.range[name].maximum) / 2 for name in compiled.slow if name in file.range
     }
     values = [law.values[name] for name in equations.names]

@@ -17,7 +17,7 @@ from pipeclamp_identification import campaign as of_records
 from pipeclamp_identification.campaign import Campaign, LeftOut, fingerprint
 from pipeclamp_identification.description import CampaignDescription, read_description
 from pipeclamp_identification.metric_observations import MetricObservations
-from pipeclamp_identification.observations import known_temperature
+from pipeclamp_identification.observations import assumed_signals, known_temperature
 from pipeclamp_identification.runs_table import (
     FILE_NAME,
     METRIC_COLUMNS,
@@ -226,7 +226,7 @@ def metric_observations(
     }
     slow = {**motion.slow, **{name: np.array(values)[:, None] for name, values in columns.items()}}
     return MetricObservations(
-        replace(motion, slow=slow),
+        replace(motion, slow=slow, assumed=assumed_signals(T)),
         np.array([run.dissipated_energy_J for run in runs]),
         np.array([run.max_elastic_energy_J for run in runs]),
         np.hypot(scatter, rounding),

@@ -93,9 +93,10 @@ def rms(logs: Array) -> float:
 
 def _columns(campaign: MetricCampaign) -> dict[str, Array]:
     """Give the conditions by the names that a law's range has."""
-    slow = metric_observations(campaign).motion.slow
+    motion = metric_observations(campaign).motion
     further = {name: np.array([run.conditions[name] for run in campaign.runs]) for name in campaign.condition_columns}
-    return {**{name: slow[name][:, 0] for name in ("A", "f", "T", "rho")}, **further}
+    known = (name for name in ("A", "f", "T", "rho") if name not in motion.assumed)
+    return {**{name: motion.slow[name][:, 0] for name in known}, **further}
 
 
 @dataclass(frozen=True)

@@ -223,7 +223,13 @@ def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
     }
     y, v, a = displacement_on_grid(loops, samples)
     columns = {name: values[:, None] for name, values in slow.items()}
-    return Motion(y, v, a, columns, 1.0 / (loops.frequency_Hz[:, None] * samples))
+    h = 1.0 / (loops.frequency_Hz[:, None] * samples)
+    return Motion(y, v, a, columns, h, assumed=assumed_signals(loops.temperature_K))
+
+
+def assumed_signals(temperature: Array) -> frozenset[str]:
+    """Give the slow signals whose values are assumed: T, where no run's temperature, in K, is known."""
+    return frozenset() if np.any(np.isfinite(temperature)) else frozenset({"T"})
 
 
 def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:

@@ -122,8 +122,8 @@ class LawFile(Part):
     """A law with its parameters, their uncertainty, its range and where it comes from.
 
     `declared` holds the declarations of a user's own effects. `smoothing` holds v_r (mm/s) and y_r (mm), below which
-    sgn v and sgn y are smooth. `range` is keyed by A (mm), f (Hz), T (K) and further conditions. `date` is the one line
-    that `--reproducible` leaves out.
+    sgn v and sgn y are smooth. `range` is keyed by A (mm), f (Hz) and, where they are known, T (K) and further
+    conditions. `date` is the one line that `--reproducible` leaves out.
     """
 
     schema_name: Literal["pipeclamp-law-1"] = Field(alias="schema")
@@ -149,7 +149,7 @@ class LawFile(Part):
         missing = {"v_r", "y_r"} - set(self.smoothing)
         if missing:
             raise ValueError(f"smoothing lacks {', '.join(sorted(missing))}")
-        missing = {"A", "f", "T"} - set(self.range)
+        missing = {"A", "f"} - set(self.range)
         if missing:
             raise ValueError(f"range lacks {', '.join(sorted(missing))}")
         return self

@@ -30,6 +30,7 @@ class Motion:
             (R, n) where it changes along the row.
         h: time between samples in s, shape (R, 1).
         periodic: whether each row is a whole cycle that repeats.
+        assumed: slow signals that nobody knows, whose values only let laws be evaluated that don't follow them.
     """
 
     y: Array
@@ -38,11 +39,12 @@ class Motion:
     slow: Mapping[str, Array]
     h: Array
     periodic: bool = True
+    assumed: frozenset[str] = frozenset()
 
     def rows(self, chosen: npt.NDArray[np.intp]) -> Motion:
         """Give some of the motions."""
         slow = {name: values[chosen] for name, values in self.slow.items()}
-        return Motion(self.y[chosen], self.v[chosen], self.a[chosen], slow, self.h[chosen], self.periodic)
+        return replace(self, y=self.y[chosen], v=self.v[chosen], a=self.a[chosen], slow=slow, h=self.h[chosen])
 
 
 def sinusoids(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 import zipfile
 from importlib import resources
 
@@ -63,6 +64,20 @@ def test_a_law_says_what_was_held_by_wish_and_what_was_fitted(pipeclamp, small, 
     entries = read(path)["coefficients"]
     assert entries["alpha0"]["state"] == "held"
     assert {entry["state"] for name, entry in entries.items() if name != "alpha0"} == {"fitted"}
+
+
+def test_a_temperature_that_nobody_knows_is_not_made_up(pipeclamp, small, tmp_path):
+    tests, path, fmu = tmp_path / "tests", tmp_path / "law.json", tmp_path / "clamp.fmu"
+    shutil.copytree(small, tests)
+    pl.read_csv(tests / "runs.csv").drop("temperature_C").write_csv(tests / "runs.csv")
+    pipeclamp("identify", tests, "-o", path, "--report", tmp_path / "law.html")
+    file = read(path)
+    assert set(file["range"]) == {"A", "f"}
+    assert {file["coefficients"][name]["reason"] for name in ("k1_T", "k3_T")} == {"T isn't known"}
+    pipeclamp("compare", path, small)
+    pipeclamp("build-fmu", path, "-o", fmu)
+    description = zipfile.ZipFile(fmu).read("modelDescription.xml").decode()
+    assert "temperature of the clamp (its law was identified without)" in description
 
 
 def test_compare_has_the_contracts_fields(pipeclamp, law, clamp_a, tmp_path):

@@ -56,7 +56,7 @@ def test_the_schema_says_what_is_needed():
     [
         ({"schema": "pipeclamp-law-2"}, ["schema", "pipeclamp-law-1"]),
         ({"colour": "red"}, ["colour"]),
-        ({"range": {"A": {"minimum": 0.2, "maximum": 1.0, "unit": "mm"}}}, ["range lacks T, f"]),
+        ({"range": {"A": {"minimum": 0.2, "maximum": 1.0, "unit": "mm"}}}, ["range lacks f"]),
         ({"range": {"A": {"minimum": 2.0, "maximum": 1.0, "unit": "mm"}}}, ["range.A", "above maximum"]),
         ({"smoothing": {"v_r": 0.1}}, ["smoothing lacks y_r"]),
         ({"smoothing": {"v_r": -0.1, "y_r": 0.1}}, ["smoothing.v_r"]),
