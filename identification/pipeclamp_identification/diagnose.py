@@ -33,6 +33,9 @@ MOST_FORM = 1.0
 """But a law that leaves over more than the force noise itself is not complete, whatever its effects' form."""
 EXPLAINS = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
+ALONE = EXPLAINS**2
+"""Of two effects that explain it together, the one to name must explain this share (mean square) alone: two that do so
+only against each other are terms of a series, not physics."""
 CLOSE = 0.1
 """A rival stays in the answer's set when resampling the runs makes it the best in this share of the draws."""
 DRAWS = 2000
@@ -271,7 +274,9 @@ def _verdict(
         if pair is None or not _explains(pair, law, tolerance):
             return answer("unknown", (), pair, _unexplained_words(best, law))
         together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
-        firsts = _first_of_pairs(pairs, sound, law, tolerance)
+        firsts = [name for name in _first_of_pairs(pairs, sound, law, tolerance) if _helps_alone(name, sound, law)]
+        if not firsts:
+            return answer("unknown", (), pair, f"{together}; they cancel each other, and neither helps by itself")
         if len(firsts) > 1:
             return answer("ambiguous", firsts, pair, f"{together}; which comes first, {' or '.join(firsts)}, is open")
         return answer("missing", firsts, pair, together)
@@ -307,6 +312,12 @@ def _first_of_pairs(pairs: Sequence[Judged], sound: Sequence[Judged], law: Judge
 def _alone(name: str, sound: Sequence[Judged]) -> float:
     same = (candidate.squares for candidate in sound if effect_id(candidate.effects[0]) == effect_id(name))
     return min(same, default=np.inf)
+
+
+def _helps_alone(name: str, sound: Sequence[Judged], law: Judged) -> bool:
+    """Tell whether an effect explains something of the lack of fit without a second one."""
+    excess = (one.lack.excess for one in sound if effect_id(one.effects[0]) == effect_id(name))
+    return min(excess, default=np.inf) < (1 - ALONE) * law.lack.excess
 
 
 def _pairs(

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeclamp.declaration import read_declaration
 from pipeclamp.law import Law, Structure
 from pipeclamp.parameter_file import law_text
 from pipeclamp_identification import rig
@@ -31,9 +32,9 @@ ANSWER_FIELDS = {"verdict", "effects", "candidates", "nrmse", "next_test"}
 def campaign(tmp_path_factory):
     """Give a virtual campaign of the base law with effects."""
 
-    def made(effects=(), plan=PLAN, **values):
+    def made(effects=(), plan=PLAN, declared=(), **values):
         folder = tmp_path_factory.mktemp("diagnose") / "campaign"
-        law = Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002)
+        law = Law(Structure("power", effects, declared=declared), {**BASE, **values}, 0.0126, 0.002)
         write_campaign(folder, rig.virtual_runs(law, plan), name="virtual", notes="")
         return read_campaign(folder)
 
@@ -61,6 +62,27 @@ def test_a_missing_effect_is_named(campaign, effect, values):
     best = diagnosis.candidates[0]
     assert best.squares < diagnosis.law.squares
     assert best.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
+
+
+BUMP = """
+id = "bump"
+title = "A fixture that is stiffer near one frequency"
+looks_like = "stiffness that rises and falls again over f"
+scales = [{ coefficient = "stiffness", factor = "1 + s_b * exp(-((f - 2.7) / 0.7)**2)" }]
+[[parameters]]
+symbol = "s_b"
+unit = "-"
+meaning = "share by which it is stiffer"
+start = 0.01
+"""
+
+
+def test_what_is_not_in_the_catalogue_gets_no_name(campaign, tmp_path):
+    """Over frequency it rises and falls: relaxation and inertia fit it against each other, and neither alone."""
+    (tmp_path / "bump.toml").write_text(BUMP)
+    tests = campaign(("bump",), declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
+    diagnosis = diagnose(Structure("power"), loops_of(tests))
+    assert (diagnosis.verdict, diagnosis.effects) == ("unknown", ())
 
 
 def test_what_no_rig_scatters_is_not_called_complete(campaign):
