@@ -12,9 +12,11 @@ from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import reduce
 from pipeclamp.pipe_description import Place, parse_pipe
+from pipeclamp_identification.findings import compared_on_pipe
 from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
 from pipeclamp_identification.pipe_attribution import attribute
-from pipeclamp_identification.pipe_compared import Compared
+from pipeclamp_identification.pipe_compared import Compared, compare_measured
+from pipeclamp_identification.pipe_comparison import compare_pipe
 from pipeclamp_identification.pipe_records import RecordsComparison, compare_records, records_json
 from pipeclamp_identification.pipe_records_report import records_sections
 from pipeclamp_identification.report import render
@@ -143,6 +145,29 @@ def test_what_is_wrong_is_asked_of_a_record(bench):
     assert "damping" in {suspect.id for suspect in found.suspects}
     damping = next(entry for entry in found.candidates if entry.id == "damping")
     assert damping.refit.values[0] == pytest.approx(np.log(0.5), abs=0.05)
+
+
+def test_sines_and_a_record_are_asked_together(bench):
+    """What the model itself shows in both is complete; the answer holds both, each part of the report its title."""
+    described = MEASUREMENT + '[[responses]]\nfile = "sines.csv"\n'
+    (bench / "measurement.toml").write_text(described, encoding="utf-8")
+    head = "frequency_Hz,acceleration_m_s2,tip_real,tip_imag,middle_real,middle_imag\n"
+    frequencies = np.linspace(5.0, 12.0, 8).tolist()
+    blank = "".join(f"{f},1.0,1,0,1,0\n" for f in frequencies)
+    (bench / "sines.csv").write_text(head + blank, encoding="utf-8")
+    tip, middle = compare_pipe(bench / "system.toml", bench).prediction.response.T
+    lines = [
+        f"{f},1.0,{1e3 * one.real},{1e3 * one.imag},{two.real},{two.imag}\n"
+        for f, one, two in zip(frequencies, tip, middle, strict=True)
+    ]
+    (bench / "sines.csv").write_text(head + "".join(lines), encoding="utf-8")
+    held = compare_measured(bench / "system.toml", bench)
+    found = compared_on_pipe(held, with_report=True, progress=lambda what: None)
+    assert found.answer["attribution"]["verdict"] == "complete"
+    assert len(found.answer["sines"]) == 8
+    assert [record["file"] for record in found.answer["over_time"]["records"]] == ["sweep.csv"]
+    titles = [section.title for section in found.sections]
+    assert len(set(titles)) == len(titles)
 
 
 @pytest.mark.parametrize(
