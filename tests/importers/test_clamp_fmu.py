@@ -165,6 +165,23 @@ def test_what_cannot_be_is_discarded_and_leaves_the_state_untouched(drive, memor
     assert clamp.all() == twin.all()
 
 
+@pytest.mark.parametrize("start", [{"T": -5.0}, {"flange.s": math.nan}])
+def test_fmpy_ends_a_run_at_an_impossible_value(memory, start):
+    """And goes on for ever where a discarded step doesn't say that the run should end."""
+    calls = []
+
+    def step_finished(time, recorder):
+        calls.append(time)
+        return len(calls) < 100
+
+    result = fmpy.simulate_fmu(
+        str(memory), fmi_type="CoSimulation", stop_time=1.0, start_values=start, logger=lambda *said: None,
+        step_finished=step_finished,
+    )  # fmt: skip
+    assert calls == []
+    assert result["time"][-1] == 0.0
+
+
 def test_coefficients_are_fixed_parameters_alike_in_both_kinds(fmus, native_fmus, law_with_memory, tmp_path):
     build_clamp(law_with_memory, tmp_path / "clamp.fmu")
     described = [

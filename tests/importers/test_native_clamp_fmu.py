@@ -9,6 +9,7 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2LastSuccessfulTime, fmi2Terminated
 from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
@@ -17,7 +18,7 @@ from pipeclamp_fmu.build import build_clamp, build_native_clamp
 from pipeclamp_fmu.compile import compile_sources
 
 H = 1e-3
-ERROR = 3
+DISCARD, ERROR = 2, 3
 
 
 @pytest.fixture
@@ -39,6 +40,28 @@ def waves(count):
     s = 5e-4 * (np.sin(theta) + 0.3 * np.sin(3 * theta))
     v = 5e-4 * 6 * math.pi * (np.cos(theta) + 0.9 * np.cos(3 * theta))
     return list(zip(s.tolist(), v.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("way_on", ["step", "state", "reset"])
+def test_a_discarded_step_says_that_the_run_should_end_until_it_goes_on(native, way_on):
+    clamp = native(2, "CoSimulation")
+    clamp.step(H, 1e-4, 0.0)
+    saved = clamp.fmu.getFMUstate()
+    assert not clamp.fmu.getBooleanStatus(fmi2Terminated)
+    with pytest.raises(FMICallException) as refused:
+        clamp.step(H, math.nan, 0.0)
+    assert refused.value.status == DISCARD
+    assert clamp.fmu.getBooleanStatus(fmi2Terminated)
+    assert clamp.fmu.getRealStatus(fmi2LastSuccessfulTime) == H
+    if way_on == "step":
+        clamp.set({"flange.s": 1e-4})
+        clamp.fmu.doStep(H, H)
+    elif way_on == "state":
+        clamp.fmu.setFMUstate(saved)
+    else:
+        clamp.fmu.reset()
+        clamp.start({})
+    assert not clamp.fmu.getBooleanStatus(fmi2Terminated)
 
 
 OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated", "memory.z")

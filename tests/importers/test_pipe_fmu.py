@@ -2,6 +2,7 @@
 
 import math
 
+import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
@@ -173,6 +174,22 @@ def test_what_cannot_be_is_discarded_and_leaves_the_state_untouched(drive, bad, 
     assert word in pipe.discarded(h)
     assert pipe.all() == twin.all()
     assert shaken(pipe, 50, 100) == shaken(twin, 50, 100)
+
+
+def test_fmpy_ends_a_run_at_an_impossible_value(paths):
+    """And goes on for ever where a discarded step doesn't say that the run should end."""
+    calls = []
+
+    def step_finished(time, recorder):
+        calls.append(time)
+        return len(calls) < 100
+
+    result = fmpy.simulate_fmu(
+        str(paths["pipe"]), fmi_type="CoSimulation", stop_time=1.0, start_values={"base.a": math.nan},
+        logger=lambda *said: None, step_finished=step_finished,
+    )  # fmt: skip
+    assert calls == []
+    assert result["time"][-1] == 0.0
 
 
 def test_reset_gives_a_fresh_instance(drive):

@@ -237,7 +237,7 @@ FMU_API(fmi2Status, fmi2GetRealOutputDerivatives)(Handle handle, const fmi2Value
     return (fmi2Status)instance_lacks(handle, __func__);
 }
 
-/* Steps are never pending: only the last successful time has an answer. */
+/* Steps are never pending: only the last successful time, and whether the run should end, have an answer. */
 FMU_API(fmi2Status, fmi2GetRealStatus)(Handle handle, const fmi2StatusKind kind, fmi2Real *value)
 {
     REQUIRE(STEPPING | TERMINATED);
@@ -252,7 +252,7 @@ FMU_API(fmi2Status, fmi2GetBooleanStatus)(Handle handle, const fmi2StatusKind ki
     REQUIRE(STEPPING | TERMINATED);
     if (kind != fmi2Terminated || !value)
         return fmi2Discard;
-    *value = fmi2False;
+    *value = instance->refused;
     return fmi2OK;
 }
 

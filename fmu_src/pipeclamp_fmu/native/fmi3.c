@@ -258,7 +258,7 @@ FMU_API(fmi3Status, fmi3DoStep)(Handle handle, fmi3Float64 time, fmi3Float64 h, 
     if (event_needed)
         *event_needed = false;
     if (terminate)
-        *terminate = false;
+        *terminate = instance->refused;
     if (early_return)
         *early_return = false;
     if (last_time)

@@ -55,7 +55,7 @@ static void instance_reset(Instance *instance)
     instance->shown = instance->done;
     instance->mode = INSTANTIATED;
     instance->time = instance->done_time = 0.0;
-    instance->stale = instance->warned = 0;
+    instance->stale = instance->warned = instance->refused = 0;
 }
 
 RARE static void instance_say(const Instance *instance, Status status, const char *format, ...)
@@ -161,10 +161,12 @@ static Status instance_initialised(Instance *instance)
 static Status instance_do_step(Instance *instance, double time, double h)
 {
     char reason[TEXT];
+    instance->refused = 1;
     if (!(h > 0.0 && h < INFINITY))
         return discarded(instance, time, h, "expected a finite step above 0 s");
     if (!model_step(&instance->done, &instance->values, &instance->scratch, time + h, h, reason))
         return discarded(instance, time, h, reason);
+    instance->refused = 0;
     instance->time = instance->done_time = time + h;
     warn_once(instance);
     return STATUS_OK;
@@ -301,6 +303,7 @@ static Status instance_restore(Instance *instance, const Saved *saved)
     instance->done_time = saved->done_time;
     instance->stale = saved->stale;
     instance->mode = (Mode)saved->mode;
+    instance->refused = 0;
     return STATUS_OK;
 }
 

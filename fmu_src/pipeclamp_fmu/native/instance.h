@@ -32,6 +32,7 @@ struct Instance {
     Mode mode;
     int co_simulation;
     int warned; /* not part of a saved state: what was said stays said */
+    int refused; /* the last step was discarded: at that, the run should end */
     int logging;
     Values values;
     Scratch scratch;
