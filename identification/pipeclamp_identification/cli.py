@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pipeclamp.errors import UsageError, UserError
+from pipeclamp.errors import InterruptError, UsageError, UserError
 from pipeclamp.files import write_whole
 from pipeclamp_identification import cli_simulation
 from pipeclamp_identification.terminal import (
@@ -97,10 +97,21 @@ def _tell_version(wanted: bool) -> None:
         raise typer.Exit
 
 
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as of a shell."""
+
+
 def main() -> None:
-    """Run the command line; a user's mistake is one message on stderr and exit status 1, or 2 where it's the usage."""
+    """Run the command line; a user's mistake is one message on stderr and status 1 or (usage) 2, an interrupt 130."""
     try:
         app(prog_name="pipeclamp")
+    except SystemExit as end:
+        if end.code == INTERRUPTED:
+            errors.print("pipeclamp: interrupted; the same command begins anew", style="red", highlight=False)
+        raise
+    except InterruptError as error:
+        errors.print(f"pipeclamp: interrupted: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(INTERRUPTED)
     except (UserError, OSError) as error:
         errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(2 if isinstance(error, UsageError) else 1)
@@ -367,11 +378,14 @@ def rig(
             seed=seed,
         )
         ids, declarations = read_effects(names_in(effects), declared or ())
-        truth, conditions = virtual.truth_law(opened_law(law), ids, _values(set_values), declarations)
+        file = opened_law(law)
+        truth, conditions = virtual.truth_law(file, ids, _values(set_values), declarations)
         count = write_campaign(
             output, virtual.virtual_runs(truth, plan, conditions), name=output.name, notes=f"Virtual rig: {_command()}",
             format=format.value, progress=tell,
         )  # fmt: skip
+    for words in virtual.beyond_range(file, plan):
+        errors.print(f"warning: beyond the law's data: {words}", style="yellow", highlight=False, soft_wrap=True)
     console.print(f"{output}: {count} runs")
 
 

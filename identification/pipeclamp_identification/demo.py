@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from importlib import resources
 from pathlib import Path
 
-import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.errors import UserError
@@ -56,15 +55,21 @@ def run_demo(folder: Path, tell: Tell) -> list[Path]:
         UserError: the folder can't be written.
     """
     begin = time.perf_counter()
+    new = not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"{folder}: can't make the folder ({error.strerror}); expected a place to write to") from error
-    opened = [
-        _published_tables(folder, tell),
-        *_clamp_a(folder, tell),
-        *_pipe_and_clamp(folder, tell),
-    ]
+    try:
+        opened = [
+            _published_tables(folder, tell),
+            *_clamp_a(folder, tell),
+            *_pipe_and_clamp(folder, tell),
+        ]
+    except BaseException:
+        if new and not any(folder.iterdir()):
+            folder.rmdir()
+        raise
     tell(f"done in {time.perf_counter() - begin:.0f} s")
     return opened
 
@@ -203,6 +208,4 @@ def _motion(result: CosimResult) -> str:
     parts = [
         f"{name} {1e3 * result.amplitude(f'{name}.s'):.3g} mm" for name in (*result.clamp_names, *result.probe_names)
     ]
-    made = result.energy.final()
-    share = abs(made["coupling"]) / max(abs(made["excitation"]), np.finfo(float).tiny)
-    return f"amplitude at {', '.join(parts)}; the coupling made {share:.2g} of the energy"
+    return f"amplitude at {', '.join(parts)}; the coupling made {result.coupling_share:.2%} of the energy"

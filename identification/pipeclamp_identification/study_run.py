@@ -5,14 +5,15 @@ from __future__ import annotations
 import io
 import json
 import os
+import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import joblib
 import polars as pl
 
-from pipeclamp.errors import UserError
+from pipeclamp.errors import InterruptError, UserError
 from pipeclamp.files import write_whole
 from pipeclamp_identification.study import Study
 from pipeclamp_identification.study_case import Row, evaluate
@@ -45,6 +46,7 @@ def run_study(
 
     Raises:
         UserError: the journal is another study's, the folder can't be written, or Dask isn't there.
+        InterruptError: by Ctrl-C; what is finished is kept.
     """
     tell = progress or (lambda done, count: None)
     count, journal = study.description.count, journal_of(output)
@@ -53,18 +55,31 @@ def run_study(
     waiting = ((number, values) for number, values in study.cases() if number not in done)
     with _opened(journal, study, fresh=not done) as stream, _backend(scheduler):
         calls = (joblib.delayed(evaluate)(study, number, values) for number, values in waiting)
-        for row in joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", pre_dispatch="4*n_jobs")(calls):
-            stream.write(json.dumps(row) + "\n")
-            stream.flush()
-            os.fsync(stream.fileno())
-            done[row["case"]] = row
-            tell(len(done), count)
+        rows = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", pre_dispatch="4*n_jobs")(calls)
+        try:
+            for row in rows:
+                stream.write(json.dumps(row) + "\n")
+                stream.flush()
+                os.fsync(stream.fileno())
+                done[row["case"]] = row
+                tell(len(done), count)
+        except KeyboardInterrupt as interrupt:
+            with suppress(Exception):  # it ends the cases that run, which may object
+                rows.close()
+            raise InterruptError(
+                f"{len(done)} of {count} cases are kept in {journal}; the same command goes on with the others"
+            ) from interrupt
     frame = pl.from_dicts([done[number] for number in sorted(done)], infer_schema_length=None)
     content = io.BytesIO()
     frame.write_parquet(content)
     write_whole(output, content.getvalue())
     journal.unlink()
     return frame
+
+
+def _ignore_interrupts() -> None:
+    """Leave Ctrl-C, which a terminal sends to all processes, to the one that hands out the cases."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _finished(journal: Path, study: Study) -> dict[int, Row]:
@@ -111,7 +126,8 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         UserError: Dask isn't installed, or no scheduler answers.
     """
     if scheduler is None:
-        yield
+        with joblib.parallel_config(backend="loky", initializer=_ignore_interrupts):
+            yield
         return
     try:
         from dask.distributed import Client

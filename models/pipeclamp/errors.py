@@ -22,3 +22,7 @@ def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
     """Ask whether one of the known names nearest to an unknown one was meant, to stand before what was expected."""
     near = get_close_matches(name, list(known), n=most, cutoff=0.5)
     return f"did you mean {' or '.join(map(repr, near))}? " if near else ""
+
+
+class InterruptError(UserError):
+    """The user stopped what can go on; the message says how."""

@@ -393,4 +393,6 @@ def test_killed_in_the_middle_leaves_no_partial_output(started, clamp_a, tmp_pat
     assert not output.exists()
     if sent == signal.SIGINT:
         assert list(tmp_path.iterdir()) == []
+        assert process.returncode == 130
+        assert "pipeclamp: interrupted" in told
         assert "Traceback" not in told
