@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,11 +11,11 @@ import polars as pl
 
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
-from pipeclamp.parameter_file import law_of
+from pipeclamp.parameter_file import Interval, LawFile, law_of
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp.realise.stepping import CONDITIONS_FIRST, clamp_equations, conditions_of
-from pipeclamp.symbols import CELSIUS
+from pipeclamp.symbols import CELSIUS, condition_symbol
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import clamp_model, condition_parameter
 from pipeclamp_identification.cosim import finished, law_in
@@ -55,6 +55,7 @@ class FrequencyResponse:
         clamp_names: those with a law; probe_names: of the pipe. `amplitudes` are in this order.
         excitation: what shakes the pipe, in words.
         curves, dots: what was found.
+        ranges: what each clamp's law holds data for, by condition, in the order of clamp_names.
     """
 
     name: str
@@ -63,6 +64,7 @@ class FrequencyResponse:
     excitation: str
     curves: tuple[Curve, ...]
     dots: tuple[Dot, ...]
+    ranges: tuple[Mapping[str, Interval], ...]
 
     @property
     def points(self) -> tuple[str, ...]:
@@ -84,8 +86,30 @@ class FrequencyResponse:
             branch = f"; unstable from {min(unstable):.4g} to {max(unstable):.4g} Hz" if unstable else ""
             broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{broken}")
+        lines += self.about_ranges()
         lines += self._about_dots() if self.dots else []
         return "\n".join(lines)
+
+    def about_ranges(self) -> list[str]:
+        """Say where a clamp's law is used beyond the range of its data."""
+        lines = []
+        states = [state for curve in self.curves for state in curve.followed.states]
+        for index, (name, ranges) in enumerate(zip(self.clamp_names, self.ranges, strict=True)):
+            beyond = [state.beyond[index] for state in states if state.beyond[index]]
+            if not beyond:
+                continue
+            parts = []
+            for condition, interval in ranges.items():
+                values = [found[condition] for found in beyond if condition in found]
+                if values:
+                    low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+                    parts.append(
+                        f"{condition} = {low if low == high else f'{low} to {high}'} {interval.unit} "
+                        f"(data: {interval.minimum:.4g} to {interval.maximum:.4g})"
+                    )
+            share = f"{len(beyond) / len(states):.0%} of the curves' points"
+            lines.append(f"{name}: its law is used beyond the range of its data in {share}: {', '.join(parts)}")
+        return lines
 
     def _about_dots(self) -> list[str]:
         """Say how well the co-simulations agree, in which steps, and which of them aren't to be trusted."""
@@ -160,6 +184,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
         ", ".join(f"{name} = {value:g}" for name, value in amount.items()),
         tuple(curves),
         tuple(dots),
+        tuple(_ranges(law_in(path.parent, str(clamp.law))) for clamp in description.clamps),
     )
 
 
@@ -199,6 +224,7 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
         if name not in further:
             raise UserError(f"{where}: clamp {source.at!r}: {unknown(name, list(further), 'condition')}")
         further[name] = scales[name] * setting
+    named = conditions_of(clamp_equations(law.structure))[len(CONDITIONS_FIRST) :]
     return SteadyClamp(
         law,
         (source.temperature_C if temperature is None else temperature) + CELSIUS,
@@ -206,10 +232,19 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
         source.frequency_Hz if given else None,
         (file.range["A"].minimum, file.range["A"].maximum),
         (file.range["f"].minimum, file.range["f"].maximum),
-        dict(
-            zip(conditions_of(clamp_equations(law.structure))[len(CONDITIONS_FIRST) :], further.values(), strict=True)
-        ),
+        dict(zip(named, further.values(), strict=True)),
+        ranges={
+            name: (interval.minimum, interval.maximum)
+            for name, interval in _ranges(file).items()
+            if name in ("T", *named)
+        },
     )
+
+
+def _ranges(file: LawFile) -> dict[str, Interval]:
+    """Give what a law's data hold, by the names that its equations give the conditions."""
+    own = ("A", "f", "T", "rho", "N")
+    return {name if name in own else str(condition_symbol(name)): interval for name, interval in file.range.items()}
 
 
 def steady_clamps(
@@ -273,10 +308,12 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
         for number, state in ((n, state) for n, piece in enumerate(curve.followed.pieces, 1) for state in piece):
             row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
             row |= {"piece": number, "stable": float(state.stable), "growth [1/s]": state.growth}
-            for name, (amplitude, frequency), force in zip(
-                response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), strict=True
-            ):
+            for name, (amplitude, frequency), force, beyond in zip(
+                response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), state.beyond,
+                strict=True,
+            ):  # fmt: skip
                 row |= {f"{name}.A_used [mm]": amplitude, f"{name}.f_used [Hz]": frequency, f"{name}.f [N]": force}
+                row[f"{name}.inRange [1 yes, 0 no]"] = float(not beyond)
             rows.append(row)
     for dot in response.dots:
         row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)

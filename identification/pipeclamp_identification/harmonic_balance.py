@@ -11,7 +11,7 @@ dF = F_Y dY + F_V dV, dV = i omega dY + dY'; its eigenvalues tell growth and dec
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi
@@ -46,6 +46,7 @@ class SteadyState:
         forces: harmonics of the force into each clamp, N, (clamps, H + 1).
         conditions: A (mm) and f (Hz) that each clamp's law was taken for, (clamps, 2).
         growth: of the disturbance that grows fastest, 1/s; below 0 where the motion is stable.
+        beyond: each clamp's conditions that lie beyond its law's data, by name: A (mm), f (Hz), T (K), further ones.
     """
 
     frequency: float
@@ -54,6 +55,7 @@ class SteadyState:
     forces: Complex
     conditions: Array
     growth: float
+    beyond: tuple[Mapping[str, float], ...]
 
     @property
     def stable(self) -> bool:
@@ -301,6 +303,7 @@ class SteadySystem:
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
         moved = self.moved(unknowns[None], at, drive, self.responses(at))[0]
         conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
+        farthest = half_range(moved[:count]).tolist()
         return SteadyState(
             frequency=frequency,
             clamps=moved[:count],
@@ -308,6 +311,7 @@ class SteadySystem:
             forces=forces,
             conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
             growth=self._growth(slopes, 2 * pi * frequency),
+            beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
         )
 
     def _forces_and_slopes(self, motion: Complex, frequency: float) -> tuple[Complex, Array, Array]:

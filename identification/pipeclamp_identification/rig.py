@@ -17,6 +17,7 @@ from pipeclamp.realise.arrays import Array
 from pipeclamp.response import Motion, respond
 from pipeclamp.symbols import CELSIUS
 from pipeclamp_identification.campaign_writing import WrittenRun
+from pipeclamp_identification.law_range import outside_range
 from pipeclamp_identification.records import Record
 
 SUBSTEPS = 4
@@ -223,6 +224,20 @@ def condition_signal(column: str) -> str:
 def _column(signal: str) -> str:
     """Give a column of runs.csv that is this slow signal."""
     return DENSITY if signal == str(symbols.rho) else signal.removeprefix(symbols.CONDITION)
+
+
+def beyond_range(file: LawFile, plan: TestPlan) -> list[str]:
+    """Say which of a plan's conditions lie beyond the data of the law that stands for the clamp."""
+    planned = {
+        "A": plan.amplitudes,
+        "f": plan.frequencies,
+        "T": tuple(value + CELSIUS for value in plan.temperatures),
+    }
+    words = []
+    for name, values in planned.items():
+        outside = outside_range(file, [f"{value:g}" for value in values], {name: np.array(values)})
+        words += list(outside.values())
+    return words
 
 
 def truth_law(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pipeclamp.law import Law
 from pipeclamp.realise.stepping import clamp_equations
 from pipeclamp.response import Motion, respond
+from pipeclamp_fmu.clamp_slave import within
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -33,6 +34,7 @@ class SteadyClamp:
         range_A: mm, and range_f: Hz, inside which the motion's own A and f are held, as the clamp FMU holds them.
         further: other conditions that the law follows, by name, in its units; load cycles stand still.
         samples: of a cycle, at which the law is evaluated.
+        ranges: what the law's data hold of T (K) and of `further`, by name.
     """
 
     law: Law
@@ -43,6 +45,7 @@ class SteadyClamp:
     range_f: Interval
     further: Mapping[str, float] = field(default_factory=dict)
     samples: int = SAMPLES
+    ranges: Mapping[str, Interval] = field(default_factory=dict)
 
     def conditions(self, motion: Complex, frequency: Array) -> tuple[Array, Array]:
         """Give A (mm) and f (Hz) that the law is taken for, each (rows,).
@@ -52,12 +55,38 @@ class SteadyClamp:
         if self.amplitude is not None:
             given = self.frequency
             return np.full(len(motion), self.amplitude), frequency if given is None else np.full(len(motion), given)
+        amplitude, own = self._own_conditions(motion, frequency)
+        return np.clip(amplitude, *self.range_A), np.clip(own, *self.range_f)
+
+    def beyond(self, motion: Complex, frequency: float, farthest: float) -> dict[str, float]:
+        """Give the conditions that lie beyond the law's data, by name; A, f, T and further ones as the FMU judges them.
+
+        Args:
+            motion: harmonics of y, mm, (h,).
+            frequency: of the fundamental, Hz.
+            farthest: displacement from the middle, mm; beyond the largest amplitude it counts as an amplitude.
+        """
+        at = np.array([frequency])
+        if self.amplitude is None:
+            amplitude, own = self._own_conditions(motion[None], at)
+        else:
+            amplitude, own = self.conditions(motion[None], at)
+        A = float(amplitude[0])
+        if not farthest <= self.range_A[1]:
+            A = max(A, farthest)
+        values = {"A": A, "f": float(own[0]), "T": self.temperature, **self.further}
+        ranges = {"A": self.range_A, "f": self.range_f, **self.ranges}
+        return {name: values[name] for name, interval in ranges.items() if not within(values[name], interval)}
+
+    @staticmethod
+    def _own_conditions(motion: Complex, frequency: Array) -> tuple[Array, Array]:
+        """Give A (mm) and f (Hz) of a motion, each (rows,)."""
         squares = np.abs(motion[:, 1:]) ** 2
         order = np.arange(1, motion.shape[1])
         amplitude = np.sqrt(squares.sum(axis=1))
         speed = np.sqrt((squares * order**2).sum(axis=1))
         ratio = np.divide(speed, amplitude, out=np.ones_like(speed), where=amplitude > 0)
-        return np.clip(amplitude, *self.range_A), np.clip(ratio * frequency, *self.range_f)
+        return amplitude, ratio * frequency
 
     def forces(self, motion: Complex, frequency: Array, faster: Complex | None = None) -> Complex:
         """Give the harmonics of the force into the clamp in steady state.

@@ -23,6 +23,9 @@ from pipeclamp_identification.system import PipeSource, SystemDescription
 
 Row = dict[str, Any]
 
+IN_RANGE = ".inRange"
+"""How columns end that say whether a clamp's law was used inside the range of its data."""
+
 
 @lru_cache(maxsize=64)
 def _reduced(text: str) -> ReducedPipe:
@@ -39,8 +42,8 @@ def evaluate(study: Study, number: int, values: Values) -> Row:
         values: what is varied, in this case.
 
     Returns:
-        its number, values, amplitudes (mm) and frequency (Hz) by point, whether all of it is stable (for "cosim": to be
-        trusted), the time it took (s), and an error or "".
+        its number, values, amplitudes (mm) and frequency (Hz) by point, whether each clamp's law has data for that
+        motion, whether all of it is stable (for "cosim": to be trusted), the time it took (s), and an error or "".
     """
     begin = time.perf_counter()
     row: Row = {"case": number, **values, "error": ""}
@@ -82,6 +85,8 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
         highest = int(amplitudes[:, index].argmax())
         row[f"{name}.s [mm]"] = float(amplitudes[highest, index])
         row[f"{name}.frequency [Hz]"] = states[highest].frequency
+        if index < len(system.clamps):
+            row[f"{name}{IN_RANGE}"] = not states[highest].beyond[index]
     return row
 
 
@@ -93,6 +98,7 @@ def _cosimulated(study: Study, pipe_table: PipeDescription, system: SystemDescri
         ready = system.model_copy(update={"pipe": PipeSource(fmu=str(file))})
         result = run_described(ready, study.folder, study.description.name)
     row: Row = {"stable": float(result.trusted)}
+    row |= {f"{name}{IN_RANGE}": name not in result.out_of_range for name in result.clamp_names}
     return row | {
         f"{point}.s [mm]": 1e3 * result.amplitude(f"{point}.s") for point in (*result.clamp_names, *result.probe_names)
     }

@@ -9,6 +9,7 @@ import polars as pl
 from pipeclamp_identification.pictures import curves_picture, surface_picture
 from pipeclamp_identification.report import Section, Table
 from pipeclamp_identification.study import Study
+from pipeclamp_identification.study_case import IN_RANGE
 
 LEVEL = ".s [mm]"
 """How columns of displacement amplitudes end."""
@@ -39,6 +40,12 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
     unstable = fine.filter(pl.col("stable") == 0.0).height if "stable" in fine.columns else 0
     if unstable:
         lines.append(f"{unstable} cases are not stable (for co-simulations: not to be trusted)")
+    for name in (column.removesuffix(IN_RANGE) for column in frame.columns if column.endswith(IN_RANGE)):
+        inside = fine[f"{name}{IN_RANGE}"].drop_nulls()
+        if not inside.all():
+            lines.append(
+                f"{name}: its law is used beyond the range of its data in {(~inside).sum()} of {inside.len()} cases"
+            )
     figures = [_picture(fine, axes, name) for name in points if fine.height]
     rows = [(row["case"], *(row[axis] for axis in axes), row["error"]) for row in failed.head(20).iter_rows(named=True)]
     tables = [Table(("case", *axes, "error"), rows, "cases without a result (the first 20)")] if rows else []

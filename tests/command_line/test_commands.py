@@ -170,6 +170,13 @@ def test_rig_adds_effects_that_identify_finds(pipeclamp, tmp_path):
     assert entry["value"] == pytest.approx(2.5, abs=4 * entry["standard_error"])
 
 
+def test_the_rig_says_where_its_law_has_no_data(pipeclamp, tmp_path):
+    few = ("--frequencies", "3", "--temperatures", "20", "--cycles", "2")
+    assert "warning" not in pipeclamp("rig", "emwm2", "-o", tmp_path / "in", "--amplitudes", "0.5", *few).stderr
+    said = pipeclamp("rig", "emwm2", "-o", tmp_path / "out", "--amplitudes", "0.5,5", *few).stderr
+    assert "beyond the law's data: A = 5 mm, law:" in said
+
+
 def test_schema_is_the_files(pipeclamp, law):
     schema = json.loads(pipeclamp("schema").stdout)
     file = read(law)
@@ -179,7 +186,7 @@ def test_schema_is_the_files(pipeclamp, law):
 def test_pipe_and_clamp_are_built_and_coupled(pipeclamp, law, tmp_path):
     examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
     (tmp_path / "pipe.toml").write_text(examples.joinpath("pipe.toml").read_text(encoding="utf-8"), encoding="utf-8")
-    system = examples.joinpath("system.toml").read_text(encoding="utf-8").replace("stop_s = 8.0", "stop_s = 0.4")
+    system = examples.joinpath("system.toml").read_text(encoding="utf-8").replace("stop_s = 30.0", "stop_s = 0.4")
     system = system.replace('law = "clamp_a.json"', 'fmu = "clamp.fmu"').replace('file = "pipe.toml"', 'fmu = "p.fmu"')
     (tmp_path / "system.toml").write_text(system, encoding="utf-8")
     pipeclamp("build-fmu", law, "-o", "clamp.fmu", cwd=tmp_path)
@@ -213,6 +220,11 @@ def test_a_frequency_response_is_drawn_with_co_simulations_on_it(pipeclamp, tmp_
     assert "4 co-simulations in steps of" in said
     assert "those that settled and can be trusted (4) differ by at most 0." in said
     assert (tmp_path / "response.html").stat().st_size > 1e5
+    outside = curves.filter(pl.col("clamp1.inRange [1 yes, 0 no]") == 0.0)
+    assert outside.height > 0
+    assert (
+        f"clamp1: its law is used beyond the range of its data in {outside.height / curves.height:.0%}" in done.stdout
+    )
 
 
 def test_the_demo_tells_the_story(pipeclamp, tmp_path):

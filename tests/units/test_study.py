@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import re
+import signal
 import subprocess
 import sys
 import time
@@ -225,6 +228,37 @@ def test_a_journal_of_another_study_is_refused(write, tmp_path: Path) -> None:
     journal_of(output).write_text("of something else\n", encoding="utf-8")
     with pytest.raises(UserError, match=r"study\.parquet\.journal: holds cases of another study"):
         run_study(read_study(write()), output, jobs=1)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="interrupts with a signal")
+def test_an_interrupt_is_one_line_that_says_how_to_go_on(write, tmp_path: Path) -> None:
+    write('"pipe.clamps.c1.position_m" = { start = 1.0, stop = 2.0, points = 300 }')
+    output = tmp_path / "s.parquet"
+    words = (sys.executable, "-m", "pipeclamp_identification", "sweep", "study.toml", "-o", output.name, "--jobs", "2")
+    pipe = subprocess.PIPE
+    # A terminal sends Ctrl-C to all processes of a command.
+    with subprocess.Popen(words, cwd=tmp_path, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as run:
+        while not (journal_of(output).exists() and journal_of(output).read_text(encoding="utf-8").count("\n") > 2):
+            assert run.poll() is None
+            time.sleep(0.05)
+        os.killpg(run.pid, signal.SIGINT)
+        _, said = run.communicate(timeout=120)
+    assert run.returncode == 130
+    assert re.fullmatch(
+        r"pipeclamp: interrupted: \d+ of 300 cases are kept in s\.parquet\.journal; the same command goes on with the "
+        r"others\n",
+        said,
+    ), said
+
+
+def test_a_law_used_beyond_its_data_is_said(write) -> None:
+    study = read_study(write('"system.clamps.*.temperature_C" = [20.0, 900.0]'))
+    frame = pl.from_dicts([evaluate(study, number, values) for number, values in study.cases()])
+    assert frame["c1.inRange"].dtype == pl.Boolean
+    assert not frame["c1.inRange"][1]
+    said = study_sections(study, frame)[0].paragraphs
+    outside = (~frame["c1.inRange"]).sum()
+    assert f"c1: its law is used beyond the range of its data in {outside} of 2 cases" in said
 
 
 def test_a_dask_cluster_takes_the_same_study(write, tmp_path: Path) -> None:
