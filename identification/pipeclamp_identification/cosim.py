@@ -349,5 +349,7 @@ def _result(
         modes=tuple(clamp.mode for clamp in description.clamps),
         trusted_share=description.run.trusted_share,
         hidden_share=hidden_share(columns["time"], displacement, velocity),
+        excitation_frequency=description.excitation.highest_frequency,
+        steady=description.excitation.kind == "sine",
         warnings=tuple(f"{fmu.instance}: {text}" for fmu in fmus for text in fmu.messages.warnings),
     )

@@ -17,6 +17,12 @@ from pipeclamp_identification.system import LawMode
 
 Array = NDArray[np.float64]
 
+FEWEST_STEPS = 10
+"""Of a period of the excitation: what is sampled more coarsely than that is no longer the same motion."""
+
+SETTLED = 0.01
+"""Share by which the amplitude may change from the last fifth but one of a run to the last, before it is said."""
+
 MISMATCH = 0.2
 """Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
 
@@ -42,6 +48,8 @@ class CosimResult:
         trusted_share: of the energy, that the coupling may make, and of a clamp's motion, that may be hidden.
         hidden_share: of a clamp's motion, that passes between the communication points.
         unsolved: by which share they still changed in the last run, where they were not solved.
+        excitation_frequency: of a sine, or the highest of a sweep, Hz; None for a record.
+        steady: whether the excitation is one sine, so that the motion settles.
     """
 
     name: str
@@ -60,6 +68,8 @@ class CosimResult:
     hidden_share: float
     runs: int = 1
     unsolved: float = 0.0
+    excitation_frequency: float | None = None
+    steady: bool = False
 
     @property
     def time(self) -> Array:
@@ -68,29 +78,57 @@ class CosimResult:
 
     @property
     def coupling_share(self) -> float:
-        """Energy that the coupling made or destroyed at most, as a share of all that was moved."""
+        """Energy that the coupling made or destroyed at most, as a share of what the excitation gave."""
         return self.energy.coupling_share
 
     @property
+    def steps_a_period(self) -> float:
+        """Macro steps in a period of the excitation, at its highest frequency and the longest step."""
+        frequency = self.excitation_frequency
+        return float("inf") if frequency is None else 1 / (frequency * float(np.diff(self.time).max()))
+
+    @property
     def trusted(self) -> bool:
-        """Whether the coupling made no more of the energy, and hid no more of the motion, than the stated share."""
-        return max(self.coupling_share, self.hidden_share) <= self.trusted_share
+        """Whether steps are short enough, and neither energy was made nor motion hidden beyond the stated share."""
+        return not self.doubts()
+
+    @property
+    def unsettled(self) -> dict[str, float]:
+        """By which share the amplitude of each point still changes over the last two fifths, where it is too much."""
+        if not self.steady:
+            return {}
+        changes = {}
+        for name in (*self.clamp_names, *self.probe_names):
+            last, before = self.amplitude(f"{name}.s"), self.amplitude(f"{name}.s", 0.4, 0.2)
+            change = abs(last / before - 1) if before > 0 else 0.0
+            if change > SETTLED:
+                changes[name] = change
+        return changes
 
     def doubts(self) -> list[tuple[str, str]]:
-        """Say why it isn't to be trusted: what is wrong, and what helps."""
+        """Say why it isn't to be trusted: what is wrong, what was expected, and what helps."""
         energy = f"the coupling itself made {self.coupling_share:.1%} of the energy"
+        heat = f"the clamps gave out {self.energy.clamps_share:.1%} of the energy, more than they ever took in"
         motion = f"{self.hidden_share:.1%} of a clamp's motion passes between the steps"
+        most = f"expected at most {self.trusted_share:.1%}"
         found = []
+        if self.steps_a_period < FEWEST_STEPS:
+            few = f"there are {self.steps_a_period:.2g} steps in a period of the excitation"
+            found.append((few, f"expected at least {FEWEST_STEPS}; use a smaller step_s"))
         if self.coupling_share > self.trusted_share:
-            found.append((energy, "use a smaller step_s, energy_tolerance, or scheme = 'implicit'"))
+            found.append((energy, f"{most}; use a smaller step_s, energy_tolerance, or scheme = 'implicit'"))
+        if self.energy.clamps_share > self.trusted_share:
+            found.append((heat, f"{most}; use a smaller step_s"))
         if self.hidden_share > self.trusted_share:
-            found.append((motion, "use another, smaller step_s: a mode of the pipe may ring at a multiple of 1/step_s"))
+            remedy = "use another, smaller step_s: a mode of the pipe may ring at a multiple of 1/step_s"
+            found.append((motion, f"{most}; {remedy}"))
         return found
 
-    def amplitude(self, column: str, share: float = 0.2) -> float:
-        """Give half the peak-to-peak value of a column over the last share of the run."""
-        first = min(int(np.searchsorted(self.time, (1 - share) * self.time[-1])), self.time.size - 2)
-        values = self.columns[column][first:]
+    def amplitude(self, column: str, share: float = 0.2, but: float = 0.0) -> float:
+        """Give half the peak-to-peak value of a column over the last share of the run, but for the very last one."""
+        last = int(np.searchsorted(self.time, (1 - but) * self.time[-1], side="right"))
+        first = min(int(np.searchsorted(self.time, (1 - share) * self.time[-1])), last - 2)
+        values = self.columns[column][max(first, 0) : last]
         return float(values.max() - values.min()) / 2
 
     def summary(self) -> str:
@@ -110,21 +148,33 @@ class CosimResult:
             for name in self.probe_names
         ]
         lines += [
-            f"NOT TO BE TRUSTED: {what}, expected at most {self.trusted_share:.1%}; {remedy}"
-            for what, remedy in self.doubts()
+            f"not settled: the amplitude at {name} changes by {change:.1%} from the last fifth but one to the last, "
+            f"expected at most {SETTLED:.0%}; use a larger stop_s"
+            for name, change in self.unsettled.items()
         ]
+        lines += [f"NOT TO BE TRUSTED: {what}, {rest}" for what, rest in self.doubts()]
         lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
-        lines += [
-            f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with {1e3 * found:.4g} "
-            "mm: set amplitude_mm to that, or solve = true, or track = true"
-            for name in self.clamp_names
-            if abs((found := self.amplitude(f"{name}.s")) - (assumed := self.columns[f"{name}.A_used"][-1]))
-            > MISMATCH * assumed
-        ]
+        for name, mode in zip(self.clamp_names, self.modes, strict=True):
+            found, assumed = self.amplitude(f"{name}.s"), self.columns[f"{name}.A_used"][-1]
+            if abs(found - assumed) > MISMATCH * assumed:
+                lines.append(
+                    f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with "
+                    f"{1e3 * found:.4g} mm: {self._about_mismatch(name, mode)}"
+                )
         lines += [self._about_conditions(name, mode) for name, mode in zip(self.clamp_names, self.modes, strict=True)]
         lines += [f"{name}: its law was used beyond the range of its data" for name in self.out_of_range]
         lines += [f"warning: {warning}" for warning in self.warnings]
         return "\n".join(lines)
+
+    def _about_mismatch(self, name: str, mode: LawMode) -> str:
+        """Say what helps where a law is taken for another amplitude than that of the motion."""
+        if mode == "given":
+            return "set amplitude_mm to that, or solve = true, or track = true"
+        if name in self.out_of_range:
+            return "the range of its data ends there"
+        if mode == "solved":
+            return "A and f are not solved"
+        return "its motion is no steady sine, or is still changing"
 
     def _step_text(self) -> str:
         """Give the macro steps' lengths."""
@@ -153,4 +203,6 @@ def write_result(result: CosimResult, path: Path) -> None:
     """
     frame = pl.DataFrame({f"{name} [{result.units[name]}]": values for name, values in result.columns.items()})
     trusted = pl.lit(float(result.trusted)).alias("trusted [1 yes, 0 no]")
-    write_whole(path, frame.with_columns(trusted).write_csv())
+    settled = pl.lit(float(not result.unsettled) if result.steady else None, pl.Float64)
+    known = settled.alias("settled [1 yes, 0 no, empty where nothing settles]")
+    write_whole(path, frame.with_columns(trusted, known).write_csv())

@@ -42,14 +42,24 @@ class EnergyBalance:
 
     @property
     def coupling_share(self) -> float:
-        """Largest energy that the coupling has made or destroyed, as a share of what the excitation has moved.
+        """Largest energy that the coupling has made or destroyed, as a share of what the excitation has given."""
+        return self._share(float(np.abs(self.coupling).max()))
 
-        What it has moved to and fro counts, so that a motion without loss has a measure too.
+    @property
+    def clamps_share(self) -> float:
+        """Heat that has come out of the clamps, as a share of what the excitation has given: above 0, they made it."""
+        taken = self.clamps_dissipated[np.isfinite(self.clamps_dissipated)]  # a foreign clamp doesn't say
+        return self._share(-float(taken.min(initial=0.0)))
+
+    def _share(self, energy: float) -> float:
+        """Give an energy as a share of the most that the excitation has given so far, less what it took back.
+
+        What goes to and fro doesn't count: near and off resonance it is many times what moves and damps the pipe.
         """
-        moved = float(np.abs(np.diff(self.excitation)).sum())
-        if not np.isfinite(moved):  # a foreign pipe that doesn't say
-            moved = float(np.abs(np.diff(self.delivered)).sum())
-        return float(np.abs(self.coupling).max()) / moved if moved > 0 else 0.0
+        given = float(np.abs(self.excitation).max())
+        if not np.isfinite(given):  # a foreign pipe that doesn't say
+            given = float(np.abs(self.delivered).max())
+        return energy / given if given > 0 else 0.0
 
     @property
     def unexplained(self) -> Array:

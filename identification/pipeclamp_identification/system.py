@@ -101,13 +101,18 @@ class ExcitationTable(Table):
             raise ValueError("expected one amplitude: acceleration_m_s2, displacement_mm (of the base) or force_N")
         return self
 
+    @property
+    def highest_frequency(self) -> float | None:
+        """Of a sine or a sweep, Hz; None for a record."""
+        return max(filter(None, (self.frequency_Hz, self.from_Hz, self.to_Hz)), default=None)
+
 
 class RunTable(Table):
     """How to run: until when, in which macro steps, coupled how, to which tolerance.
 
     With `energy_tolerance` the macro step follows the energy that the coupling makes, as a share of what is exchanged;
-    `step_s` is then the longest. A result whose coupling made more than `trusted_share` of all the energy, or hid more
-    than that of a clamp's motion between the steps, is marked.
+    `step_s` is then the longest. A result whose coupling made more than `trusted_share` of the energy that the
+    excitation gave, or hid more than that of a clamp's motion between the steps, is marked.
     """
 
     stop_s: Positive

@@ -267,6 +267,46 @@ def test_a_result_whose_coupling_makes_energy_is_marked_everywhere(bench: Path, 
         assert "TRUSTED" not in fine.summary()
 
 
+def test_the_coupling_s_energy_is_a_share_of_what_the_excitation_gave(bench: Path) -> None:
+    """Not of what goes to and fro, which is many times that."""
+    energy = run_system(write_system(bench, "parallel", {"clamp1": 'fmu = "soft.fmu"'}, step=2.5e-3)).energy
+    assert energy.coupling_share == pytest.approx(np.abs(energy.coupling).max() / np.abs(energy.excitation).max())
+    giving = replace(energy, clamps_dissipated=-0.1 * np.abs(energy.excitation))
+    assert giving.clamps_share == pytest.approx(0.1)
+
+
+def test_few_steps_in_a_period_cannot_be_trusted_whatever_the_energy_says(bench: Path) -> None:
+    laws = {"clamp1": 'fmu = "smooth.fmu"'}
+    more = "trusted_share = 0.9\n"
+    for parts, fine in ((9, False), (11, True)):
+        result = run_system(write_system(bench, "implicit", laws, step=1 / (9.0 * parts), stop=20 / 9.0, more=more))
+        assert result.trusted == fine, result.doubts()
+        assert ("steps in a period of the excitation, expected at least 10" in result.summary()) != fine
+
+
+def test_what_has_not_settled_is_said(bench: Path, tmp_path: Path) -> None:
+    laws = {"clamp1": 'fmu = "smooth.fmu"'}
+    column = "settled [1 yes, 0 no, empty where nothing settles]"
+    for stop, settled in ((1.0, 0.0), (20.0, 1.0)):
+        result = run_system(write_system(bench, "implicit", laws, step=4e-3, stop=stop))
+        assert ("tip" in result.unsettled) == (settled == 0.0)
+        assert ("not settled: the amplitude at tip changes by" in result.summary()) == (settled == 0.0)
+        write_result(result, tmp_path / "result.csv")
+        assert set(pl.read_csv(tmp_path / "result.csv")[column]) == {settled}
+    assert replace(result, steady=False).unsettled == {}
+
+
+def test_the_advice_about_another_amplitude_is_none_that_was_followed(bench: Path) -> None:
+    result = run_system(write_system(bench, laws={"clamp1": 'fmu = "smooth.fmu"'}, amplitude_mm=0.2))
+    assert "set amplitude_mm to that, or solve = true, or track = true" in result.summary()
+    for mode in ("tracked", "solved"):
+        for beyond in ((), ("clamp1",)):
+            said = replace(result, modes=(mode,), out_of_range=beyond).summary()
+            assert "it moves with" in said
+            assert "track = true" not in said
+            assert ("the range of its data ends there" in said) == bool(beyond)
+
+
 def test_an_energy_tolerance_controls_the_macro_step(bench: Path) -> None:
     laws = {"clamp1": 'fmu = "soft.fmu"'}
     shares = []
