@@ -183,7 +183,7 @@ def sweep(
         frame = run_study(read, output, jobs, dask, lambda done, _: shown.update(task, completed=done))
     sections = study_sections(read, frame)
     if report:
-        write(None, report, None, f"Study {study.stem}", read.description.notes, sections)
+        write(None, report, None, f"Study: {read.description.name}", read.description.notes, sections)
     for line in sections[0].paragraphs:
         console.print(line, highlight=False, markup=False)
     console.print(str(output))

@@ -136,6 +136,35 @@ def surface_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: s
     return styled(figure, title)
 
 
+def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str, title: str) -> go.Figure:
+    """Draw positive values as coloured cells, one a point of the grid, the colours by the logarithm.
+
+    Args:
+        x, y: axis titles.
+        xs, ys: the grid, shapes (n,) and (m,).
+        level: shape (m, n); nan where there is none.
+        label: unit of what is drawn.
+        title: the picture's title.
+    """
+    low, high = float(np.nanmin(level)), float(np.nanmax(level))
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    ticks = [step * 10.0**decade for decade in decades for step in (1, 2, 5)]
+    ticks = [tick for tick in ticks if low <= tick <= high] or [low, high]
+    figure = go.Figure(
+        go.Heatmap(
+            x=xs, y=ys, z=np.log10(level), customdata=level, colorscale="Blues", xgap=1, ygap=1,
+            hovertemplate=f"{x} %{{x:g}}<br>{y} %{{y:g}}<br>%{{customdata:.4g}} {label}<extra></extra>",
+            colorbar={
+                "title": {"text": label},
+                "tickvals": [math.log10(tick) for tick in ticks],
+                "ticktext": [f"{tick:g}" for tick in ticks],
+            },
+        )
+    )  # fmt: skip
+    figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
+    return styled(figure, title)
+
+
 def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, label: str, title: str) -> go.Figure:
     """Draw the error falling step by step, with the scatter that no law can explain as a line.
 

@@ -6,16 +6,13 @@ import numpy as np
 import plotly.graph_objects as go
 import polars as pl
 
-from pipeclamp_identification.pictures import curves_picture, surface_picture
+from pipeclamp_identification.pictures import cells_picture, curves_picture
 from pipeclamp_identification.report import Section, Table
 from pipeclamp_identification.study import Study
 from pipeclamp_identification.study_case import IN_RANGE
 
 LEVEL = ".s [mm]"
 """How columns of displacement amplitudes end."""
-
-WIDE = 20.0
-"""Levels that differ by more than this factor are drawn by their logarithm."""
 
 
 def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
@@ -46,7 +43,7 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
             lines.append(
                 f"{name}: its law is used beyond the range of its data in {(~inside).sum()} of {inside.len()} cases"
             )
-    figures = [_picture(fine, axes, name) for name in points if fine.height]
+    figures = [_picture(fine, axes, name) for name in points if fine.height and fine[name].max()]
     rows = [(row["case"], *(row[axis] for axis in axes), row["error"]) for row in failed.head(20).iter_rows(named=True)]
     tables = [Table(("case", *axes, "error"), rows, "cases without a result (the first 20)")] if rows else []
     note = "Over the first two of what is varied; the largest over the rest." if len(axes) > 1 else ""
@@ -65,6 +62,5 @@ def _picture(frame: pl.DataFrame, axes: list[str], name: str) -> go.Figure:
     level = np.full((ys.size, xs.size), np.nan)
     for x, y, value in largest.iter_rows():
         level[np.searchsorted(ys, y), np.searchsorted(xs, x)] = np.nan if value is None else value
-    if np.nanmax(level) > WIDE * np.nanmin(level) > 0:
-        return surface_picture(axes[0], axes[1], xs, ys, np.log10(level), "log10 mm", f"{title}, powers of ten of mm")
-    return surface_picture(axes[0], axes[1], xs, ys, level, "mm", title)
+    level[level <= 0] = np.nan
+    return cells_picture(axes[0], axes[1], xs, ys, level, "mm", title)
