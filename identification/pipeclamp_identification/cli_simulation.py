@@ -161,6 +161,11 @@ def system_structure(
     with told("system"):
         write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE)
     console.print(f"{output}: SSP 1.0, {kind.value}")
+    console.print(
+        'most masters couple in parallel, which asks for short steps: pipeclamp cosim with scheme = "parallel" tells '
+        "which can be trusted",
+        highlight=False, markup=False, soft_wrap=True,
+    )  # fmt: skip
 
 
 @app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")
