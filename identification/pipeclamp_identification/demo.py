@@ -106,8 +106,8 @@ def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
     words = [
         "The printed law holds no temperature in its damping, no rise of stiffness above a temperature, and no "
         "frequency in its stiffness. Each step adds one of them and refits everything.",
-        "A step that rests on one row would vanish without that one measurement: the tables support it, they don't "
-        "prove it.",
+        "A step that rests on one row gains less than half without that one measurement: the tables support it, they "
+        "don't prove it.",
     ]
     falling = waterfall_picture(
         [(step.title, step.errors[0]) for step in steps], None, "error", "Error against the published tables"

@@ -274,6 +274,6 @@ def _scatter_words(scatter: Scatter) -> str:
     dissipated, elastic = scatter.share
     few = int(scatter.freedoms.min() - EXPECTED_FREEDOMS)
     return (
-        f"scatter is taken for {dissipated:.2%} of dW and {elastic:.2%} of W: {SCATTER:.0%} was expected, and the "
-        f"richest law that the metrics support leaves {few} degrees of freedom or more to correct it"
+        f"scatter is taken for {dissipated:.2%} of dW and {elastic:.2%} of W: {SCATTER:.0%} was expected, and what the "
+        f"richest law leaves ({few} more numbers than it has parameters) corrected it"
     )
