@@ -15,8 +15,9 @@ from pipeclamp_identification.fit import starting_points, undetermined
 from pipeclamp_identification.metric_evidence import MetricJudged, orthonormal
 from pipeclamp_identification.metric_observations import MetricObservations, metric_slopes
 
-UNSEEN = 0.01
-"""Metrics that change by no more than this share of what the force changes by don't show an effect."""
+UNSEEN = 0.05
+"""Metrics that change by no more than this share of what the force changes by don't show an effect: the points of a
+coarse cycle alone make a percent, and what shows makes half of it or more."""
 IMITATED = 0.02
 """An effect of which the law's own parameters leave no more than this share can't be told from them."""
 

@@ -32,7 +32,7 @@ def test_names(made):
 
 @pytest.mark.parametrize("name", bundled_laws())
 def test_bundled_law_is_what_the_script_makes(made, name):
-    """To 1e-5: the optimiser's last digits differ between machines."""
+    """To 1e-4, standard errors to 2e-3: the optimiser's last digits differ between machines."""
     ours = dict(numbers(json.loads(law_text(made[name]))))
     pinned = dict(numbers(json.loads(law_text(open_law(name)))))
     assert ours.keys() == pinned.keys()
