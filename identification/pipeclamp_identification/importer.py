@@ -68,6 +68,7 @@ class LoadedFmu:
         self.can_roll_back = bool(description.coSimulation.canGetAndSetFMUstate)
         self.has_derivatives = bool(description.coSimulation.providesDirectionalDerivative)
         self._callbacks = fmi2CallbackFunctions()
+        # Not through fmpy's proxy, which has one logger for the whole process and keeps it after it has been freed.
         self._callbacks.logger = fmi2CallbackLoggerTYPE(self.messages)
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)

@@ -1,4 +1,8 @@
-"""What tests of FMUs share: models, built FMUs, and a driver that goes by variable names."""
+"""What tests of FMUs share: models, built FMUs, and a driver that goes by variable names.
+
+No test here gives fmpy's `simulate_fmu` a `logger`: fmpy keeps the last one for the whole process, after it has been
+freed, and an FMU of FMI 2.0 that is then run without one can crash at its first message.
+"""
 
 from __future__ import annotations
 
