@@ -339,7 +339,6 @@ def _result(
         name=description.name,
         scheme=description.run.scheme,
         step=description.run.even_step_s,
-        excitation_kind=variables.kind,
         clamp_names=names,
         probe_names=variables.probes,
         columns=columns,

@@ -35,7 +35,6 @@ class CosimResult:
         name: of the system.
         scheme: how it was coupled.
         step: macro step, s.
-        excitation_kind: "base" or "force".
         clamp_names: the clamps that have a law, in the system's order.
         probe_names: the pipe's probes.
         columns: values by variable name, each (n,); SI units.
@@ -55,7 +54,6 @@ class CosimResult:
     name: str
     scheme: Scheme
     step: float
-    excitation_kind: str
     clamp_names: tuple[str, ...]
     probe_names: tuple[str, ...]
     columns: Mapping[str, Array]

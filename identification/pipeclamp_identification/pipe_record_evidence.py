@@ -124,10 +124,6 @@ class RecordEvidence:
         noise = np.sqrt(variance / 2 + (MODEL_ERROR * size) ** 2 + (FLOOR * size.max(axis=(0, 1))) ** 2)
         return replace(self, along=along, noise=np.where(self.used, noise, 1.0))
 
-    def scaled(self, factor: float) -> RecordEvidence:
-        """Give it with another noise."""
-        return replace(self, noise=factor * self.noise)
-
     def residual(self, prediction: RecordPrediction) -> Array:
         """Give measured less computed amplitude and phase of each cell over the noise, (n,)."""
         error = self.measured - self.cells.lines(prediction.computed)
