@@ -94,7 +94,7 @@ class Candidate:
     @property
     def overdispersion(self) -> float:
         """Mean square of what is left, in units of the noise's; 1 at least."""
-        return max(1.0, self.refit.squared / max(1, self.refit.residual.size - len(self.refit.values)))
+        return max(1.0, self.refit.squared / self.refit.freedoms)
 
     def told(self) -> str:
         """Say the refitted values."""
@@ -153,8 +153,7 @@ def attribute(compared: Compared, tell: Tell = lambda what: None) -> Attribution
     tell("refit all together")
     best = min(refits, key=lambda one: one.squared)
     (together,) = refit(task, [_all_from(suspects, best)])
-    freedoms = max(1, together.residual.size - len(together.values))
-    task = task.renewed(together.computed, float(np.sqrt(together.squared / freedoms)))
+    task = task.renewed(together.computed, together.rms)
     tell("refit with the noise that was found")
     together, *refits = refit(task, [_from(one) for one in (together, *refits)], _limits(task, (together, *refits)))
     singles = [_candidate(compared, task, one) for one in refits]
@@ -246,13 +245,12 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
     everything = _candidate(compared, task, together)
 
     def found(verdict: Verdict, named: Sequence[Candidate], candidates: Sequence[Candidate]) -> Attribution:
-        best = candidates[0].refit if verdict != "complete" else stated.refit
-        left = float(np.sqrt(best.squared / max(1, best.residual.size - len(best.values))))
+        left = (candidates[0] if verdict != "complete" else stated).refit.rms
         return Attribution(verdict, tuple(named), tuple(candidates), stated, everything, left, task)
 
     best = singles[0]
     if not _better(best, stated):
-        enough = _rms(stated) <= NOISE_ONLY and not _needs_more(stated, everything)
+        enough = stated.refit.rms <= NOISE_ONLY and not _needs_more(stated, everything)
         return found("complete" if enough else "unknown", (), singles)
     if _needs_more(best, everything):
         tell("refit pairs")
@@ -263,16 +261,12 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
     explains = stated.refit.squared - best.refit.squared >= EXPLAINED * (
         stated.refit.squared - best.refit.residual.size
     )
-    if _needs_more(best, everything) or (_rms(best) > NOISE_ONLY and not explains):
+    if _needs_more(best, everything) or (best.refit.rms > NOISE_ONLY and not explains):
         return found("unknown", (), singles)
     same_size = [one for one in singles if len(one.suspects) == len(best.suspects)]
     rivals = [one for one in same_size if one.heldout - best.heldout < CLEARLY * best.overdispersion]
     rivals = [one for one in rivals if one is best or _better(one, stated)]
     return found("wrong" if len(rivals) == 1 else "ambiguous", rivals, singles)
-
-
-def _rms(one: Candidate) -> float:
-    return float(np.sqrt(one.refit.squared / max(1, one.refit.residual.size - len(one.refit.values))))
 
 
 def _better(one: Candidate, other: Candidate) -> bool:

@@ -50,6 +50,16 @@ class Refit:
         """Sum of squares of the residual."""
         return float(self.residual @ self.residual)
 
+    @property
+    def freedoms(self) -> int:
+        """Values that are compared less those that were refitted; 1 at least."""
+        return max(1, self.residual.size - len(self.values))
+
+    @property
+    def rms(self) -> float:
+        """Root of the residual's mean square over its degrees of freedom: what is left in units of the noise."""
+        return float(np.sqrt(self.squared / self.freedoms))
+
     def values_of(self, suspect: Suspect) -> Values:
         """Give the values of one suspect."""
         return self.values[_places(self.suspects)[suspect.id]]
