@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,29 +54,37 @@ def predict_record(
         every: steps between two samples.
         near: A and f of the laws to begin with, of each model; None: the law's own.
     """
-    pipes = [_pipe(model, record) for model in models]
-    laws = [[clamp for _, clamp in model.clamps[record.temperature]] for model in models]
-    taken = [begin or tuple(map(_begun, own)) for begin, own in zip(near, laws, strict=True)]
-    found: list[RecordPrediction | None] = [None] * len(models)
-    waiting = [index for index, pipe in enumerate(pipes) if pipe is not None]
+    pipes: dict[int, ReducedPipe] = {}
+    for index, model in enumerate(models):
+        with suppress(UserError, np.linalg.LinAlgError):
+            pipes[index] = _pipe(model, record)
+    predicted = _predicted([(pipe, models[index], near[index]) for index, pipe in pipes.items()], record, every)
+    by_index = dict(zip(pipes, predicted, strict=True))
+    return [by_index.get(index) for index in range(len(models))]
+
+
+def _predicted(
+    coupled: Sequence[tuple[ReducedPipe, CoupledModel, Conditions | None]], record: MotionRecord, every: int
+) -> list[RecordPrediction]:
+    """Give what models, by their pipes and where their laws' A and f begin, say of a record."""
+    laws = [[clamp for _, clamp in model.clamps[record.temperature]] for _, model, _ in coupled]
+    taken = [near or tuple(map(_begun, own)) for (_, _, near), own in zip(coupled, laws, strict=True)]
+    found: dict[int, RecordPrediction] = {}
+    waiting = list(range(len(coupled)))
     drive = record.finer_drive(every)
     orders = [probe.order for probe in record.probes]
     for _ in range(PASSES):
         for begin in range(0, len(waiting), AT_ONCE):
             chosen = waiting[begin : begin + AT_ONCE]
-            variants = [
-                Variant(pipe, _held(laws[index], taken[index]))
-                for index in chosen
-                if (pipe := pipes[index]) is not None
-            ]
+            variants = [Variant(coupled[index][0], _held(laws[index], taken[index])) for index in chosen]
             moved = march(variants, drive, record.step / every, every, orders)
             for row, index in enumerate(chosen):
                 found[index] = RecordPrediction(record.absolute(moved.probes[row]), taken[index])
                 taken[index] = _conditions(laws[index], taken[index], moved, row)
-        waiting = [index for index in waiting if (one := found[index]) and _changed(one.conditions, taken[index])]
+        waiting = [index for index in waiting if _changed(found[index].conditions, taken[index])]
         if not waiting:
             break
-    return found
+    return [found[index] for index in range(len(coupled))]
 
 
 def steps_between(model: CoupledModel, record: MotionRecord) -> tuple[int, RecordPrediction]:
@@ -103,19 +112,17 @@ def steps_between(model: CoupledModel, record: MotionRecord) -> tuple[int, Recor
 
 
 def _alone(model: CoupledModel, record: MotionRecord, every: int, near: Conditions | None) -> RecordPrediction:
-    (found,) = predict_record([model], record, every, [near])
-    if found is None:
-        model.reduced  # noqa: B018 - says what is wrong with the pipe
-        raise AssertionError
+    (found,) = _predicted([(_pipe(model, record), model, near)], record, every)
     return found
 
 
-def _pipe(model: CoupledModel, record: MotionRecord) -> ReducedPipe | None:
-    """Give the pipe with those clamps alone that have a law."""
-    try:
-        pipe = model.reduced
-    except (UserError, np.linalg.LinAlgError):
-        return None
+def _pipe(model: CoupledModel, record: MotionRecord) -> ReducedPipe:
+    """Give the pipe with those clamps alone that have a law.
+
+    Raises:
+        UserError: the pipe can't be reduced.
+    """
+    pipe = model.reduced
     places = [index for index, _ in model.clamps[record.temperature]]
     return replace(
         pipe,
