@@ -13,6 +13,7 @@ from sympy.printing.numpy import NumPyPrinter
 
 from pipeclamp import symbols
 from pipeclamp.law import Equations
+from pipeclamp.realise.stepping import exact
 
 Array = npt.NDArray[np.float64]
 Compiled = Callable[..., Sequence[Any]]
@@ -153,13 +154,12 @@ class ArrayRealisation:
         return _compile(self._parameters, self._lag_slopes[1])
 
 
-REFERENCES = {symbol: sp.sympify(value) for symbol, value in symbols.REFERENCES.items()}
 FAST_ARGUMENTS = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 
 
 def _compile(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Compiled:
     printer = ArrayPrinter({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True})
-    with_references = [sp.sympify(expression).xreplace(REFERENCES) for expression in expressions]
+    with_references = [exact(expression) for expression in expressions]
     # Dummies for arguments: no effect's symbol can then hide a function of NumPy or a common part.
     compiled: Compiled = sp.lambdify(
         list(arguments), with_references, modules="numpy", printer=printer, cse=True, dummify=True
