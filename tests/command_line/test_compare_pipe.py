@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cantilever import cantilever, shaken
 
 from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import reduce
@@ -66,62 +67,18 @@ def test_a_record_of_any_motion_is_compared_over_time(pipeclamp, bench):
     assert "Record burst.csv" in report.read_text(encoding="utf-8")
 
 
-SHAKEN = """
-name = "cantilever"
-[pipe]
-outer_diameter_mm = 60.3
-wall_mm = 3.91
-length_m = 3.0
-material = "316L"
-[ends]
-left = "clamped"
-right = "free"
-[[clamps]]
-name = "clamp1"
-position_m = 2.0
-[[probes]]
-name = "tip"
-position_m = 3.0
-[[probes]]
-name = "middle"
-position_m = 1.5
-[damping]
-ratio = {ratio}
-[modes]
-up_to_Hz = 50
-error = 0.001
-"""
-SWEPT = """
-[pipe]
-file = "pipe.toml"
-[[clamps]]
-at = "clamp1"
-law = "law.json"
-temperature_C = 20.0
-amplitude_mm = 0.5
-frequency_Hz = 8.0
-[excitation]
-kind = "sine"
-acceleration_m_s2 = 1.0
-frequency_Hz = 8.0
-[run]
-stop_s = 1.0
-step_s = 0.001
-"""
-
-
 def test_what_is_wrong_is_named_from_a_record_alone(pipeclamp, tmp_path, write_law):
     """A sweep of a pipe with twice the stated damping, integrated by SciPy: the answer names damping and its size."""
     write_law(tmp_path / "law.json", {"k10": 8.0, "k30": 1.0, "c0": 0.7, "alpha0": 0.7}, v_r=1.0)
-    (tmp_path / "pipe.toml").write_text(SHAKEN.format(ratio=0.02), encoding="utf-8")
-    (tmp_path / "system.toml").write_text(SWEPT, encoding="utf-8")
+    (tmp_path / "pipe.toml").write_text(described(ratio=0.02), encoding="utf-8")
+    (tmp_path / "system.toml").write_text(shaken(amplitude_mm=0.5, frequency_Hz=8.0), encoding="utf-8")
     folder = tmp_path / "measured"
     folder.mkdir()
     probes = "".join(f'[[probes]]\nname = "{name}"\nunit = "mm"\n' for name in ("tip", "middle"))
     (folder / "measurement.toml").write_text(f'{probes}[[records]]\nfile = "sweep.csv"\n', encoding="utf-8")
     time = np.arange(1601) / 200
     equations = clamp_equations(law_of(read_law(tmp_path / "law.json")), 0.5, 8.0, 293.15)
-    true = reduce(parse_pipe(SHAKEN.format(ratio=0.04)))
+    true = reduce(parse_pipe(described(ratio=0.04)))
     moved = solve_monolithic(true, [equations], lambda t: float(swept(t)), time, 1e-5).probes
     noise = 0.01 * np.std(moved, axis=0) * np.random.default_rng(1).standard_normal(moved.shape)
     rows = np.column_stack([time, swept(time), 1e3 * (moved + noise)])
@@ -135,6 +92,10 @@ def test_what_is_wrong_is_named_from_a_record_alone(pipeclamp, tmp_path, write_l
     damping = next(entry for entry in found["candidates"] if entry["parameters"] == ["damping"])
     assert damping["nrmse"] < 0.2 * found["nrmse"]["stated"]
     assert "% of critical instead of 2 % of critical" in done.stdout
+
+
+def described(ratio):
+    return cantilever(ratio, up_to_Hz=50, probes={"tip": 3.0, "middle": 1.5}, modes="error = 0.001")
 
 
 def swept(t):

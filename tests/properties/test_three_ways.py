@@ -9,6 +9,7 @@ from pathlib import Path
 import control
 import numpy as np
 import pytest
+from cantilever import cantilever
 
 from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import ReducedPipe, reduce
@@ -21,32 +22,13 @@ from pipeclamp_identification.monolithic import clamp_equations, solve_monolithi
 from pipeclamp_identification.response_report import response_picture
 from pipeclamp_identification.steady_clamp import SteadyClamp
 
-PIPE = """
-name = "cantilever"
-[pipe]
-outer_diameter_mm = 60.3
-wall_mm = 3.91
-length_m = 3.0
-material = "316L"
-{flow}
-[ends]
-left = "clamped"
-right = "free"
-[[clamps]]
-name = "clamp1"
-position_m = 2.0
-[[probes]]
-name = "tip"
-position_m = 3.0
-[damping]
-ratio = 0.01
-[modes]
-up_to_Hz = 200
-"""
 PIPE_STIFFNESS = 20.23
 """N/mm, static, at clamp1."""
 
-FLOW = 'fluid = "water"\n[flow]\nvelocity_m_s = 25.0'
+PIPES = {
+    "pipe": cantilever(ratio=0.01, up_to_Hz=200, probes={"tip": 3.0}),
+    "flowing": cantilever(ratio=0.01, up_to_Hz=200, probes={"tip": 3.0}, flow_m_s=25.0),
+}
 
 LAWS = {
     "soft": {"k10": 0.2 * PIPE_STIFFNESS, "k30": 0.3, "c0": 1.5, "alpha0": 0.6, "k1_T": -0.3, "c_T1": -0.5},
@@ -60,9 +42,9 @@ STEPS = 100
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]) -> Path:
     folder = tmp_path_factory.mktemp("three_ways")
-    for name, flow in (("pipe", ""), ("flowing", FLOW)):
-        (folder / f"{name}.toml").write_text(PIPE.format(flow=flow), encoding="utf-8")
-        build_pipe(reduce(parse_pipe(PIPE.format(flow=flow))), folder / f"{name}.fmu")
+    for name, text in PIPES.items():
+        (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+        build_pipe(reduce(parse_pipe(text)), folder / f"{name}.fmu")
     for name, values in LAWS.items():
         write_law(folder / f"{name}.json", values, "power", ("damping_temperature",))
         build_clamp(read_law(folder / f"{name}.json"), folder / f"{name}.fmu")
@@ -87,7 +69,7 @@ def resonance(pipe: ReducedPipe, law: str, temperature: float) -> float:
 @pytest.mark.parametrize("temperature", [20.0, 300.0])
 @pytest.mark.parametrize(("law", "name"), [("soft", "pipe"), ("stiff", "pipe"), ("stiff", "flowing")])
 def test_three_ways_agree(bench: Path, law: str, name: str, temperature: float, share: float) -> None:
-    pipe = reduce(parse_pipe(PIPE.format(flow=FLOW if name == "flowing" else "")))
+    pipe = reduce(parse_pipe(PIPES[name]))
     frequency = round(share * resonance(pipe, law, temperature), 3)
     state = steady(bench, pipe, law, temperature, 0.5).at(frequency)
     assert state is not None
@@ -121,7 +103,7 @@ def hardening(bench: Path, write_law: Callable[..., None], alpha: float = 1.0, c
     write_law(bench / "hard.json", {"k10": 4.0, "k30": 4.0, "c0": c0, "alpha0": alpha})
     file = read_law(bench / "hard.json")
     clamp = SteadyClamp(law_of(file), 293.15, 1.0, 9.0, (0.01, 5.0), (1.0, 60.0))
-    return SteadySystem(reduce(parse_pipe(PIPE.format(flow=""))), [(0, clamp)], lambda frequency: 0.5)
+    return SteadySystem(reduce(parse_pipe(PIPES["pipe"])), [(0, clamp)], lambda frequency: 0.5)
 
 
 def test_a_hardening_clamp_folds_and_the_middle_branch_is_unstable(bench: Path, write_law: Callable[..., None]) -> None:
@@ -165,7 +147,7 @@ def test_a_response_that_is_given_up_keeps_its_pieces_apart(
 
 def test_time_integration_ends_on_a_stable_branch(bench: Path, write_law: Callable[..., None]) -> None:
     system = hardening(bench, write_law)
-    pipe = reduce(parse_pipe(PIPE.format(flow="")))
+    pipe = reduce(parse_pipe(PIPES["pipe"]))
     upper, middle, lower = system.crossings(system.curve(4.0, 14.0), 8.0)
     equations = clamp_equations(law_of(read_law(bench / "hard.json")), 1.0, 9.0, 293.15)
     assert middle.growth > 0 > max(upper.growth, lower.growth)

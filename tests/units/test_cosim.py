@@ -8,6 +8,7 @@ import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from math import pi
 from pathlib import Path
@@ -16,6 +17,7 @@ from xml.etree import ElementTree
 import numpy as np
 import polars as pl
 import pytest
+from cantilever import cantilever
 
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import law_of, read_law
@@ -33,34 +35,12 @@ from pipeclamp_identification.excitation import excitation_signal
 from pipeclamp_identification.monolithic import MonolithicResult, clamp_equations, solve_monolithic
 from pipeclamp_identification.system import read_system
 
-PIPE = """
-name = "cantilever"
-[pipe]
-outer_diameter_mm = 60.3
-wall_mm = 3.91
-length_m = 3.0
-material = "316L"
-[ends]
-left = "clamped"
-right = "free"
-[[clamps]]
-name = "clamp1"
-position_m = 2.0
-[[probes]]
-name = "tip"
-position_m = 3.0
-[damping]
-ratio = 0.01
-[modes]
-up_to_Hz = 200
-"""
-
 SSD = f"{{{NAMESPACES['ssd']}}}"
 
 PIPE_STIFFNESS = 20.23
 """N/mm, static, at clamp1."""
 
-SECOND = '[[clamps]]\nname = "clamp2"\nposition_m = 2.6\n'
+pipe_text = partial(cantilever, up_to_Hz=200, probes={"tip": 3.0})
 
 SMOOTH = {"k10": 4.0, "k30": 1.0, "c0": 0.05, "alpha0": 1.0}
 SOFT = {"k10": 4.0, "k30": 1.0, "c0": 3.0, "alpha0": 0.45, "k1_T": -0.3, "c_T1": -0.5}
@@ -97,9 +77,13 @@ def write_system(
 def bench(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]) -> Path:
     """Give a folder with pipes, laws and their FMUs."""
     folder = tmp_path_factory.mktemp("bench")
-    swapped = PIPE.replace("[[clamps]]", SECOND + "[[clamps]]")
-    for name, text in (("pipe", PIPE), ("pipe2", PIPE + SECOND), ("pipe2_swapped", swapped)):
-        (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+    clamps = {
+        "pipe": {"clamp1": 2.0},
+        "pipe2": {"clamp1": 2.0, "clamp2": 2.6},
+        "pipe2_swapped": {"clamp2": 2.6, "clamp1": 2.0},
+    }
+    for name, places in clamps.items():
+        (folder / f"{name}.toml").write_text(pipe_text(ratio=0.01, clamps=places), encoding="utf-8")
         build_pipe(reduce(read_pipe(folder / f"{name}.toml")), folder / f"{name}.fmu")
     laws = {
         "smooth": (SMOOTH, "power", ()),
@@ -489,7 +473,7 @@ def test_the_result_is_written_with_names_and_units(bench: Path, tmp_path: Path)
 
 def test_an_undamped_pipe_loses_nothing(bench: Path) -> None:
     """Both works and the stored energy are exact, so that nothing is left for damping."""
-    (bench / "undamped.toml").write_text(PIPE.replace("ratio = 0.01", "ratio = 0.0"), encoding="utf-8")
+    (bench / "undamped.toml").write_text(pipe_text(ratio=0.0), encoding="utf-8")
     file = write_system(bench, "sequential", step=5e-3)  # a coarse step: the pipe is exact all the same
     file.write_text(
         file.read_text(encoding="utf-8").replace('fmu = "pipe.fmu"', 'file = "undamped.toml"'), encoding="utf-8"

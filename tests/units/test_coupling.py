@@ -8,6 +8,7 @@ from math import pi, sin
 
 import numpy as np
 import pytest
+from cantilever import cantilever
 
 from pipeclamp import pipe_step
 from pipeclamp.errors import UserError
@@ -20,37 +21,13 @@ from pipeclamp_identification.monolithic import ClampEquations, solve_monolithic
 from pipeclamp_identification.schemes import advance_of
 from pipeclamp_identification.step_control import energy_error, march_controlled
 
-PIPE = """
-name = "bench"
-[pipe]
-outer_diameter_mm = 60.3
-wall_mm = 3.91
-length_m = 3.0
-material = "316L"
-[ends]
-left = "clamped"
-right = "free"
-[[clamps]]
-name = "first"
-position_m = 2.0
-[[clamps]]
-name = "second"
-position_m = 3.0
-[damping]
-ratio = 0.01
-[modes]
-up_to_Hz = 200
-"""
-
-
 coefficients = cache(pipe_step.coefficients)
 
 
 @cache
 def reduced(clamps: int) -> ReducedPipe:
-    return reduce(
-        parse_pipe(PIPE if clamps == 2 else PIPE.replace('[[clamps]]\nname = "second"\nposition_m = 3.0', ""))
-    )
+    places = {"first": 2.0, "second": 3.0} if clamps == 2 else {"first": 2.0}
+    return reduce(parse_pipe(cantilever(ratio=0.01, up_to_Hz=200, clamps=places)))
 
 
 class PlainPipe:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cantilever import shaken
 
 from pipeclamp_identification.pipe_attribution import attribute
 from pipeclamp_identification.pipe_attribution_report import attribution_json, attribution_section, attribution_words
@@ -38,23 +39,6 @@ ratio = 0.02
 [modes]
 up_to_Hz = 80
 """
-SYSTEM = """
-[pipe]
-file = "pipe.toml"
-[[clamps]]
-at = "clamp1"
-law = "law.json"
-temperature_C = 20.0
-amplitude_mm = 1.0
-frequency_Hz = 12.0
-[excitation]
-kind = "sine"
-acceleration_m_s2 = 1.0
-frequency_Hz = 12.0
-[run]
-stop_s = 1.0
-step_s = 0.001
-"""
 MEASUREMENT = """
 [[probes]]
 name = "middle"
@@ -70,7 +54,7 @@ SINES = [(f, level) for level in (1.0, 4.0) for f in np.linspace(6.0, 18.0, 13).
 def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
     """A pipe that is the same from both ends, measured in the middle; its left end is softer than stated."""
     write_law(tmp_path / "law.json", {"k10": 20.0, "k30": 4.0, "c0": 2.0, "alpha0": 0.6}, v_r=0.5)
-    (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
+    (tmp_path / "system.toml").write_text(shaken(amplitude_mm=1.0, frequency_Hz=12.0), encoding="utf-8")
     measured = tmp_path / "measured"
     measured.mkdir()
     (measured / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")

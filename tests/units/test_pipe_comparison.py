@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cantilever import cantilever, shaken
 
 from pipeclamp.errors import UserError
 from pipeclamp_identification.pipe_comparison import PipeComparison, compare_pipe
@@ -14,41 +15,6 @@ from pipeclamp_identification.pipe_comparison_report import pipe_comparison_sect
 from pipeclamp_identification.pipe_where import how_much, pipe_comparison_json, where_words
 from pipeclamp_identification.report import render
 
-PIPE = """
-name = "cantilever"
-[pipe]
-outer_diameter_mm = 60.3
-wall_mm = 3.91
-length_m = 3.0
-material = "316L"
-[ends]
-left = "clamped"
-right = "free"
-[[clamps]]
-name = "clamp1"
-position_m = 2.0
-[damping]
-ratio = 0.01
-[modes]
-up_to_Hz = 100
-"""
-SYSTEM = """
-[pipe]
-file = "pipe.toml"
-[[clamps]]
-at = "clamp1"
-law = "law.json"
-temperature_C = 20.0
-amplitude_mm = 1.0
-frequency_Hz = 9.0
-[excitation]
-kind = "sine"
-acceleration_m_s2 = 0.5
-frequency_Hz = 9.0
-[run]
-stop_s = 1.0
-step_s = 0.001
-"""
 MEASUREMENT = """
 name = "test"
 [[probes]]
@@ -68,8 +34,9 @@ FREQUENCIES = np.linspace(6.0, 12.0, 13)
 @pytest.fixture
 def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
     write_law(tmp_path / "law.json", {"k10": 4.0, "k30": 4.0, "c0": 0.02, "alpha0": 1.0})
-    (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
-    (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
+    (tmp_path / "pipe.toml").write_text(cantilever(ratio=0.01, up_to_Hz=100), encoding="utf-8")
+    system = shaken(amplitude_mm=1.0, frequency_Hz=9.0, acceleration_m_s2=0.5)
+    (tmp_path / "system.toml").write_text(system, encoding="utf-8")
     return tmp_path
 
 
@@ -119,7 +86,7 @@ def test_a_delay_errs_in_phase(bench):
 
 def test_every_breakdown_adds_up_and_the_report_is_drawn(bench):
     folder = sweep(bench)
-    (bench / "pipe.toml").write_text(PIPE.replace("ratio = 0.01", "ratio = 0.03"), encoding="utf-8")
+    (bench / "pipe.toml").write_text(cantilever(ratio=0.03, up_to_Hz=100), encoding="utf-8")
     found = compared(bench, folder)
     answer = pipe_comparison_json(found)
     assert answer["nrmse"] > 0.1

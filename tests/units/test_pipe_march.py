@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from cantilever import cantilever
 
 from pipeclamp.law import Law, Structure, compose
 from pipeclamp.pipe import reduce
@@ -13,31 +15,7 @@ from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
 from pipeclamp_identification.pipe_march import HeldLaw, Variant, march
 
-PIPE = """
-name = "cantilever"
-[pipe]
-outer_diameter_mm = 60.3
-wall_mm = 3.91
-length_m = 3.0
-material = "316L"
-{flow}
-[ends]
-left = "clamped"
-right = "free"
-[[clamps]]
-name = "one"
-position_m = 1.2
-[[clamps]]
-name = "two"
-position_m = 2.0
-[[probes]]
-name = "tip"
-position_m = 3.0
-[damping]
-ratio = 0.03
-[modes]
-up_to_Hz = 50
-"""
+pipe_text = partial(cantilever, ratio=0.03, up_to_Hz=50, clamps={"one": 1.2, "two": 2.0}, probes={"tip": 3.0})
 TIME = np.arange(201) / 200
 EVERY = 4
 POWER = {"k10": 8.0, "k30": 1.0, "c0": 2.0, "alpha0": 0.7}
@@ -56,10 +34,11 @@ def shaken(t):
     return 2.0 * np.sin(2 * np.pi * (4.0 * t + 2.0 * t**2))
 
 
-@pytest.mark.parametrize(("first", "flow", "off"), [("power", "", 2e-3), ("memory", "", 2e-2), ("power", "flow", 2e-3)])
+@pytest.mark.parametrize(
+    ("first", "flow", "off"), [("power", None, 2e-3), ("memory", None, 2e-2), ("power", 15.0, 2e-3)]
+)
 def test_each_of_several_models_is_integrated_rightly(first, flow, off):
-    text = PIPE.format(flow='fluid = "water"' if flow else "")
-    pipe = reduce(parse_pipe(text + ("[flow]\nvelocity_m_s = 15.0\n" if flow else "")))
+    pipe = reduce(parse_pipe(pipe_text(flow_m_s=flow)))
     softer = replace(pipe, damping=tuple(2 * value for value in pipe.damping))
     one, two = law(first, POWER if first == "power" else MEMORY), law("power", POWER)
     weaker = replace(two, values={**two.values, "k10": 4.0})
@@ -77,7 +56,7 @@ def test_each_of_several_models_is_integrated_rightly(first, flow, off):
 
 
 def test_half_the_step_errs_by_a_quarter_at_most():
-    pipe = reduce(parse_pipe(PIPE.format(flow="")))
+    pipe = reduce(parse_pipe(pipe_text()))
     held = tuple(HeldLaw(law("power", POWER), 0.5, 8.0, 293.15) for _ in range(2))
     found = []
     for every in (2, 4, 16):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from cantilever import cantilever, shaken
 
 from pipeclamp.errors import UserError
 from pipeclamp.parameter_file import law_of, read_law
@@ -21,42 +23,8 @@ from pipeclamp_identification.pipe_records import RecordsComparison, compare_rec
 from pipeclamp_identification.pipe_records_report import records_sections
 from pipeclamp_identification.report import render
 
-PIPE = """
-name = "cantilever"
-[pipe]
-outer_diameter_mm = 60.3
-wall_mm = 3.91
-length_m = 3.0
-material = "316L"
-[ends]
-left = "clamped"
-right = "free"
-[[clamps]]
-name = "clamp1"
-position_m = 2.0
-[damping]
-ratio = 0.03
-[modes]
-up_to_Hz = 50
-error = 0.001
-"""
-SYSTEM = """
-[pipe]
-file = "pipe.toml"
-[[clamps]]
-at = "clamp1"
-law = "law.json"
-temperature_C = 20.0
-{motion}
-[excitation]
-kind = "sine"
-acceleration_m_s2 = 1.0
-frequency_Hz = 8.0
-[run]
-stop_s = 1.0
-step_s = 0.001
-"""
-GIVEN = "amplitude_mm = 0.5\nfrequency_Hz = 8.0"
+pipe_text = partial(cantilever, up_to_Hz=50, modes="error = 0.001")
+system_text = partial(shaken, amplitude_mm=0.5, frequency_Hz=8.0)
 MEASUREMENT = """
 [[probes]]
 name = "tip"
@@ -75,19 +43,19 @@ file = "sweep.csv"
 def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
     """A sweep from 4 to 14 Hz, integrated in time."""
     write_law(tmp_path / "law.json", {"k10": 8.0, "k30": 1.0, "c0": 2.0, "alpha0": 0.7}, v_r=1.0)
-    (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
-    (tmp_path / "system.toml").write_text(SYSTEM.format(motion=GIVEN), encoding="utf-8")
+    (tmp_path / "pipe.toml").write_text(pipe_text(ratio=0.03), encoding="utf-8")
+    (tmp_path / "system.toml").write_text(system_text(), encoding="utf-8")
     time = np.arange(1200) / 400
 
-    def shaken(t):
+    def drive(t):
         return np.sin(2 * np.pi * (4.0 * t + 10.0 / 6 * t**2))
 
     places = (Place(name="tip", position_m=3.0), Place(name="middle", position_m=1.5))
-    pipe = reduce(parse_pipe(PIPE).model_copy(update={"probes": places}))
+    pipe = reduce(parse_pipe(pipe_text(ratio=0.03)).model_copy(update={"probes": places}))
     equations = clamp_equations(law_of(read_law(tmp_path / "law.json")), 0.5, 8.0, 293.15)
-    moved = solve_monolithic(pipe, [equations], lambda t: float(shaken(t)), time, 1e-6)
-    middle = moved.probe_acceleration[:, 1] + shaken(time)
-    write(tmp_path, np.column_stack([time, shaken(time), 1e3 * moved.probes[:, 0], middle]))
+    moved = solve_monolithic(pipe, [equations], lambda t: float(drive(t)), time, 1e-6)
+    middle = moved.probe_acceleration[:, 1] + drive(time)
+    write(tmp_path, np.column_stack([time, drive(time), 1e3 * moved.probes[:, 0], middle]))
     (tmp_path / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
     return tmp_path
 
@@ -129,8 +97,7 @@ def test_what_is_added_is_found_at_its_probe_and_frequency(bench):
 
 
 def test_a_law_that_follows_its_motion_is_taken_for_the_records_own(bench):
-    text = SYSTEM.format(motion=f"{GIVEN}\nsolve = true")
-    (bench / "system.toml").write_text(text, encoding="utf-8")
+    (bench / "system.toml").write_text(system_text(clamp="solve = true"), encoding="utf-8")
     (amplitude, frequency), = compared(bench).pairs[0].conditions  # fmt: skip
     assert 0.01 < amplitude < 5.0
     assert 4.0 < frequency < 14.0
@@ -139,7 +106,7 @@ def test_a_law_that_follows_its_motion_is_taken_for_the_records_own(bench):
 def test_what_is_wrong_is_asked_of_a_record(bench):
     """The model itself is found complete; with half of the stated damping, damping is named and its size is right."""
     assert attribute(Compared(records=compared(bench))).verdict == "complete"
-    (bench / "pipe.toml").write_text(PIPE.replace("ratio = 0.03", "ratio = 0.06"), encoding="utf-8")
+    (bench / "pipe.toml").write_text(pipe_text(ratio=0.06), encoding="utf-8")
     found = attribute(Compared(records=compared(bench)))
     assert found.verdict in ("wrong", "ambiguous")
     assert "damping" in {suspect.id for suspect in found.suspects}
