@@ -197,14 +197,8 @@ def _from(one: Refit) -> Start:
 
 def _all_from(suspects: Sequence[Suspect], best: Refit) -> Start:
     """Begin with all suspects at once, from the best single one."""
-    values = [best.values if suspect.id == best.suspects[0].id else _neutral(suspect) for suspect in suspects]
+    values = [best.values if suspect.id == best.suspects[0].id else suspect.neutral for suspect in suspects]
     return Start(tuple(suspects), tuple(value for part in values for value in part), best.computed)
-
-
-def _neutral(suspect: Suspect) -> tuple[float, ...]:
-    """Give values that change nothing, and for what then is without effect the middle of its bounds."""
-    first, *others = zip(suspect.lower, suspect.upper, strict=True)
-    return (max(0.0, first[0]), *((low + high) / 2 for low, high in others))
 
 
 def _limits(task: Task, refits: Iterable[Refit]) -> list[int]:
@@ -286,9 +280,7 @@ def _pairs(compared: Compared, task: Task, singles: Sequence[Candidate]) -> Iter
     """Refit the pairs that promise most, each begun from one of them alone."""
     hopeful = singles[:HOPEFUL]
     starts = [
-        Start(
-            (one.suspects[0], other.suspects[0]), (*one.refit.values, *_neutral(other.suspects[0])), one.refit.computed
-        )
+        Start((one.suspects[0], other.suspects[0]), (*one.refit.values, *other.suspects[0].neutral), one.refit.computed)
         for index, one in enumerate(hopeful)
         for other in (*hopeful[index + 1 :], *singles[HOPEFUL:])
     ]

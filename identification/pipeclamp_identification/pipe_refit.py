@@ -93,11 +93,6 @@ def bounds_of(suspects: Sequence[Suspect]) -> tuple[Array, Array]:
     return np.array(lower), np.array(upper)
 
 
-def neutral(suspect: Suspect) -> Values:
-    """Give the values nearest to those that change nothing."""
-    return tuple(np.clip(np.zeros(len(suspect.lower)), suspect.lower, suspect.upper).tolist())
-
-
 def changed(model: CoupledModel, suspects: Sequence[Suspect], values: Values) -> CoupledModel:
     """Give a model with all values of some suspects in place."""
     places = _places(suspects)
@@ -126,7 +121,7 @@ def searched(task: Task, suspects: Sequence[Suspect]) -> list[Start]:
     coarse = task.coarse_residual(task.stated)
     least = float(coarse @ coarse)
     near_enough = least < CLOSE**2 * coarse.size
-    stated = [Start((suspect,), neutral(suspect), task.stated) for suspect in suspects]
+    stated = [Start((suspect,), suspect.neutral, task.stated) for suspect in suspects]
     open_ones = [
         index
         for index, suspect in enumerate(suspects)
@@ -207,7 +202,7 @@ def _fitted(
     problems = [problem(index, np.array(start.values), start.near) for index, start in enumerate(starts)]
     found = fit_together(problems, evaluate, *tolerances)
     lost = [index for index, one in enumerate(found) if one is None]
-    again = [problem(index, np.zeros(len(bounds[index][0])), task.stated) for index in lost]
+    again = [problem(index, _neutral(starts[index].suspects), task.stated) for index in lost]
 
     def evaluate_lost(asked: Sequence[tuple[int, Array, Computed]]) -> list[Evaluated[Computed] | None]:
         return evaluate([(lost[index], values, near) for index, values, near in asked])
@@ -236,9 +231,13 @@ def _evaluated(
 
 def _still(start: Start, task: Task, residual_of: Callable[[Computed], Array]) -> Evaluated[Computed]:
     """Give the model as stated, where nothing else has a motion."""
-    values = np.array([value for suspect in start.suspects for value in neutral(suspect)])
+    values = _neutral(start.suspects)
     residual = residual_of(task.stated)
     return Evaluated(values, task.stated, residual, np.zeros((residual.size, values.size)))
+
+
+def _neutral(suspects: Sequence[Suspect]) -> Array:
+    return np.array([value for suspect in suspects for value in suspect.neutral])
 
 
 def _places(suspects: Sequence[Suspect]) -> dict[str, slice]:

@@ -86,6 +86,12 @@ class Suspect:
     lower: Values
     upper: Values
 
+    @property
+    def neutral(self) -> Values:
+        """Values that change nothing: 0, and for what then is without effect the middle of its bounds."""
+        first, *others = zip(self.lower, self.upper, strict=True)
+        return (max(0.0, first[0]), *((low + high) / 2 for low, high in others))
+
 
 def suspects_of(model: CoupledModel) -> tuple[Suspect, ...]:
     """Give all that may be wrong in a model."""
