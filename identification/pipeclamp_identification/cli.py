@@ -6,7 +6,6 @@ What a command needs is imported inside it, so that `--help` and light commands 
 from __future__ import annotations
 
 import datetime
-import math
 import sys
 from collections.abc import Callable
 from enum import StrEnum
@@ -18,12 +17,16 @@ import typer
 
 from pipeclamp.errors import InterruptError, UsageError, UserError
 from pipeclamp.files import write_whole
-from pipeclamp_identification import cli_simulation
+from pipeclamp_identification import cli_campaigns, cli_simulation
 from pipeclamp_identification.terminal import (
+    DeclaredOption,
+    EffectsOption,
     JobsOption,
     JsonOption,
     LawArgument,
     ReportOption,
+    StrictOption,
+    command_called,
     console,
     errors,
     names_in,
@@ -31,6 +34,7 @@ from pipeclamp_identification.terminal import (
     print_table,
     show,
     told,
+    values_in,
     write,
 )
 
@@ -49,6 +53,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
     add_completion=False,
 )
+app.add_typer(cli_campaigns.app)
 app.add_typer(cli_simulation.app)
 
 
@@ -67,24 +72,8 @@ class FitMethod(StrEnum):
     surfaces = "surfaces"
 
 
-class RecordFormat(StrEnum):
-    """Formats of records that the virtual rig writes."""
-
-    csv = "csv"
-    csv_gz = "csv.gz"
-    parquet = "parquet"
-
-
 CampaignFolder = Annotated[
     Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
-]
-StrictOption = Annotated[bool, typer.Option("--strict", metavar="", help="A run that can't be used is an error.")]
-EffectsOption = Annotated[
-    str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")
-]
-DeclaredOption = Annotated[
-    list[Path] | None,
-    typer.Option("--declared", metavar="F.toml", help="An effect of your own, by declaration; any number of times."),
 ]
 ReproducibleOption = Annotated[bool, typer.Option("--reproducible", metavar="", help="Leave out the date.")]
 
@@ -178,8 +167,8 @@ def identify(
         ids, declarations = read_effects(names_in(effects), declared or ())
         tests = _read(campaign, strict, tell)
         file, sections = identified(
-            tests, base=base.value, effects=ids, frozen=_values(freeze), method=method.value, declared=declarations,
-            name=name or tests.name, command=_command(), date=None if reproducible else _now(),
+            tests, base=base.value, effects=ids, frozen=values_in(freeze), method=method.value, declared=declarations,
+            name=name or tests.name, command=command_called(), date=None if reproducible else _now(),
             with_report=report is not None, progress=tell,
         )  # fmt: skip
     write(None, report, None, f"Law {file.name}", f"identified from {tests.name}", sections)
@@ -259,7 +248,7 @@ def diagnose(
         reach = parse_limits(limits) if limits else None
         if auto:
             settled = add_until_settled(
-                file, tests, command=_command(), declared=declarations, limits=reach, jobs=jobs, progress=tell
+                file, tests, command=command_called(), declared=declarations, limits=reach, jobs=jobs, progress=tell
             )
             file, answer = settled.file, settled.answer
         else:
@@ -324,96 +313,6 @@ def effects(declared: DeclaredOption = None) -> None:
     print_table(Table(("id", "part", "looks like, when missing", "imitated by", "told apart by"), rows))
 
 
-@app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
-def rig(
-    law: LawArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")
-    ],
-    effects: EffectsOption = "",
-    declared: DeclaredOption = None,
-    set_values: Annotated[
-        str, typer.Option("--set", metavar="name=value,...", help="Of parameters and further columns.")
-    ] = "",
-    amplitudes: Annotated[str, typer.Option(metavar="mm,...")] = "0.2,0.5,0.8,1",
-    frequencies: Annotated[str, typer.Option(metavar="Hz,...")] = "1,3,5",
-    temperatures: Annotated[str, typer.Option(metavar="degC,...")] = "20,100,200,300",
-    cycles: Annotated[float, typer.Option(help="Cycles per record; need not be whole.")] = 5.0,
-    ramp_cycles: Annotated[float, typer.Option(help="Cycles of ramp-in before them.")] = 0.0,
-    rate: Annotated[float, typer.Option(help="Samples per second.")] = 1000.0,
-    force_noise: Annotated[float, typer.Option(help="Rms noise of the force sensor, N.")] = 3.0,
-    displacement_noise: Annotated[float, typer.Option(help="Rms noise of the displacement sensor, mm.")] = 0.0002,
-    force_step: Annotated[float, typer.Option(help="Quantisation of the force, N.")] = 0.1,
-    displacement_step: Annotated[float, typer.Option(help="Quantisation of the displacement, mm.")] = 0.0001,
-    distortion: Annotated[float, typer.Option(help="Third harmonic of the drive, share of the amplitude.")] = 0.005,
-    riding: Annotated[float, typer.Option(help="Small cycles on the large one, share of its amplitude.")] = 0.0,
-    riding_order: Annotated[int, typer.Option(help="So many of them a cycle.")] = 7,
-    amplitude_error: Annotated[float, typer.Option(help="Rms error of the amplitude, as a share.")] = 0.005,
-    temperature_error: Annotated[float, typer.Option(help="Rms error of the temperature, K.")] = 1.0,
-    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
-    format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
-) -> None:
-    """A virtual campaign of a law: would this test plan see that effect?"""
-    from pipeclamp.declaration import read_effects
-    from pipeclamp_identification import rig as virtual
-    from pipeclamp_identification.campaign_writing import write_campaign
-
-    with told("rig") as tell:
-        plan = virtual.TestPlan(
-            amplitudes=_numbers(amplitudes, "--amplitudes"),
-            frequencies=_numbers(frequencies, "--frequencies"),
-            temperatures=_numbers(temperatures, "--temperatures"),
-            cycles=cycles,
-            ramp_cycles=ramp_cycles,
-            rate=rate,
-            force_noise=force_noise,
-            displacement_noise=displacement_noise,
-            force_step=force_step,
-            displacement_step=displacement_step,
-            distortion=distortion,
-            riding=riding,
-            riding_order=riding_order,
-            amplitude_error=amplitude_error,
-            temperature_error=temperature_error,
-            seed=seed,
-        )
-        ids, declarations = read_effects(names_in(effects), declared or ())
-        file = opened_law(law)
-        truth, conditions = virtual.truth_law(file, ids, _values(set_values), declarations)
-        count = write_campaign(
-            output, virtual.virtual_runs(truth, plan, conditions), name=output.name, notes=f"Virtual rig: {_command()}",
-            format=format.value, progress=tell,
-        )  # fmt: skip
-    for words in virtual.beyond_range(file, plan):
-        errors.print(f"warning: beyond the law's data: {words}", style="yellow", highlight=False, soft_wrap=True)
-    console.print(f"{output}: {count} runs")
-
-
-@app.command(epilog="Example: pipeclamp join tests next_test -o all_tests")
-def join(
-    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN...", help="Tests of one clamp.")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")
-    ],
-    strict: StrictOption = False,
-    format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
-) -> None:
-    """Several campaigns of one clamp in one: the tests so far and the next one."""
-    from pipeclamp_identification.bundled_campaigns import campaign_folder
-    from pipeclamp_identification.campaign import read_campaign
-    from pipeclamp_identification.campaign_writing import joined_runs, write_campaign
-
-    with told("join") as tell:
-        tests = [read_campaign(campaign_folder(folder), strict=strict) for folder in campaigns]
-        for entry in (entry for one in tests for entry in one.left_out):
-            errors.print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
-        notes = f"Joined of {', '.join(one.name for one in tests)}"
-        count = write_campaign(
-            output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell
-        )
-    console.print(f"{output}: {count} runs")
-
-
 @app.command(epilog="Example: pipeclamp demo my_demo")
 def demo(
     folder: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="Where the results go.")] = Path("pipeclamp_demo"),
@@ -465,7 +364,7 @@ def _change(
         file = opened_law(law)
         tests = _read(campaign, strict, tell)
         date = None if reproducible else _now()
-        changed = change(file, campaign=tests, command=_command(), date=date, progress=tell)
+        changed = change(file, campaign=tests, command=command_called(), date=date, progress=tell)
     write_whole(output, law_text(changed.after))
     print_table(addition_table(changed))
     _print_law(changed.after, output)
@@ -480,36 +379,6 @@ def _print_law(file: Any, output: Path) -> None:
     if file.fit:
         console.print(fit_words(file.fit), highlight=False)
     console.print(str(output), highlight=False)
-
-
-def _values(text: str) -> dict[str, float]:
-    values = {}
-    for entry in names_in(text):
-        name, equals, number = entry.partition("=")
-        if not equals:
-            raise UsageError(f"got {entry!r}; expected name=value, for example k1_T=0")
-        values[name.strip()] = _numbers(number, name)[0]
-    return values
-
-
-def _numbers(text: str, where: str) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(entry) for entry in names_in(text))
-    except ValueError as error:
-        raise UsageError(f"{where}: got {text!r}; expected numbers separated by commas") from error
-    if not numbers or not all(math.isfinite(number) for number in numbers):
-        raise UsageError(f"{where}: got {text!r}; expected finite numbers separated by commas")
-    return numbers
-
-
-def _command() -> str:
-    """Give the command as it was called, paths by their last part, so that it reads the same everywhere."""
-
-    def last(word: str) -> str:
-        return ",".join(part if part.startswith("condition:") else Path(part).name or part for part in word.split(","))
-
-    words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
-    return " ".join(["pipeclamp", *words])
 
 
 def _now() -> str:

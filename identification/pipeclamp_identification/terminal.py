@@ -1,8 +1,9 @@
-"""What the commands share: common options, what is shown while they run, how they print and write."""
+"""What the commands share: options and what they hold, what is shown while they run, how they print and write."""
 
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
+from pipeclamp.errors import UsageError
 from pipeclamp.files import write_whole
 
 if TYPE_CHECKING:
@@ -30,6 +32,14 @@ errors = Console(stderr=True)
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
 ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
+StrictOption = Annotated[bool, typer.Option("--strict", metavar="", help="A run that can't be used is an error.")]
+EffectsOption = Annotated[
+    str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")
+]
+DeclaredOption = Annotated[
+    list[Path] | None,
+    typer.Option("--declared", metavar="F.toml", help="An effect of your own, by declaration; any number of times."),
+]
 
 
 def _processes(jobs: int) -> int:
@@ -115,3 +125,43 @@ def print_table(table: Table) -> None:
 def names_in(text: str) -> tuple[str, ...]:
     """Give the names that commas separate."""
     return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def values_in(text: str) -> dict[str, float]:
+    """Give the numbers that commas separate, by name.
+
+    Raises:
+        UsageError: not all are name=number.
+    """
+    values = {}
+    for entry in names_in(text):
+        name, equals, number = entry.partition("=")
+        if not equals:
+            raise UsageError(f"got {entry!r}; expected name=value, for example k1_T=0")
+        values[name.strip()] = numbers_in(number, name)[0]
+    return values
+
+
+def numbers_in(text: str, where: str) -> tuple[float, ...]:
+    """Give the numbers that commas separate.
+
+    Raises:
+        UsageError: not all are finite numbers; it says `where`.
+    """
+    try:
+        numbers = tuple(float(entry) for entry in names_in(text))
+    except ValueError as error:
+        raise UsageError(f"{where}: got {text!r}; expected numbers separated by commas") from error
+    if not numbers or not all(math.isfinite(number) for number in numbers):
+        raise UsageError(f"{where}: got {text!r}; expected finite numbers separated by commas")
+    return numbers
+
+
+def command_called() -> str:
+    """Give the command as it was called, paths by their last part, so that it reads the same everywhere."""
+
+    def last(word: str) -> str:
+        return ",".join(part if part.startswith("condition:") else Path(part).name or part for part in word.split(","))
+
+    words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
+    return " ".join(["pipeclamp", *words])
