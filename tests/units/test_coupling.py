@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 from math import pi, sin
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +31,23 @@ def reduced(clamps: int) -> ReducedPipe:
     return reduce(parse_pipe(cantilever(ratio=0.01, up_to_Hz=200, clamps=places)))
 
 
-class PlainPipe:
+class Plain:
+    """A participant whose state can be saved; it gives no slopes of its own."""
+
+    state: Any
+    saved: Any
+
+    def save(self) -> None:
+        self.saved = self.state
+
+    def restore(self) -> None:
+        self.state = self.saved
+
+    def slopes(self) -> None:
+        return None
+
+
+class PlainPipe(Plain):
     """A reduced pipe as a participant."""
 
     def __init__(self, pipe: ReducedPipe, clamps: int, at_end: bool) -> None:
@@ -66,17 +83,8 @@ class PlainPipe:
         q, p, _ = self.state
         return [float(np.dot(shape, q)) for shape in self.shapes] + [float(np.dot(shape, p)) for shape in self.shapes]
 
-    def save(self) -> None:
-        self.saved = self.state
 
-    def restore(self) -> None:
-        self.state = self.saved
-
-    def slopes(self) -> None:
-        return None
-
-
-class PlainClamp:
+class PlainClamp(Plain):
     """A clamp's equations as a participant."""
 
     def __init__(self, equations: ClampEquations) -> None:
@@ -95,15 +103,6 @@ class PlainClamp:
 
     def outputs(self) -> tuple[float]:
         return (self.state[2],)
-
-    def save(self) -> None:
-        self.saved = self.state
-
-    def restore(self) -> None:
-        self.state = self.saved
-
-    def slopes(self) -> None:
-        return None
 
 
 def smooth(k1: float, k3: float, c: float) -> ClampEquations:
