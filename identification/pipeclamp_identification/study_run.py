@@ -6,6 +6,8 @@ import io
 import json
 import os
 import signal
+import threading
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -53,7 +55,7 @@ def run_study(
     done = _finished(journal, study)
     tell(len(done), count)
     waiting = ((number, values) for number, values in study.cases() if number not in done)
-    with _opened(journal, study, fresh=not done) as stream, _backend(scheduler):
+    with _opened(journal, study, fresh=not done) as stream, _backend(scheduler), _quiet_end():
         calls = (joblib.delayed(evaluate)(study, number, values) for number, values in waiting)
         rows = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", pre_dispatch="4*n_jobs")(calls)
         try:
@@ -64,7 +66,8 @@ def run_study(
                 done[row["case"]] = row
                 tell(len(done), count)
         except KeyboardInterrupt as interrupt:
-            with suppress(Exception):  # it ends the cases that run, which may object
+            # It ends the cases that run, which may object, and says so.
+            with suppress(Exception), warnings.catch_warnings(action="ignore"):
                 rows.close()
             raise InterruptError(
                 f"{len(done)} of {count} cases are kept in {journal}; the same command goes on with the others"
@@ -80,6 +83,22 @@ def run_study(
 def _ignore_interrupts() -> None:
     """Leave Ctrl-C, which a terminal sends to all processes, to the one that hands out the cases."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextmanager
+def _quiet_end() -> Iterator[None]:
+    """Keep joblib's thread from telling of cases that it meant to hand out when an interrupt took them all away."""
+    loud = threading.excepthook
+
+    def tell(failure: threading.ExceptHookArgs) -> None:
+        if not (failure.exc_type is KeyError and failure.thread and failure.thread.name == "ExecutorManagerThread"):
+            loud(failure)
+
+    threading.excepthook = tell
+    try:
+        yield
+    finally:
+        threading.excepthook = loud
 
 
 def _finished(journal: Path, study: Study) -> dict[int, Row]:
