@@ -4,9 +4,13 @@ The pipe is its frequency response G, each clamp the harmonics of its force F(Y)
 
     Y_h = G_e(i h omega) U_h - G_c(i h omega) F_h(Y),   h = 0 .. H.
 
-With H = 1 this is the describing function of the clamp. Stability is that of the fundamental when it varies slowly:
-Q(t) of q = Re Q e^(i omega t) obeys Q'' + (2 i omega + C) Q' + (K - omega^2 + i omega C) Q = -S^T dF with
-dF = F_Y dY + F_V dV, dV = i omega dY + dY'; its eigenvalues tell growth and decay.
+With H = 1 this is the describing function of the clamp. A disturbance of the motion has harmonics that vary in time,
+q = sum of Q_h(t) e^(i h omega t), with (Hill)
+
+    Q_h'' + (2 i h omega + C) Q_h' + (K - (h omega)^2 + i h omega C) Q_h = -S^T dF_h,
+    dF_h = sum over j of F_h,Yj dY_j + F_h,Vj dV_j',
+
+where F_V is the force's answer to a velocity besides the motion's own. The eigenvalues tell growth and decay.
 """
 
 from __future__ import annotations
@@ -20,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp.pipe import ReducedPipe
+from pipeclamp.pipe_response import state_space
 from pipeclamp_identification.continuation import Point, Steps, follow, solve
 from pipeclamp_identification.steady_clamp import SAMPLES, Complex, SteadyClamp
 
@@ -148,8 +153,9 @@ class SteadySystem:
         self._shapes = np.array([pipe.clamp_shapes[index] for index, _ in clamps]).reshape(len(clamps), modes)
         probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), modes)
         self._stiffness, self._damping = pipe.stiffness_matrix, pipe.damping_matrix
-        self._loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
-        self._observed = np.vstack([self._shapes, probes])
+        loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
+        observed = MM * np.vstack([self._shapes, probes])
+        self._linear = state_space(self._stiffness, self._damping, loads, observed)
         # A pipe that can move as a rigid body has no mean position of its own.
         self._has_mean = bool(np.linalg.cond(self._stiffness) < 1e14)
 
@@ -163,10 +169,8 @@ class SteadySystem:
         points = 2j * pi * np.outer(frequency, self._orders)
         if not self._has_mean:
             points[:, 0] = 1e-3 * points[:, 1]
-        s = points.ravel()[:, None, None]
-        dynamic = s**2 * np.eye(len(self._stiffness)) + s * self._damping + self._stiffness
-        found = MM * (self._observed @ np.linalg.solve(dynamic, self._loads.astype(np.complex128)))
-        found = np.moveaxis(found.reshape(*points.shape, *found.shape[1:]), 1, -1)
+        found = self._linear(points.ravel(), squeeze=False).reshape(*self._linear.C.shape[:1], -1, *points.shape)
+        found = np.moveaxis(found, 2, 0)
         if not self._has_mean:
             found[..., 0] = 0.0
         return np.asarray(found, dtype=np.complex128)
@@ -315,36 +319,48 @@ class SteadySystem:
         )
 
     def _forces_and_slopes(self, motion: Complex, frequency: float) -> tuple[Complex, Array, Array]:
-        """Give the clamps' forces, and how F_1 follows Y_1 (N/mm) and a velocity besides (N s/mm).
+        """Give the clamps' forces, and how they follow the displacement (N/mm) and a velocity besides (N s/mm).
 
         Returns:
-            forces (clamps, H + 1); slopes, each (2 clamps, 2 clamps): the real parts of all clamps, then the imaginary.
+            forces (clamps, H + 1); slopes between all unknowns, each (m, m).
         """
-        count, omega = len(self._clamps), 2 * pi * frequency
+        omega = 2 * pi * frequency
         nudge = NUDGE * max(SMALLEST, float(np.abs(motion).max()))
-        rows = 4 * count + 1
-        moved = np.repeat(motion, rows, axis=0)
-        faster = np.zeros_like(moved)
-        for row, (turn, clamp) in enumerate(((turn, clamp) for turn in (1, 1j) for clamp in range(count)), start=1):
-            moved[row, clamp, 1] += nudge * turn
-            faster[row + 2 * count, clamp, 1] += nudge * omega * turn
-        frequencies = np.full(rows, frequency)
+        each = self.unpacked(nudge * np.eye(self.size))
+        still = np.zeros(each.shape, dtype=np.complex128)
+        moved = motion + np.concatenate([still[:1], each, still])
+        faster = np.concatenate([still[:1], still, omega * each])
+        frequencies = np.full(len(moved), frequency)
         found = [clamp.forces(moved[:, i], frequencies, faster[:, i]) for i, clamp in enumerate(self._clamps)]
         forces = np.stack(found, axis=1)
-        change = (forces[1:, :, 1] - forces[0, :, 1]) / nudge
-        slope = np.hstack([change.real, change.imag]).T
-        return forces[0], slope[:, : 2 * count], slope[:, 2 * count :] / omega
+        slopes = self.packed(forces[1:] - forces[0]).T / nudge
+        return forces[0], slopes[:, : self.size], slopes[:, self.size :] / omega
 
     def _growth(self, slopes: Sequence[Array] | None, omega: float) -> float:
-        """Give the largest real part of the slow motions' eigenvalues, 1/s."""
-        K, C, n = self._stiffness, self._damping, len(self._pipe.omega)
-        one = np.eye(n)
-        stiffness = np.block([[K - omega**2 * one, -omega * C], [omega * C, K - omega**2 * one]])
-        damping = np.block([[C, -2 * omega * one], [2 * omega * one, C]])
+        """Give the largest real part of the disturbance's eigenvalues, 1/s.
+
+        An eigenvalue comes once with each harmonic, i omega apart. The one between -i omega/2 and i omega/2 counts, as
+        the harmonics that are left out hurt it least; of modes too fast to have one there, that of their mean.
+        """
+        H = self._orders.size - 1
+        every, modes = np.eye(2 * H + 1), np.eye(len(self._pipe.omega))
+        turn = np.zeros_like(every)
+        real, imaginary = np.arange(1, H + 1), np.arange(H + 1, 2 * H + 1)
+        turn[real, imaginary], turn[imaginary, real] = -omega * real, omega * real
+        stiffness = np.kron(every, self._stiffness) + np.kron(turn @ turn, modes) + np.kron(turn, self._damping)
+        damping = np.kron(every, self._damping) + np.kron(2 * turn, modes)
         if slopes is not None:
-            by_place, by_velocity = slopes
-            shapes = np.kron(np.eye(2), self._shapes)
+            shapes = np.kron(every, self._shapes)
+            by_place, by_velocity = (self._harmonic_by_harmonic(slope) for slope in slopes)
             stiffness += MM * shapes.T @ by_place @ shapes
             damping += MM * shapes.T @ by_velocity @ shapes
-        companion = np.block([[np.zeros((2 * n, 2 * n)), np.eye(2 * n)], [-stiffness, -damping]])
-        return float(np.linalg.eigvals(companion).real.max())
+        none, one = np.zeros_like(stiffness), np.eye(len(stiffness))
+        found = np.linalg.eigvals(np.block([[none, one], [-stiffness, -damping]]))
+        speed = np.abs(found.imag) / omega
+        return float(found.real[(speed <= 0.5 + NUDGE) | (speed > H + 0.5 - NUDGE)].max())
+
+    def _harmonic_by_harmonic(self, slope: Array) -> Array:
+        """Sort slopes between unknowns, clamp by clamp, (m, m), by their harmonics instead."""
+        count = len(self._clamps)
+        parts = slope.reshape(count, -1, count, self.size // count)
+        return parts.transpose(1, 0, 3, 2).reshape(slope.shape)

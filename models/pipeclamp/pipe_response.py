@@ -61,21 +61,32 @@ class ReductionErrors:
     response: float
 
 
-def state_space(model: ModalModel, moving: int | None = None) -> control.StateSpace:
-    """Give the state space of modes, states (q, q'), inputs the loads, outputs the displacements.
+def state_space(
+    stiffness: Array, damping: Array, loads: Array, shapes: Array, direct: Array | float = 0.0
+) -> control.StateSpace:
+    """Give q'' + damping q' + stiffness q = loads u, s = shapes q + direct u as a state space, states (q, q').
+
+    Args:
+        stiffness, damping: (m, m).
+        loads: (m, inputs).
+        shapes: (outputs, m).
+        direct: (outputs, inputs), or 0.
+    """
+    none = np.zeros_like(stiffness)
+    A = np.block([[none, np.eye(len(stiffness))], [-stiffness, -damping]])
+    return control.ss(A, np.vstack([np.zeros_like(loads), loads]), np.hstack([shapes, np.zeros_like(shapes)]), direct)
+
+
+def modal_state_space(model: ModalModel, moving: int | None = None) -> control.StateSpace:
+    """Give the state space of modes, inputs the loads, outputs the displacements.
 
     Args:
         model: the modes.
         moving: how many of them have states; the others add their static compliance. All of them unless told.
     """
     count = model.omega.size if moving is None else min(moving, model.omega.size)
-    stiffness, damping = model.matrices(count)
-    none = np.zeros((count, count))
-    A = np.block([[none, np.eye(count)], [-stiffness, -damping]])
-    B = np.vstack([np.zeros((count, model.loads.shape[1])), model.loads[:count]])
-    C = np.hstack([model.shapes[:, :count], np.zeros((model.shapes.shape[0], count))])
-    D = (model.shapes[:, count:] / model.omega[count:] ** 2) @ model.loads[count:]
-    return control.ss(A, B, C, D)
+    static = (model.shapes[:, count:] / model.omega[count:] ** 2) @ model.loads[count:]
+    return state_space(*model.matrices(count), model.loads[:count], model.shapes[:, :count], static)
 
 
 def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
@@ -98,7 +109,7 @@ class Reference:
             omega_up_to: end of the band, rad/s.
         """
         self.most = min(kept + MOST_MODES, full.omega.size)
-        self._whole = state_space(full, self.most)
+        self._whole = modal_state_space(full, self.most)
         # Rigid body modes have no static compliance: there, "static" is far below the stated frequency.
         low = 1e-3 * omega_up_to if full.omega[0] == 0 else 0.0
         self._band = np.concatenate([[low], np.linspace(omega_up_to / BAND_POINTS, omega_up_to, BAND_POINTS)])
@@ -114,7 +125,7 @@ class Reference:
         """
         if self._exact is None:
             return ReductionErrors(0.0, 0.0, 0.0)
-        error = np.abs(_frequency_response(state_space(reduced), self._band) - self._exact)
+        error = np.abs(_frequency_response(modal_state_space(reduced), self._band) - self._exact)
         truncated = truncate(self._whole, kept)
         lost = np.abs(_frequency_response(truncated, self._band[:1]) - self._exact[:, :, :1])
         return ReductionErrors(

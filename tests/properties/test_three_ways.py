@@ -10,7 +10,9 @@ import control
 import numpy as np
 import pytest
 from cantilever import cantilever
+from scipy.signal import find_peaks
 
+from pipeclamp.bundled import open_law
 from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import parse_pipe
@@ -157,6 +159,56 @@ def test_time_integration_ends_on_a_stable_branch(bench: Path, write_law: Callab
     ends = 1e3 * np.ptp(shaken.displacement[-81:, 0]) / 2
     assert min(abs(ends / half_range(state.clamps)[0] - 1) for state in (upper, lower)) < 0.02
     assert abs(ends / half_range(middle.clamps)[0] - 1) > 0.1
+
+
+WATER_LINE = """
+name = "water line"
+[pipe]
+outer_diameter_mm = 323.9
+wall_mm = 8.0
+length_m = 18.0
+material = "carbon steel"
+fluid = "water"
+[ends]
+left = "pinned"
+right = "pinned"
+[[clamps]]
+name = "clamp1"
+position_m = 5.0
+[damping]
+ratio = 0.005
+[modes]
+up_to_Hz = 100
+"""
+"""Shaken near its first mode with 0.2 m/s2 the clamp moves with a third harmonic of a third of the fundamental."""
+
+
+def test_higher_harmonics_take_part_in_stability() -> None:
+    pipe, law = reduce(parse_pipe(WATER_LINE)), law_of(open_law("emwm2"))
+    clamp = SteadyClamp(law, 293.15, 1.0, 5.0, (0.01, 1.0), (1.0, 60.0))
+    system = SteadySystem(pipe, [(0, clamp)], lambda frequency: 0.2)
+    curve = system.curve(3.5, 4.5)
+    frequencies, stable = np.array([s.frequency for s in curve]), np.array([s.stable for s in curve])
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(frequencies))) != 0) + 1
+    changes = np.flatnonzero(np.diff(stable.astype(int)))
+    assert len(turns) == len(changes) == 2
+    assert all(turn in (change, change + 1) for turn, change in zip(turns, changes, strict=True))
+
+    frequency, steps, cycles = 3.98, 64, 60
+    [state] = system.crossings(curve, frequency)
+    assert abs(state.clamps[0, 3]) > 0.3 * abs(state.clamps[0, 1])
+    time = np.arange(cycles * steps + 1) / (steps * frequency)
+    shaken = solve_monolithic(
+        pipe, [clamp_equations(law, 1.0, 5.0, 293.15)], lambda t: 0.2 * np.sin(2 * pi * frequency * t), time, 1e-6
+    )
+    motion = 1e3 * shaken.displacement[:-1, 0].reshape(cycles, steps)
+    assert np.ptp(motion[-1]) / 2 == pytest.approx(half_range(state.clamps)[0], rel=0.01)
+    off = np.abs(motion - motion[-1]).max(axis=1)
+    peaks = find_peaks(off)[0]
+    peaks = peaks[(off[peaks] < 0.2 * off[0]) & (off[peaks] > 1e-3 * off[0])]
+    decay = np.polyfit(peaks / frequency, np.log(off[peaks]), 1)[0]
+    assert len(peaks) > 2
+    assert decay == pytest.approx(state.growth, rel=0.05)
 
 
 def test_the_fundamental_is_control_s_describing_function(bench: Path, write_law: Callable[..., None]) -> None:
