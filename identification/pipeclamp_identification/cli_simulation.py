@@ -185,7 +185,10 @@ def sweep(
     columns = (TextColumn("sweep"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as shown:
         task = shown.add_task("sweep", total=read.description.count)
-        frame = run_study(read, output, jobs, dask, lambda done, _: shown.update(task, completed=done))
+        frame = run_study(
+            read, output, jobs, dask, lambda done, _: shown.update(task, completed=done),
+            lambda: errors.print("the cases that run are finished first; Ctrl-C again ends at once", highlight=False),
+        )  # fmt: skip
     sections = study_sections(read, frame)
     if report:
         write(None, report, None, f"Study: {read.description.name}", read.description.notes, sections)

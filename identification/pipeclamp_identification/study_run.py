@@ -7,10 +7,11 @@ import json
 import os
 import signal
 import threading
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import takewhile
 from pathlib import Path
+from types import FrameType
 
 import joblib
 import polars as pl
@@ -29,12 +30,13 @@ def journal_of(output: Path) -> Path:
 
 
 def run_study(
-    study: Study, output: Path, jobs: int = -1, scheduler: str | None = None, progress: Progress | None = None
-) -> pl.DataFrame:
+    study: Study, output: Path, jobs: int = -1, scheduler: str | None = None, progress: Progress | None = None,
+    stopping: Callable[[], None] | None = None,
+) -> pl.DataFrame:  # fmt: skip
     """Run all cases that a journal beside the output doesn't hold yet, and write the output when all are done.
 
     Each finished case is written to the journal before the next is counted: after a kill the same call goes on, and
-    evaluates only what isn't there.
+    evaluates only what isn't there. Ctrl-C lets the cases that run come to their end, a second one doesn't.
 
     Args:
         study: the study.
@@ -42,6 +44,7 @@ def run_study(
         jobs: processes; -1 for all cores.
         scheduler: address of a Dask scheduler that takes the cases instead.
         progress: told how many cases are done, of how many.
+        stopping: told of the first Ctrl-C.
 
     Returns:
         the table that was written.
@@ -55,9 +58,13 @@ def run_study(
     done = _finished(journal, study)
     tell(len(done), count)
     waiting = ((number, values) for number, values in study.cases() if number not in done)
-    with _opened(journal, study, fresh=not done) as stream, _backend(scheduler), _quiet_end():
-        calls = (joblib.delayed(evaluate)(study, number, values) for number, values in waiting)
-        rows = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", pre_dispatch="4*n_jobs")(calls)
+    with (
+        _opened(journal, study, fresh=not done) as stream,
+        _backend(scheduler),
+        _interrupted(stopping or (lambda: None)) as stop,
+    ):
+        calls = (joblib.delayed(evaluate)(study, *case) for case in takewhile(lambda case: not stop.is_set(), waiting))
+        rows = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", pre_dispatch="2*n_jobs")(calls)
         try:
             for row in rows:
                 stream.write(json.dumps(row) + "\n")
@@ -65,13 +72,13 @@ def run_study(
                 os.fsync(stream.fileno())
                 done[row["case"]] = row
                 tell(len(done), count)
-        except KeyboardInterrupt as interrupt:
-            # It ends the cases that run, which may object, and says so.
-            with suppress(Exception), warnings.catch_warnings(action="ignore"):
+        except KeyboardInterrupt:
+            with suppress(Exception):  # it ends the cases that run, which may object
                 rows.close()
-            raise InterruptError(
-                f"{len(done)} of {count} cases are kept in {journal}; the same command goes on with the others"
-            ) from interrupt
+    if len(done) < count:
+        raise InterruptError(
+            f"{len(done)} of {count} cases are kept in {journal}; the same command goes on with the others"
+        )
     frame = pl.from_dicts([done[number] for number in sorted(done)], infer_schema_length=None)
     content = io.BytesIO()
     frame.write_parquet(content)
@@ -86,19 +93,24 @@ def _ignore_interrupts() -> None:
 
 
 @contextmanager
-def _quiet_end() -> Iterator[None]:
-    """Keep joblib's thread from telling of cases that it meant to hand out when an interrupt took them all away."""
-    loud = threading.excepthook
+def _interrupted(tell: Callable[[], None]) -> Iterator[threading.Event]:
+    """Give what the first Ctrl-C sets, and tell of it; a second one interrupts. Only the main thread hears signals."""
+    stop = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield stop
+        return
+    before = signal.getsignal(signal.SIGINT)
 
-    def tell(failure: threading.ExceptHookArgs) -> None:
-        if not (failure.exc_type is KeyError and failure.thread and failure.thread.name == "ExecutorManagerThread"):
-            loud(failure)
+    def first(number: int, frame: FrameType | None) -> None:
+        signal.signal(signal.SIGINT, before)
+        stop.set()
+        tell()
 
-    threading.excepthook = tell
+    signal.signal(signal.SIGINT, first)
     try:
-        yield
+        yield stop
     finally:
-        threading.excepthook = loud
+        signal.signal(signal.SIGINT, before)
 
 
 def _finished(journal: Path, study: Study) -> dict[int, Row]:

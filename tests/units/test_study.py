@@ -245,6 +245,7 @@ def test_an_interrupt_is_one_line_that_says_how_to_go_on(write, tmp_path: Path) 
         _, said = run.communicate(timeout=120)
     assert run.returncode == 130
     assert re.fullmatch(
+        r"the cases that run are finished first; Ctrl-C again ends at once\n"
         r"pipeclamp: interrupted: \d+ of 300 cases are kept in s\.parquet\.journal; the same command goes on with the "
         r"others\n",
         said,
