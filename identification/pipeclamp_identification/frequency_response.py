@@ -21,7 +21,7 @@ from pipeclamp_fmu.build import clamp_model, condition_parameter
 from pipeclamp_identification.cosim import finished, law_in
 from pipeclamp_identification.excitation import require_kind, sine_amplitude
 from pipeclamp_identification.harmonic_balance import FollowedResponse, SteadyState, SteadySystem, half_range
-from pipeclamp_identification.response_dots import MOST_HALVINGS, Dot, co_simulated
+from pipeclamp_identification.response_dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_identification.steady_clamp import SteadyClamp
 from pipeclamp_identification.system import ClampSource, ResponseTable, SystemDescription, read_system
 
@@ -171,10 +171,8 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
                 for frequency in _dot_frequencies(table):
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
                     passed = [state for piece in curve.followed.pieces for state in system.crossings(piece, frequency)]
-                    stable = [state for state in passed if state.stable]
-                    amplitudes = [amplitudes_of(state) for state in stable]
-                    decay = max((-state.growth for state in stable), default=0.0)
-                    dots.append(co_simulated(ready, temperature, level, frequency, amplitudes, decay, path))
+                    stable = [Rest(amplitudes_of(state), -state.growth) for state in passed if state.stable]
+                    dots.append(co_simulated(ready, temperature, level, frequency, stable, path))
     excitation = description.excitation
     amount = excitation.model_dump(include={"acceleration_m_s2", "displacement_mm", "force_N"}, exclude_none=True)
     return FrequencyResponse(

@@ -16,7 +16,7 @@ SETTLED = 1e-3
 """A co-simulation runs until its transient has fallen to this share."""
 
 FEWEST_CYCLES, MOST_CYCLES, LAST_CYCLES = 15, 600, 4
-"""Of a co-simulation; its amplitude is that of the last ones."""
+"""Of a co-simulation; its amplitude is that of the last ones, which come after the others."""
 
 FEWEST_STEPS = 16
 """Of a cycle."""
@@ -27,6 +27,19 @@ amplitude by which a dot may be off the curve before a finer run must confirm it
 
 MOST_HALVINGS = 4
 """Of the step; a dot that still isn't right then is drawn as not to be trusted."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A stable state, to which a co-simulation may come.
+
+    Attributes:
+        amplitudes: half the peak-to-peak displacement of each clamp and probe, mm.
+        decay: with which what is off it dies out, 1/s.
+    """
+
+    amplitudes: tuple[float, ...]
+    decay: float
 
 
 @dataclass(frozen=True)
@@ -66,49 +79,58 @@ def largest_difference(found: Sequence[float], wanted: Sequence[float]) -> float
 
 def co_simulated(
     system: SystemDescription, temperature: float | None, level: float, frequency: float,
-    stable: Sequence[tuple[float, ...]], decay: float, path: Path,
+    stable: Sequence[Rest], path: Path,
 ) -> Dot:  # fmt: skip
     """Co-simulate a system at one frequency until its transient is gone.
 
-    The step is halved until the coupling neither makes nor hides more than `CLOSE`, and until the dot lies on the curve
-    or stands still where it is. Both are needed: two steps that meet the same mode of the pipe agree with each other.
+    The run is as long as the slowest stable state asks for, and longer where it still moves. The step is halved until
+    the coupling neither makes nor hides more than `CLOSE`, and until the dot lies on the curve or stands still where it
+    is. Both are needed: two steps that meet the same mode of the pipe agree with each other.
 
     Args:
         system: its FMUs finished.
         temperature: of all clamps, degC; None for their own.
         level: factor on the excitation's amplitude.
         frequency: Hz.
-        stable: amplitudes of the curve's stable states there.
-        decay: at which the slowest of them is approached, 1/s; 0 where it isn't known.
+        stable: the curve's stable states there.
         path: SYSTEM.toml; paths in it are relative to its folder.
 
     Raises:
         UserError: the finest run fails.
     """
-    cycles = ceil(frequency * log(1 / SETTLED) / decay) if decay > 0 else MOST_CYCLES
-    settled = cycles <= MOST_CYCLES
-    cycles = min(max(cycles, FEWEST_CYCLES), MOST_CYCLES) + LAST_CYCLES
     shaken = _shaken(system, temperature, level, frequency)
     longest = 1 / (frequency * _steps_a_cycle(system))
-    before: tuple[float, ...] | None = None
-    for halvings in range(MOST_HALVINGS + 1):
+    cycles = max((_cycles_to(rest, frequency) for rest in stable), default=MOST_CYCLES)
+    cycles = min(max(cycles, FEWEST_CYCLES), MOST_CYCLES)
+    halvings, before = 0, None
+    while True:
         step = longest / 2**halvings
-        run = system.run.model_copy(update={"stop_s": cycles / frequency, "step_s": step})
+        run = system.run.model_copy(update={"stop_s": (cycles + LAST_CYCLES) / frequency, "step_s": step})
         try:
             result = run_described(shaken.model_copy(update={"run": run}), path.parent, str(path))
         except UserError:  # too long a step can diverge, or find no forces
             if halvings == MOST_HALVINGS:
                 raise
+            halvings += 1
+            continue
+        if result.unsettled and cycles < MOST_CYCLES:  # beside a fold it lingers where there is no state any more
+            cycles = min(2 * cycles, MOST_CYCLES)
             continue
         names = (*result.clamp_names, *result.probe_names)
-        found = tuple(1e3 * result.amplitude(f"{name}.s", LAST_CYCLES / cycles) for name in names)
-        expected = min(stable, key=lambda choice: abs(choice[-1] - found[-1]), default=found)
+        found = tuple(1e3 * result.amplitude(f"{name}.s", LAST_CYCLES / (cycles + LAST_CYCLES)) for name in names)
+        near = min(stable, key=lambda rest: abs(rest.amplitudes[-1] - found[-1]), default=None)
+        expected = near.amplitudes if near else found
         moved = inf if before is None else largest_difference(found, before)
         trusted = _well_coupled(result) and min(largest_difference(found, expected), moved) <= CLOSE
-        if trusted:
-            break
-        before = found
-    return Dot(temperature, level, frequency, found, expected, settled, step, trusted)
+        if trusted or halvings == MOST_HALVINGS:
+            settled = not result.unsettled and (near is None or _cycles_to(near, frequency) <= cycles)
+            return Dot(temperature, level, frequency, found, expected, settled, step, trusted)
+        halvings, before = halvings + 1, found
+
+
+def _cycles_to(rest: Rest, frequency: float) -> int:
+    """Give in how many cycles of a frequency (Hz) a transient to a state has fallen to `SETTLED`."""
+    return ceil(frequency * log(1 / SETTLED) / rest.decay)
 
 
 def _well_coupled(result: CosimResult) -> bool:

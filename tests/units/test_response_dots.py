@@ -18,7 +18,7 @@ from pipeclamp_identification.cosim_report import cosim_sections
 from pipeclamp_identification.cosim_result import write_result
 from pipeclamp_identification.frequency_response import run_response
 from pipeclamp_identification.hidden_motion import hidden_share
-from pipeclamp_identification.response_dots import CLOSE, co_simulated
+from pipeclamp_identification.response_dots import CLOSE, Rest, co_simulated
 from pipeclamp_identification.response_report import response_picture
 from pipeclamp_identification.system import read_system
 
@@ -107,13 +107,14 @@ def test_a_dot_takes_the_step_at_which_it_is_right(tmp_path: Path) -> None:
     assert "NOT TO BE TRUSTED" not in found.summary()
 
 
-def test_a_dot_off_the_curve_is_confirmed_by_a_finer_one(tmp_path: Path) -> None:
+def test_a_dot_off_the_curve_is_confirmed_by_a_finer_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where it stands still, the curve is what differs, and the dot says by how much."""
+    monkeypatch.setattr(response_dots, "MOST_CYCLES", 30)
     file = write_example(tmp_path, 1 / (64 * 2.0), frequency=2.0)
     with finished(read_system(file), tmp_path) as ready:
-        right = co_simulated(ready, None, 1.0, 2.0, [], 0.5, file)
+        right = co_simulated(ready, None, 1.0, 2.0, [], file)
         moved = tuple(1.2 * amplitude for amplitude in right.amplitudes)
-        off = co_simulated(ready, None, 1.0, 2.0, [moved], 0.5, file)
+        off = co_simulated(ready, None, 1.0, 2.0, [Rest(moved, 0.5)], file)
     assert off.step == pytest.approx(right.step / 2)
     assert off.trusted
     assert off.difference == pytest.approx(1 / 6, abs=0.01)
