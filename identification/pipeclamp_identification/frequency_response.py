@@ -19,6 +19,7 @@ from pipeclamp.symbols import CELSIUS, condition_symbol
 from pipeclamp.toml_file import unknown
 from pipeclamp_fmu.build import clamp_model, condition_parameter
 from pipeclamp_identification.cosim import finished, law_in
+from pipeclamp_identification.detached_branches import detached_branches
 from pipeclamp_identification.excitation import require_kind, sine_amplitude
 from pipeclamp_identification.harmonic_balance import FollowedResponse, SteadyState, SteadySystem, half_range
 from pipeclamp_identification.response_dots import MOST_HALVINGS, Dot, Rest, co_simulated
@@ -39,11 +40,23 @@ class Curve:
         temperature: degC; None where each clamp has its own.
         level: factor on the excitation's amplitude.
         followed: states along the curve, round its turning points.
+        detached: branches that nothing joins to it in its range.
     """
 
     temperature: float | None
     level: float
     followed: FollowedResponse
+    detached: tuple[tuple[SteadyState, ...], ...] = ()
+
+    @property
+    def pieces(self) -> tuple[tuple[SteadyState, ...], ...]:
+        """All pieces, the detached ones last."""
+        return (*self.followed.pieces, *self.detached)
+
+    @property
+    def states(self) -> tuple[SteadyState, ...]:
+        """The states of all pieces."""
+        return tuple(state for piece in self.pieces for state in piece)
 
 
 @dataclass(frozen=True)
@@ -75,17 +88,16 @@ class FrequencyResponse:
         """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
         lines = [f"system {self.name!r}, {self.excitation}"]
         for curve in self.curves:
-            peaks = [
-                max((amplitudes_of(s)[i], s.frequency) for s in curve.followed.states) for i in range(len(self.points))
-            ]
+            peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
             peak_text = ", ".join(
                 f"{name} {peak:.4g} mm at {frequency:.4g} Hz"
                 for name, (peak, frequency) in zip(self.points, peaks, strict=True)
             )
-            unstable = [state.frequency for state in curve.followed.states if not state.stable]
+            unstable = [state.frequency for state in curve.states if not state.stable]
             branch = f"; unstable from {min(unstable):.4g} to {max(unstable):.4g} Hz" if unstable else ""
             broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
-            lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{broken}")
+            apart = "".join(f"; {_about_detached(piece)}" for piece in curve.detached)
+            lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
         lines += self.about_ranges()
         lines += self._about_dots() if self.dots else []
         return "\n".join(lines)
@@ -93,7 +105,7 @@ class FrequencyResponse:
     def about_ranges(self) -> list[str]:
         """Say where a clamp's law is used beyond the range of its data."""
         lines = []
-        states = [state for curve in self.curves for state in curve.followed.states]
+        states = [state for curve in self.curves for state in curve.states]
         for index, (name, ranges) in enumerate(zip(self.clamp_names, self.ranges, strict=True)):
             beyond = [state.beyond[index] for state in states if state.beyond[index]]
             if not beyond:
@@ -127,6 +139,13 @@ class FrequencyResponse:
                 f"is still too long a step for them; use a smaller step_s or scheme = 'implicit' ({places})"
             )
         return lines
+
+
+def _about_detached(branch: Sequence[SteadyState]) -> str:
+    """Say where a branch lies that nothing joins to the others."""
+    frequencies = [state.frequency for state in branch]
+    stable = "" if any(state.stable for state in branch) else " (all of it unstable)"
+    return f"a branch apart from {min(frequencies):.4g} to {max(frequencies):.4g} Hz{stable}"
 
 
 def label(temperature: float | None, level: float) -> str:
@@ -170,7 +189,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
                 curves.append(curve)
                 for frequency in _dot_frequencies(table):
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
-                    passed = [state for piece in curve.followed.pieces for state in system.crossings(piece, frequency)]
+                    passed = [state for piece in curve.pieces for state in system.crossings(piece, frequency)]
                     stable = [Rest(amplitudes_of(state), -state.growth) for state in passed if state.stable]
                     dots.append(co_simulated(ready, temperature, level, frequency, stable, path))
     excitation = description.excitation
@@ -276,7 +295,7 @@ def steady_system(
 
 
 def _curve(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
-    """Follow one curve.
+    """Follow one curve, and seek what is detached from it.
 
     Raises:
         UserError: it is found at neither end.
@@ -287,7 +306,8 @@ def _curve(system: SteadySystem, table: ResponseTable, temperature: float | None
             f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
             f"{table.to_Hz:g} Hz; try other ends of [response]"
         )
-    return Curve(temperature, level, followed)
+    detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
+    return Curve(temperature, level, followed, detached)
 
 
 def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
@@ -303,7 +323,7 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
     """
     rows = []
     for curve in response.curves:
-        for number, state in ((n, state) for n, piece in enumerate(curve.followed.pieces, 1) for state in piece):
+        for number, state in ((n, state) for n, piece in enumerate(curve.pieces, 1) for state in piece):
             row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
             row |= {"piece": number, "stable": float(state.stable), "growth [1/s]": state.growth}
             for name, (amplitude, frequency), force, beyond in zip(

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp.pipe_response import state_space
-from pipeclamp_identification.continuation import Point, Steps, follow, solve
+from pipeclamp_identification.continuation import Equation, Point, Steps, follow, solve
 from pipeclamp_identification.steady_clamp import SAMPLES, Complex, SteadyClamp
 
 Array = NDArray[np.float64]
@@ -214,53 +214,61 @@ class SteadySystem:
         count = len(self._clamps)
         return unknowns - self.packed(self.moved(unknowns, frequency, drive, responses[:, :count]))
 
-    def _linearised(self, unknowns: Array, frequency: float, level: float) -> tuple[Array, Array, Array]:
-        """Give the residual and its derivatives by the unknowns and by the frequency."""
-        size = self.sizes(unknowns[None])[0]
-        nudge, faster = NUDGE * size, frequency * (1 + NUDGE)
-        moved = np.vstack([unknowns, unknowns + nudge * np.eye(self.size), unknowns])
-        two = np.array([frequency, faster])
-        drives = level * np.array([self._excitation(frequency), self._excitation(faster)])
-        which = np.zeros(self.size + 2, dtype=np.intp)
-        which[-1] = 1
-        residuals = self.residuals(moved, two[which], drives[which], self.responses(two)[which])
+    def _linearised(
+        self, unknowns: Array, frequencies: Array, drives: Array, responses: Complex
+    ) -> tuple[Array, Array, Array]:
+        """Give the residual at the first frequency, its derivatives by the unknowns, and the residual at the others."""
+        nudge = NUDGE * self.sizes(unknowns[None])[0]
+        others = len(frequencies) - 1
+        moved = np.vstack([unknowns, unknowns + nudge * np.eye(self.size), *others * [unknowns]])
+        which = np.concatenate([np.zeros(self.size + 1, dtype=np.intp), np.arange(1, others + 1)])
+        residuals = self.residuals(moved, frequencies[which], drives[which], responses[which])
         residual = residuals[0]
-        return residual, ((residuals[1:-1] - residual) / nudge).T, (residuals[-1] - residual) / (faster - frequency)
+        return residual, ((residuals[1 : self.size + 1] - residual) / nudge).T, residuals[self.size + 1 :]
 
     def sizes(self, unknowns: Array) -> Array:
         """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
         return np.asarray(np.maximum(SMALLEST, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
 
-    def _over_frequency(self, level: float) -> Callable[[Array, float], tuple[Array, Array, Array]]:
+    def over_frequency(self, level: float) -> Equation:
+        """Give the balance at a level of the excitation as an equation in unknowns and frequency."""
+
         def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
-            return self._linearised(unknowns, frequency, level)
+            two = frequency * np.array([1.0, 1 + NUDGE])
+            drives = level * np.array([self._excitation(one) for one in two.tolist()])
+            residual, by_unknowns, ahead = self._linearised(unknowns, two, drives, self.responses(two))
+            return residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0])
 
         return equation
 
-    def _over_level(self, frequency: float) -> Callable[[Array, float], tuple[Array, Array, Array]]:
+    def over_level(self, frequency: float) -> Equation:
+        """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
+        at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
+        responses = self.responses(at)
+        pushed = np.zeros((1, len(self._clamps), self._orders.size), dtype=np.complex128)
+        pushed[0, :, 1] = -1j * drive * responses[0, : len(self._clamps), 0, 1]
+        by_level = -self.packed(pushed)[0]
+
         def equation(unknowns: Array, level: float) -> tuple[Array, Array, Array]:
-            found = self._linearised(unknowns, frequency, level)
-            pushed = np.zeros((1, len(self._clamps), self._orders.size), dtype=np.complex128)
-            responses = self.responses(np.array([frequency]))[0, : len(self._clamps), 0, 1]
-            pushed[0, :, 1] = -1j * self._excitation(frequency) * responses
-            return found[0], found[1], -self.packed(pushed)[0]
+            residual, by_unknowns, _ = self._linearised(unknowns, at, level * drive, responses)
+            return residual, by_unknowns, by_level
 
         return equation
 
     def at(self, frequency: float) -> SteadyState | None:
         """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""
         start = self._start(frequency)
-        return None if start is None else self._state(start, frequency)
+        return None if start is None else self.state(start, frequency)
 
     def _start(self, frequency: float) -> Array | None:
         """Find the unknowns at a frequency by letting the excitation grow from nothing."""
         if not self._clamps:
             return np.zeros(0)
         linear = self._excitation(frequency) * float(np.abs(self.responses(np.array([frequency]))[0, :, 0, 1]).max())
-        at_rest = solve(self._over_level(frequency), np.zeros(self.size), 0.0, SMALLEST)
+        at_rest = solve(self.over_level(frequency), np.zeros(self.size), 0.0, SMALLEST)
         if at_rest is None:
             return None
-        path = list(follow(self._over_level(frequency), Point(0.0, at_rest), 1.0, 0.1 * linear, Steps(longest=0.2)))
+        path = list(follow(self.over_level(frequency), Point(0.0, at_rest), 1.0, 0.1 * linear, Steps(longest=0.2)))
         return path[-1].unknowns if path[-1].parameter == 1.0 else None
 
     def curve(self, first: float, last: float) -> list[SteadyState]:
@@ -272,9 +280,9 @@ class SteadySystem:
         if start is None:
             return []
         if not self._clamps:
-            return [self._state(start, frequency) for frequency in np.linspace(first, last, 200).tolist()]
-        path = follow(self._over_frequency(1.0), Point(first, start), last, float(self.sizes(start[None])[0]))
-        return [self._state(point.unknowns, point.parameter) for point in path]
+            return [self.state(start, frequency) for frequency in np.linspace(first, last, 200).tolist()]
+        path = follow(self.over_frequency(1.0), Point(first, start), last, float(self.sizes(start[None])[0]))
+        return [self.state(point.unknowns, point.parameter) for point in path]
 
     def followed(self, first: float, last: float) -> FollowedResponse:
         """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached."""
@@ -286,19 +294,23 @@ class SteadySystem:
             return FollowedResponse((upper,), whole=True)
         return FollowedResponse(tuple(piece for piece in (lower, upper) if piece), whole=False)
 
-    def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
-        """Give the states at a frequency (Hz) at which a curve passes it."""
+    def solutions(self, states: Sequence[SteadyState], frequency: float) -> list[Array]:
+        """Give the unknowns, (m,) each, where a curve passes a frequency (Hz)."""
         found = []
         for passage in passages(states, frequency):
             guess = self.packed(passage.clamps[None])[0]
             size = float(self.sizes(guess[None])[0])
-            unknowns = guess if not guess.size else solve(self._over_frequency(1.0), guess, frequency, size)
+            unknowns = guess if not guess.size else solve(self.over_frequency(1.0), guess, frequency, size)
             if unknowns is not None:
-                found.append(self._state(unknowns, frequency))
+                found.append(unknowns)
         return found
 
-    def _state(self, unknowns: Array, frequency: float) -> SteadyState:
-        """Evaluate a solution and its stability."""
+    def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
+        """Give the states at a frequency (Hz) at which a curve passes it."""
+        return [self.state(unknowns, frequency) for unknowns in self.solutions(states, frequency)]
+
+    def state(self, unknowns: Array, frequency: float) -> SteadyState:
+        """Evaluate a solution (m,) at a frequency (Hz), and its stability."""
         count, H = len(self._clamps), self._orders.size - 1
         motion = self.unpacked(unknowns[None])
         forces, slopes = np.zeros((0, H + 1), dtype=np.complex128), None

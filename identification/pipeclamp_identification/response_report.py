@@ -90,7 +90,7 @@ def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
 def pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
     """Cut a curve into stable and unstable pieces that share their ends; a gap in it stays open."""
     cut: list[tuple[bool, list[SteadyState]]] = []
-    for followed in curve.followed.pieces:
+    for followed in curve.pieces:
         before: list[SteadyState] = []
         for stable, group in groupby(followed, key=lambda state: state.stable):
             piece = [*before[-1:], *group]

@@ -1,0 +1,107 @@
+"""Branches of a frequency response that nothing joins to the rest of it inside its range: closed ones, mostly.
+
+They are found where the excitation's level joins them to the response that is known: from one of its states, with the
+frequency held, the level is raised or lowered until the path comes back to the level that is asked for, elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import cycle
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp_identification.continuation import Point, Steps, follow
+from pipeclamp_identification.harmonic_balance import SteadyState, SteadySystem
+
+Array = NDArray[np.float64]
+
+HIGHEST = 4.0
+"""Levels up to which, of the one that is asked for, the excitation is raised."""
+
+PLACES = 12
+"""Frequencies at which branches are sought, evenly spread inside the range."""
+
+SAME = 1e-3
+"""States whose unknowns differ by less, as a share of their size, are one."""
+
+LOOKS = 10
+"""States of a branch at which it is held against those that are known."""
+
+STEPS = Steps(longest=0.1)
+
+
+def detached_branches(
+    system: SteadySystem, known: Sequence[Sequence[SteadyState]], first: float, last: float
+) -> tuple[tuple[SteadyState, ...], ...]:
+    """Seek branches that a frequency response isn't joined to in its range.
+
+    Args:
+        system: pipe and clamps under their sine.
+        known: the pieces of the response that are known.
+        first, last: ends of the range, Hz.
+    """
+    found: list[tuple[SteadyState, ...]] = []
+    for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
+        met = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
+        waiting = list(met)
+        while waiting:
+            for unknowns in _joined(system, waiting.pop(), frequency):
+                if any(_same(unknowns, other) for other in met):
+                    continue
+                branch = _followed(system, Point(frequency, unknowns), first, last)
+                crossed = [unknowns, *system.solutions(branch, frequency)]
+                waiting += crossed
+                met += crossed
+                if not _is_known(system, branch, [*known, *found]):
+                    found.append(branch)
+    return tuple(found)
+
+
+def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Sequence[Sequence[SteadyState]]) -> bool:
+    """Tell whether most of a branch lies on pieces, which a path that cuts a corner may have left and met again."""
+    looked_at = branch[:: max(1, len(branch) // LOOKS)]
+    there = [
+        any(
+            _same(unknowns, system.packed(state.clamps[None])[0])
+            for piece in pieces
+            for unknowns in system.solutions(piece, state.frequency)
+        )
+        for state in looked_at
+    ]
+    return sum(there) > len(there) / 2
+
+
+def _same(one: Array, other: Array) -> bool:
+    return bool(np.abs(one - other).max() <= SAME * np.abs(other).max())
+
+
+def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator[Array]:
+    """Give the states of a frequency (Hz) to which a higher or a lower level leads from one of them."""
+    size = float(system.sizes(unknowns[None])[0])
+    for end in (HIGHEST, 0.0):
+        *_, there = follow(system.over_level(frequency), Point(1.0, unknowns), end, size, STEPS)
+        if there.parameter == 1.0 and not _same(there.unknowns, unknowns):
+            yield there.unknowns
+
+
+def _followed(system: SteadySystem, start: Point, first: float, last: float) -> tuple[SteadyState, ...]:
+    """Follow a branch from one of its points to where it closes, leaves the range, or is given up."""
+    onwards, closed = _half_by_half(system, start, (last, first))
+    backwards = [] if closed else _half_by_half(system, start, (first, last))[0]
+    return tuple(system.state(point.unknowns, point.parameter) for point in [*reversed(backwards[1:]), *onwards])
+
+
+def _half_by_half(system: SteadySystem, start: Point, ends: tuple[float, float]) -> tuple[list[Point], bool]:
+    """Follow a branch above and below its first frequency in turn; also say whether it came back to its start."""
+    path = [start]
+    for end in cycle(ends):
+        size = float(system.sizes(path[-1].unknowns[None])[0])
+        _, *half = follow(system.over_frequency(1.0), path[-1], end, size)
+        path += half
+        if not half or half[-1].parameter != start.parameter:
+            return path, False
+        if _same(half[-1].unknowns, start.unknowns):
+            return path, True
+    raise AssertionError("the halves never end")
