@@ -45,17 +45,19 @@ def detached_branches(
     found: list[tuple[SteadyState, ...]] = []
     for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
         met = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
+        # Where a response that was given up has a gap, it begins at rest.
+        unseen = [] if met else [start for start in [system.start(frequency)] if start is not None]
         waiting = list(met)
-        while waiting:
-            for unknowns in _joined(system, waiting.pop(), frequency):
-                if any(_same(unknowns, other) for other in met):
-                    continue
-                branch = _followed(system, Point(frequency, unknowns), first, last)
-                crossed = [unknowns, *system.solutions(branch, frequency)]
+        while waiting or unseen:
+            while unseen:
+                branch = _followed(system, Point(frequency, unseen[0]), first, last)
+                crossed = [unseen[0], *system.solutions(branch, frequency)]
+                unseen = _others(unseen, crossed)
                 waiting += crossed
                 met += crossed
                 if not _is_known(system, branch, [*known, *found]):
                     found.append(branch)
+            unseen = _others(list(_joined(system, waiting.pop(), frequency)), met)
     return tuple(found)
 
 
@@ -75,6 +77,10 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
 
 def _same(one: Array, other: Array) -> bool:
     return bool(np.abs(one - other).max() <= SAME * np.abs(other).max())
+
+
+def _others(some: Sequence[Array], known: Sequence[Array]) -> list[Array]:
+    return [one for one in some if not any(_same(one, other) for other in known)]
 
 
 def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator[Array]:

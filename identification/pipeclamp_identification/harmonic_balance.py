@@ -257,10 +257,10 @@ class SteadySystem:
 
     def at(self, frequency: float) -> SteadyState | None:
         """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""
-        start = self._start(frequency)
+        start = self.start(frequency)
         return None if start is None else self.state(start, frequency)
 
-    def _start(self, frequency: float) -> Array | None:
+    def start(self, frequency: float) -> Array | None:
         """Find the unknowns at a frequency by letting the excitation grow from nothing."""
         if not self._clamps:
             return np.zeros(0)
@@ -276,7 +276,7 @@ class SteadySystem:
 
         The curve begins at the first frequency; where it ends before the last one, the list does too.
         """
-        start = self._start(first)
+        start = self.start(first)
         if start is None:
             return []
         if not self._clamps:
