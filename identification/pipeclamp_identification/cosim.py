@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pipeclamp.bundled import open_law
 from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import LawFile, read_law
+from pipeclamp.parameter_file import Interval, LawFile, read_law
 from pipeclamp.pipe import ReducedPipe, reduce
 from pipeclamp.pipe_description import read_pipe
 from pipeclamp_fmu.build import (
@@ -98,9 +98,13 @@ def run_described(
     """
     with finished(description, folder) as ready:
         solved = [clamp.mode == "solved" for clamp in ready.clamps]
+        ranges = [law_in(folder, clamp.law).range if clamp.law else {} for clamp in ready.clamps]
         for runs in range(1, (MOST_RUNS if any(solved) else 1) + 1):
             result = _once(ready, folder, where, progress)
-            found = [motion_conditions(result, clamp.at) for clamp in ready.clamps]
+            found = [
+                _held(motion_conditions(result, clamp.at), known)
+                for clamp, known in zip(ready.clamps, ranges, strict=True)
+            ]
             changes = [
                 abs(new / old - 1)
                 for is_solved, clamp, pair in zip(solved, ready.clamps, found, strict=True)
@@ -134,6 +138,15 @@ def motion_conditions(result: CosimResult, name: str) -> tuple[float, float]:
     if variance == 0.0:
         return 0.0, 0.0
     return 1e3 * math.sqrt(2 * variance), math.sqrt(float(np.mean(v**2)) / variance) / (2 * math.pi)
+
+
+def _held(conditions: tuple[float, float], known: Mapping[str, Interval]) -> tuple[float, float]:
+    """Give A and f inside the range of a law's data, as the clamp FMU holds what it tracks; a still motion's stay 0."""
+    values = dict(zip(("A", "f"), conditions, strict=True))
+    for name, value in values.items():
+        if name in known and value > 0:
+            values[name] = min(max(value, known[name].minimum), known[name].maximum)
+    return values["A"], values["f"]
 
 
 def _conditions(clamp: ClampSource, description: SystemDescription) -> tuple[float, float]:
@@ -202,7 +215,7 @@ def finished(description: SystemDescription, folder: Path, build: Builders = PYT
             if clamp.fmu is None:
                 output = built / f"clamp_{index}.fmu"
                 build.clamp(law_in(folder, str(clamp.law)), output)
-                clamp = clamp.model_copy(update={"law": None, "fmu": str(output)})
+                clamp = clamp.model_copy(update={"fmu": str(output)})
             clamps.append(clamp)
         yield description.model_copy(update={"pipe": pipe, "clamps": tuple(clamps)})
     finally:

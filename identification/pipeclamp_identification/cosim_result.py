@@ -168,10 +168,10 @@ class CosimResult:
         """Say what helps where a law is taken for another amplitude than that of the motion."""
         if mode == "given":
             return "set amplitude_mm to that, or solve = true, or track = true"
-        if name in self.out_of_range:
-            return "the range of its data ends there"
-        if mode == "solved":
+        if mode == "solved" and self.unsolved:
             return "A and f are not solved"
+        if mode == "solved" or name in self.out_of_range:
+            return "the range of its data ends there"
         return "its motion is no steady sine, or is still changing"
 
     def _step_text(self) -> str:

@@ -39,9 +39,10 @@ class ClampSource(Table):
     """One clamp: where it sits, its law or finished FMU, and the motion that its law's coefficients are taken for.
 
     Amplitude and frequency are those given here; with `solve` they are only where it starts, and the run is repeated
-    until the clamp's motion shows those that it was given; with `track` the FMU estimates them as it goes. `conditions`
-    are further ones that the law follows, by column of runs.csv; the middle of the law's range where they are left out.
-    `variables` gives a foreign FMU's names for ours: flange.s, flange.v, flange.f.
+    until the clamp's motion shows those that it was given, held inside the data of the law where that is named; with
+    `track` the FMU estimates them as it goes. `conditions` are further ones that the law follows, by column of
+    runs.csv; the middle of the law's range where they are left out. `variables` gives a foreign FMU's names for ours:
+    flange.s, flange.v, flange.f.
     """
 
     at: Name

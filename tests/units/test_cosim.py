@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 import tempfile
@@ -283,12 +284,29 @@ def test_what_has_not_settled_is_said(bench: Path, tmp_path: Path) -> None:
 def test_the_advice_about_another_amplitude_is_none_that_was_followed(bench: Path) -> None:
     result = run_system(write_system(bench, laws={"clamp1": 'fmu = "smooth.fmu"'}, amplitude_mm=0.2))
     assert "set amplitude_mm to that, or solve = true, or track = true" in result.summary()
-    for mode in ("tracked", "solved"):
-        for beyond in ((), ("clamp1",)):
-            said = replace(result, modes=(mode,), out_of_range=beyond).summary()
-            assert "it moves with" in said
-            assert "track = true" not in said
-            assert ("the range of its data ends there" in said) == bool(beyond)
+    ends, elsewhere = "the range of its data ends there", ("its motion is no steady sine", "A and f are not solved")
+    for mode, beyond, unsolved, said in (
+        ("tracked", (), 0.0, elsewhere[0]),
+        ("tracked", ("clamp1",), 0.0, ends),
+        ("solved", (), 0.1, elsewhere[1]),
+        ("solved", (), 0.0, ends),
+    ):
+        summary = replace(result, modes=(mode,), out_of_range=beyond, unsolved=unsolved).summary()
+        assert f"mm: {said}" in summary
+        assert "track = true" not in summary
+
+
+def test_solved_conditions_stay_inside_the_data_of_a_law_that_is_named(bench: Path) -> None:
+    content = json.loads((bench / "smooth.json").read_text(encoding="utf-8"))
+    content["range"]["A"]["minimum"] = 2.0
+    (bench / "far.json").write_text(json.dumps(content), encoding="utf-8")
+    file = write_system(bench, "implicit", {"clamp1": 'law = "far.json"\nsolve = true'}, step=4e-3)
+    result = run_system(file)
+    assert 1e3 * result.columns["clamp1.A_used"][-1] == pytest.approx(2.0)
+    assert 1e3 * result.amplitude("clamp1.s") < 1.6
+    assert not result.unsolved
+    assert "it moves with" in result.summary()
+    assert "the range of its data ends there" in result.summary()
 
 
 def test_an_energy_tolerance_controls_the_macro_step(bench: Path) -> None:
