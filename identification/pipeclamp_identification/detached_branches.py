@@ -7,7 +7,7 @@ frequency held, the level is raised or lowered until the path comes back to the 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import cycle
+from itertools import cycle, islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ SAME = 1e-3
 
 LOOKS = 10
 """States of a branch at which it is held against those that are known."""
+
+MOST_HALVES = 20
+"""No branch passes its first frequency more often."""
 
 STEPS = Steps(longest=0.1)
 
@@ -100,14 +103,15 @@ def _followed(system: SteadySystem, start: Point, first: float, last: float) -> 
 
 
 def _half_by_half(system: SteadySystem, start: Point, ends: tuple[float, float]) -> tuple[list[Point], bool]:
-    """Follow a branch above and below its first frequency in turn; also say whether it came back to its start."""
-    path = [start]
-    for end in cycle(ends):
+    """Follow a branch above and below its first frequency in turn; also say whether it came back to where it was."""
+    path, passed = [start], [start.unknowns]
+    for end in islice(cycle(ends), MOST_HALVES):
         size = float(system.sizes(path[-1].unknowns[None])[0])
         _, *half = follow(system.over_frequency(1.0), path[-1], end, size)
         path += half
         if not half or half[-1].parameter != start.parameter:
             return path, False
-        if _same(half[-1].unknowns, start.unknowns):
+        if not _others([half[-1].unknowns], passed):
             return path, True
-    raise AssertionError("the halves never end")
+        passed.append(half[-1].unknowns)
+    return path, False
