@@ -18,6 +18,7 @@ NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
     "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
     "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
 }
 
 PARAMETER_SET = "parameters"
@@ -51,12 +52,14 @@ class SystemStructure:
         components: its elements.
         connections: from an output to an input; inputs without one are left out.
         stop_time: proposed end, s.
+        step: proposed macro step, s; None where none is known.
     """
 
     name: str
     components: Sequence[Component]
     connections: Sequence[tuple[Port, Port]]
     stop_time: float
+    step: float | None = None
 
 
 def write_ssp(structure: SystemStructure, output: Path) -> None:
@@ -142,5 +145,12 @@ def _description(structure: SystemStructure) -> bytes:
         _element(connections, "ssd:Connection", {
             "startElement": start, "startConnector": output, "endElement": end, "endConnector": into,
         })  # fmt: skip
-    _element(root, "ssd:DefaultExperiment", {"startTime": "0.0", "stopTime": repr(float(structure.stop_time))})
+    times = {"startTime": "0.0", "stopTime": repr(float(structure.stop_time))}
+    experiment = _element(root, "ssd:DefaultExperiment", times)
+    if structure.step is not None:
+        # SSP 1.0 has no attribute for a step; libcosim reads this annotation.
+        annotations = _element(experiment, "ssd:Annotations", {})
+        annotation = _element(annotations, "ssc:Annotation", {"type": "com.opensimulationplatform"})
+        algorithm = _element(annotation, "osp:Algorithm", {})
+        _element(algorithm, "osp:FixedStepAlgorithm", {"baseStepSize": repr(float(structure.step))})
     return _written(root)

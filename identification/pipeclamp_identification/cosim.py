@@ -30,7 +30,7 @@ from pipeclamp_fmu.excitation import Samples
 from pipeclamp_identification.broyden import Tolerance
 from pipeclamp_identification.cosim_result import CosimResult
 from pipeclamp_identification.coupled_variables import PipeVariables, clamp_parameters, pipe_variables
-from pipeclamp_identification.coupling import ROLLS_BACK, Participant, Point, System, march
+from pipeclamp_identification.coupling import ORDER, ROLLS_BACK, Participant, Point, System, march
 from pipeclamp_identification.divergence import EnergyGuard
 from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
@@ -38,6 +38,7 @@ from pipeclamp_identification.hidden_motion import hidden_share
 from pipeclamp_identification.importer import FmuParticipant, HeldInputs, LoadedFmu, opened
 from pipeclamp_identification.schemes import advance_of, best_allowed
 from pipeclamp_identification.step_control import march_controlled
+from pipeclamp_identification.step_error import step_error
 from pipeclamp_identification.system import ClampSource, LawMode, PipeSource, SystemDescription, read_system
 
 Array = NDArray[np.float64]
@@ -52,6 +53,9 @@ MODE_CODES: dict[LawMode, float] = {"given": 0.0, "solved": 1.0, "tracked": 2.0}
 
 SOLVED, MOST_RUNS, FULL_STEPS = 2e-3, 20, 3
 """A and f are solved when they change by no more than this share; runs until it is given up, runs with full steps."""
+
+CHECK_SHARE = 1 / 3
+"""Of the work, that a run in twice the step is."""
 
 MEASURED_SHARE = 0.3
 """Last part of a run, in which the A and f of its motion are measured."""
@@ -89,18 +93,31 @@ def run_system(path: Path, progress: Progress | None = None) -> CosimResult:
 
 
 def run_described(
-    description: SystemDescription, folder: Path, where: str, progress: Progress | None = None
+    description: SystemDescription,
+    folder: Path,
+    where: str,
+    progress: Progress | None = None,
+    *,
+    checked: bool = True,
 ) -> CosimResult:
-    """Co-simulate a described system; `folder` is what its paths are relative to, `where` is named in errors.
+    """Co-simulate a described system.
+
+    Args:
+        description: the system.
+        folder: what its paths are relative to.
+        where: named in errors.
+        progress: as of `run_system`.
+        checked: whether the error of its step is told, by another run in twice the step.
 
     Raises:
         UserError: as `run_system`.
     """
+    tell, tell_check = _shared(progress, 1 - CHECK_SHARE if checked else 1.0)
     with finished(description, folder) as ready:
         solved = [clamp.mode == "solved" for clamp in ready.clamps]
         ranges = [law_in(folder, clamp.law).range if clamp.law else {} for clamp in ready.clamps]
         for runs in range(1, (MOST_RUNS if any(solved) else 1) + 1):
-            result = _once(ready, folder, where, progress)
+            result = _once(ready, folder, where, tell)
             found = [
                 _held(motion_conditions(result, clamp.at), known)
                 for clamp, known in zip(ready.clamps, ranges, strict=True)
@@ -119,7 +136,42 @@ def run_described(
                 for is_solved, clamp, pair in zip(solved, ready.clamps, found, strict=True)
             )
             ready = ready.model_copy(update={"clamps": clamps})
-    return replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0)
+        result = replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0)
+        return _checked(result, ready, folder, where, tell_check) if checked else result
+
+
+def _shared(progress: Progress | None, share: float) -> tuple[Progress | None, Progress | None]:
+    """Split a progress into that of a first part, which has a share of the work, and that of the rest."""
+    if progress is None:
+        return None, None
+    return lambda done: progress(share * done), lambda done: progress(share + (1 - share) * done)
+
+
+def _checked(
+    result: CosimResult, ready: SystemDescription, folder: Path, where: str, progress: Progress | None
+) -> CosimResult:
+    """Give the result with the error that it owes to its step: by a run in twice the step, or in half of it.
+
+    A run that fails or itself hides motion can't tell; the half step is asked only where nothing else is in doubt.
+    """
+    doubtful = bool(result.doubts())
+    for factor in (2.0,) if doubtful else (2.0, 0.5):
+        try:
+            other = _once(_in_steps(ready, factor), folder, where, progress)
+        except UserError:
+            continue
+        if other.hidden_share <= result.trusted_share:
+            return replace(result, step_error=step_error(result, other))
+    return result if doubtful else replace(result, step_error=math.inf)
+
+
+def _in_steps(description: SystemDescription, factor: float) -> SystemDescription:
+    """Give a description with macro steps that are longer by a factor; of controlled ones their tolerance too."""
+    run = description.run
+    update = {"step_s": factor * run.even_step_s}
+    if run.energy_tolerance is not None:
+        update["energy_tolerance"] = factor ** ORDER[run.scheme] * run.energy_tolerance
+    return description.model_copy(update={"run": run.model_copy(update=update)})
 
 
 def motion_conditions(result: CosimResult, name: str) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from pipeclamp.files import write_whole
-from pipeclamp_identification.coupling import Scheme
+from pipeclamp_identification.coupling import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_identification.energy import EnergyBalance
 from pipeclamp_identification.system import LawMode
 
@@ -22,6 +23,12 @@ FEWEST_STEPS = 10
 
 SETTLED = 0.01
 """Share by which the amplitude may change from the last fifth but one of a run to the last, before it is said."""
+
+UNEVEN = 1e-6
+"""Share by which steps of one length may differ by rounding."""
+
+MARGIN = 0.95
+"""Of a step that is proposed: it is said in two digits."""
 
 MISMATCH = 0.2
 """Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
@@ -44,11 +51,14 @@ class CosimResult:
         warnings: what the FMUs warned of.
         modes: where each clamp's A and f come from.
         runs: how many it took to solve A and f.
-        trusted_share: of the energy, that the coupling may make, and of a clamp's motion, that may be hidden.
+        trusted_share: of the energy, that the coupling may make, of the displacement, that it may err by, and of a
+            clamp's motion, that may be hidden.
         hidden_share: of a clamp's motion, that passes between the communication points.
         unsolved: by which share they still changed in the last run, where they were not solved.
         excitation_frequency: of a sine, or the highest of a sweep, Hz; None for a record.
         steady: whether the excitation is one sine, so that the motion settles.
+        step_error: of the displacement, owed to the macro step, as a share of it; infinite where no other step could
+            tell, None where none was asked.
     """
 
     name: str
@@ -68,6 +78,7 @@ class CosimResult:
     unsolved: float = 0.0
     excitation_frequency: float | None = None
     steady: bool = False
+    step_error: float | None = None
 
     @property
     def time(self) -> Array:
@@ -87,7 +98,7 @@ class CosimResult:
 
     @property
     def trusted(self) -> bool:
-        """Whether steps are short enough, and neither energy was made nor motion hidden beyond the stated share."""
+        """Whether steps are short, and neither energy made, nor error, nor hidden motion is beyond the stated share."""
         return not self.doubts()
 
     @property
@@ -117,10 +128,27 @@ class CosimResult:
             found.append((energy, f"{most}; use a smaller step_s, energy_tolerance, or scheme = 'implicit'"))
         if self.energy.clamps_share > self.trusted_share:
             found.append((heat, f"{most}; use a smaller step_s"))
+        if self.step_error is not None and self.step_error > self.trusted_share:
+            told = f"{most} in amplitude and phase; {self._shorter_step(self.step_error)}"
+            found.append((self._about_step(self.step_error), told))
         if self.hidden_share > self.trusted_share:
             remedy = "use another, smaller step_s: a mode of the pipe may ring at a multiple of 1/step_s"
             found.append((motion, f"{most}; {remedy}"))
         return found
+
+    def _about_step(self, error: float) -> str:
+        """Say by how much the motion is off."""
+        if error == inf:
+            return "the displacement's error isn't known, as the run fails in other steps"
+        return f"the displacement errs by {error:.1%} for its steps"
+
+    def _shorter_step(self, error: float) -> str:
+        """Say what would make the motion's error the expected one."""
+        better = "" if self.scheme in ROLLS_BACK else ", or scheme = 'implicit'"
+        if error == inf or np.ptp(np.diff(self.time)) > UNEVEN * self.step:
+            return f"use a smaller step_s or energy_tolerance{better}"
+        right = self.step * (self.trusted_share / error) ** (1 / ORDER[self.scheme])
+        return f"use step_s = {MARGIN * right:.2g} or less{better}"
 
     def amplitude(self, column: str, share: float = 0.2, but: float = 0.0) -> float:
         """Give half the peak-to-peak value of a column over the last share of the run, but for the very last one."""
@@ -150,6 +178,11 @@ class CosimResult:
             f"expected at most {SETTLED:.0%}; use a larger stop_s"
             for name, change in self.unsettled.items()
         ]
+        if self.step_error is not None and self.step_error <= self.trusted_share:
+            lines.append(
+                f"the displacement errs by {self.step_error:.2%} in amplitude and phase for its steps, "
+                "as a run in another step tells"
+            )
         lines += [f"NOT TO BE TRUSTED: {what}, {rest}" for what, rest in self.doubts()]
         lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
         for name, mode in zip(self.clamp_names, self.modes, strict=True):
@@ -177,7 +210,7 @@ class CosimResult:
     def _step_text(self) -> str:
         """Give the macro steps' lengths."""
         steps = np.diff(self.time)
-        if np.ptp(steps) < 1e-6 * steps.max():
+        if np.ptp(steps) < UNEVEN * steps.max():
             return f"{self.step:g} s"
         return f"{steps.min():.3g} to {steps.max():.3g} s"
 
@@ -203,4 +236,6 @@ def write_result(result: CosimResult, path: Path) -> None:
     trusted = pl.lit(float(result.trusted)).alias("trusted [1 yes, 0 no]")
     settled = pl.lit(float(not result.unsettled) if result.steady else None, pl.Float64)
     known = settled.alias("settled [1 yes, 0 no, empty where nothing settles]")
-    write_whole(path, frame.with_columns(trusted, known).write_csv())
+    error = pl.lit(None if result.step_error in (None, inf) else result.step_error, pl.Float64)
+    told = error.alias("step_error [share of the displacement, empty where not known]")
+    write_whole(path, frame.with_columns(trusted, known, told).write_csv())

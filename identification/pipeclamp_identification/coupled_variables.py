@@ -58,13 +58,24 @@ def pipe_variables(variables: Variables, path: Path, description: SystemDescript
 def clamp_parameters(
     source: ClampSource, description: SystemDescription, variables: Variables
 ) -> dict[str, float | bool]:
-    """Give the parameters that a clamp's FMU starts with; of them, a clamp that isn't ours gets what it has."""
+    """Give the parameters that a clamp's FMU starts with; of them, a clamp that isn't ours gets what it has.
+
+    Raises:
+        UserError: one of ours is given a condition that its law doesn't follow.
+    """
     frequency = source.frequency_Hz or description.excitation.frequency_Hz
     parameters: dict[str, float | bool] = {"T": source.temperature_C + CELSIUS, "track": source.track}
     if source.amplitude_mm is not None:
         parameters["A"] = 1e-3 * source.amplitude_mm
     if frequency is not None:
         parameters["f"] = frequency
-    parameters |= dict(condition_parameter(column, value) for column, value in source.conditions.items())
     ours = "A_used" in variables
+    for column, value in source.conditions.items():
+        name, setting = condition_parameter(column, value)
+        if ours and name not in variables:
+            raise UserError(
+                f"clamp {source.at!r}: conditions: {column}: its law doesn't follow it, as its FMU has no parameter "
+                f"{name}; leave it out, or take a law with an effect that follows it"
+            )
+        parameters[name] = setting
     return {name: value for name, value in parameters.items() if ours or name in variables}

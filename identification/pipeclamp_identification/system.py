@@ -113,7 +113,8 @@ class RunTable(Table):
 
     With `energy_tolerance` the macro step follows the energy that the coupling makes, as a share of what is exchanged;
     `step_s` is then the longest. A result whose coupling made more than `trusted_share` of the energy that the
-    excitation gave, or hid more than that of a clamp's motion between the steps, is marked.
+    excitation gave, whose displacement errs by more than that for its steps, or that hid more than that of a clamp's
+    motion between the steps, is marked.
     """
 
     stop_s: Positive

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from pipeclamp.errors import UserError
@@ -12,6 +13,7 @@ from pipeclamp_identification.cosim import Builders, finished
 from pipeclamp_identification.coupled_variables import clamp_parameters, pipe_variables
 from pipeclamp_identification.excitation import excitation_signal
 from pipeclamp_identification.fmu_variables import find_variables, read_description, renamed, variables_of
+from pipeclamp_identification.parallel_step import ParallelStep, parallel_step
 from pipeclamp_identification.system import read_system
 
 PIPE, EXCITATION = "pipe", "excitation"
@@ -22,13 +24,19 @@ MOST_SAMPLES = 200_000
 """Of the excitation, one a step, in its FMU."""
 
 
-def write_system(path: Path, output: Path, build: Builders) -> None:
-    """Write the system that a file describes as an SSP: excitation, pipe, clamps, connections, parameters.
+def write_system(
+    path: Path, output: Path, build: Builders, tell: Callable[[str], None] = lambda _: None
+) -> ParallelStep:
+    """Write the system that a file describes as an SSP: excitation, pipe, clamps, connections, parameters, step.
 
     Args:
         path: SYSTEM.toml; paths in it are relative to its folder.
         output: the SSP to write, whole or not at all.
         build: what makes the FMUs of clamps, pipe and excitation.
+        tell: told which steps are tried.
+
+    Returns:
+        the step that masters may take that couple in parallel, as most do.
 
     Raises:
         UserError: the system can't be read or built, has too many steps, or the file can't be written.
@@ -64,4 +72,6 @@ def write_system(path: Path, output: Path, build: Builders) -> None:
                 ((PIPE, pipe_v), (name, v)),
                 ((name, f), (PIPE, pipe_f)),
             ]
-        write_ssp(SystemStructure(description.name, components, connections, run.stop_s), output)
+        found = parallel_step(description, folder, str(path), tell)
+        write_ssp(SystemStructure(description.name, components, connections, run.stop_s, found.step), output)
+    return found
