@@ -51,7 +51,10 @@ def solve(equation: Equation, guess: Array, parameter: float, size: float, toler
     unknowns = guess.copy()
     for _ in range(3 * CORRECTIONS):
         residual, by_unknowns, _ = equation(unknowns, parameter)
-        change = np.linalg.solve(by_unknowns, -residual)
+        try:
+            change = np.linalg.solve(by_unknowns, -residual)
+        except np.linalg.LinAlgError:
+            return None
         if not np.all(np.isfinite(change)):
             return None
         unknowns += change
