@@ -4,13 +4,7 @@ The pipe is its frequency response G, each clamp the harmonics of its force F(Y)
 
     Y_h = G_e(i h omega) U_h - G_c(i h omega) F_h(Y),   h = 0 .. H.
 
-With H = 1 this is the describing function of the clamp. A disturbance of the motion has harmonics that vary in time,
-q = sum of Q_h(t) e^(i h omega t), with (Hill)
-
-    Q_h'' + (2 i h omega + C) Q_h' + (K - (h omega)^2 + i h omega C) Q_h = -S^T dF_h,
-    dF_h = sum over j of F_h,Yj dY_j + F_h,Vj dV_j',
-
-where F_V is the force's answer to a velocity besides the motion's own. The eigenvalues tell growth and decay.
+With H = 1 this is the describing function of the clamp. Whether a motion is stable is told by Floquet's multipliers.
 """
 
 from __future__ import annotations
@@ -26,7 +20,9 @@ from numpy.typing import NDArray
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp.pipe_response import state_space
 from pipeclamp_identification.continuation import Equation, Point, Steps, follow, solve
+from pipeclamp_identification.floquet import growth
 from pipeclamp_identification.steady_clamp import SAMPLES, Complex, SteadyClamp
+from pipeclamp_identification.tangents import tangents
 
 Array = NDArray[np.float64]
 
@@ -313,9 +309,6 @@ class SteadySystem:
         """Evaluate a solution (m,) at a frequency (Hz), and its stability."""
         count, H = len(self._clamps), self._orders.size - 1
         motion = self.unpacked(unknowns[None])
-        forces, slopes = np.zeros((0, H + 1), dtype=np.complex128), None
-        if count:
-            forces, *slopes = self._forces_and_slopes(motion, frequency)
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
         moved = self.moved(unknowns[None], at, drive, self.responses(at))[0]
         conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
@@ -324,55 +317,13 @@ class SteadySystem:
             frequency=frequency,
             clamps=moved[:count],
             probes=moved[count:],
-            forces=forces,
+            forces=self._forces(motion, at)[0] if count else np.zeros((0, H + 1), dtype=np.complex128),
             conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
-            growth=self._growth(slopes, 2 * pi * frequency),
+            growth=self._growth(motion[0], frequency),
             beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
         )
 
-    def _forces_and_slopes(self, motion: Complex, frequency: float) -> tuple[Complex, Array, Array]:
-        """Give the clamps' forces, and how they follow the displacement (N/mm) and a velocity besides (N s/mm).
-
-        Returns:
-            forces (clamps, H + 1); slopes between all unknowns, each (m, m).
-        """
-        omega = 2 * pi * frequency
-        nudge = NUDGE * max(SMALLEST, float(np.abs(motion).max()))
-        each = self.unpacked(nudge * np.eye(self.size))
-        still = np.zeros(each.shape, dtype=np.complex128)
-        moved = motion + np.concatenate([still[:1], each, still])
-        faster = np.concatenate([still[:1], still, omega * each])
-        frequencies = np.full(len(moved), frequency)
-        found = [clamp.forces(moved[:, i], frequencies, faster[:, i]) for i, clamp in enumerate(self._clamps)]
-        forces = np.stack(found, axis=1)
-        slopes = self.packed(forces[1:] - forces[0]).T / nudge
-        return forces[0], slopes[:, : self.size], slopes[:, self.size :] / omega
-
-    def _growth(self, slopes: Sequence[Array] | None, omega: float) -> float:
-        """Give the largest real part of the disturbance's eigenvalues, 1/s.
-
-        An eigenvalue comes once with each harmonic, i omega apart. The one between -i omega/2 and i omega/2 counts, as
-        the harmonics that are left out hurt it least; of modes too fast to have one there, that of their mean.
-        """
-        H = self._orders.size - 1
-        every, modes = np.eye(2 * H + 1), np.eye(len(self._pipe.omega))
-        turn = np.zeros_like(every)
-        real, imaginary = np.arange(1, H + 1), np.arange(H + 1, 2 * H + 1)
-        turn[real, imaginary], turn[imaginary, real] = -omega * real, omega * real
-        stiffness = np.kron(every, self._stiffness) + np.kron(turn @ turn, modes) + np.kron(turn, self._damping)
-        damping = np.kron(every, self._damping) + np.kron(2 * turn, modes)
-        if slopes is not None:
-            shapes = np.kron(every, self._shapes)
-            by_place, by_velocity = (self._harmonic_by_harmonic(slope) for slope in slopes)
-            stiffness += MM * shapes.T @ by_place @ shapes
-            damping += MM * shapes.T @ by_velocity @ shapes
-        none, one = np.zeros_like(stiffness), np.eye(len(stiffness))
-        found = np.linalg.eigvals(np.block([[none, one], [-stiffness, -damping]]))
-        speed = np.abs(found.imag) / omega
-        return float(found.real[(speed <= 0.5 + NUDGE) | (speed > H + 0.5 - NUDGE)].max())
-
-    def _harmonic_by_harmonic(self, slope: Array) -> Array:
-        """Sort slopes between unknowns, clamp by clamp, (m, m), by their harmonics instead."""
-        count = len(self._clamps)
-        parts = slope.reshape(count, -1, count, self.size // count)
-        return parts.transpose(1, 0, 3, 2).reshape(slope.shape)
+    def _growth(self, motion: Complex, frequency: float) -> float:
+        """Give the rate at which small disturbances of a motion (clamps, H + 1) grow, 1/s."""
+        laws = [tangents(clamp, motion[index], frequency) for index, clamp in enumerate(self._clamps)]
+        return growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency)

@@ -88,22 +88,10 @@ class SteadyClamp:
         ratio = np.divide(speed, amplitude, out=np.ones_like(speed), where=amplitude > 0)
         return amplitude, ratio * frequency
 
-    def forces(self, motion: Complex, frequency: Array, faster: Complex | None = None) -> Complex:
-        """Give the harmonics of the force into the clamp in steady state.
-
-        Args:
-            motion: harmonics of y = Re sum of Y_h e^(i h omega t), mm, h from 0, (rows, h).
-            frequency: of the fundamental, Hz, (rows,).
-            faster: harmonics of a velocity besides that of the motion, mm/s, (rows, h).
-
-        Returns:
-            harmonics of the force in the same form, N, (rows, h).
-        """
-        orders = np.arange(motion.shape[1])
-        waves = np.exp(2j * pi * np.outer(orders, np.arange(self.samples)) / self.samples)
-        omega = 2 * pi * frequency[:, None]
-        turn = 1j * orders * omega
-        velocity = motion * turn if faster is None else motion * turn + faster
+    def cycle(self, motion: Complex, frequency: Array) -> Motion:
+        """Give a motion in samples, with the law's conditions; arguments as of `forces`."""
+        turn = 2j * pi * np.arange(motion.shape[1]) * frequency[:, None]
+        waves = _waves(motion.shape[1], self.samples)
         amplitude, law_frequency = self.conditions(motion, frequency)
         slow = {
             "A": amplitude[:, None],
@@ -111,16 +99,33 @@ class SteadyClamp:
             "T": np.full((len(motion), 1), self.temperature),
             **{name: np.full((len(motion), 1), value) for name, value in self.further.items()},
         }
-        cycle = Motion(
+        return Motion(
             (motion @ waves).real,
-            (velocity @ waves).real,
+            (motion * turn @ waves).real,
             (motion * turn**2 @ waves).real,
             slow,
             1 / (frequency[:, None] * self.samples),
         )
+
+    def forces(self, motion: Complex, frequency: Array) -> Complex:
+        """Give the harmonics of the force into the clamp in steady state.
+
+        Args:
+            motion: harmonics of y = Re sum of Y_h e^(i h omega t), mm, h from 0, (rows, h).
+            frequency: of the fundamental, Hz, (rows,).
+
+        Returns:
+            harmonics of the force in the same form, N, (rows, h).
+        """
+        cycle = self.cycle(motion, frequency)
         equations = clamp_equations(self.law.structure)
         values = self.law.vector(equations)
         force = respond(equations, values, (self.law.v_r, self.law.y_r), cycle).force
-        harmonics = 2 / self.samples * (force @ waves.conj().T)
+        harmonics = 2 / self.samples * (force @ _waves(motion.shape[1], self.samples).conj().T)
         harmonics[:, 0] /= 2
         return np.asarray(harmonics, dtype=np.complex128)
+
+
+def _waves(count: int, samples: int) -> Complex:
+    """Give e^(i h omega t) of the first harmonics, from 0, at the samples of a cycle, (h, samples)."""
+    return np.asarray(np.exp(2j * pi * np.outer(np.arange(count), np.arange(samples)) / samples))

@@ -96,12 +96,14 @@ class Response:
             that the force is known up to a constant which only the history before the record would tell; shape (R,).
         unsettled: rows in which a state isn't periodic after all that was tried: their force is that of one cycle among
             others; shape (R,).
+        states: the states after each sample, J arrays of shape (R, n).
     """
 
     force: Array
     jacobian: Array | None
     adrift: npt.NDArray[np.bool_]
     unsettled: npt.NDArray[np.bool_]
+    states: Sequence[Array]
 
 
 def law_response(law: Law, motion: Motion) -> Response:
@@ -157,7 +159,7 @@ def respond(
         turning = _turning(motion)
         force = _with_means(compiled.force, arguments, turning, shape)[0]
         if not derivatives:
-            return _late(compiled, values, motion, Response(force, None, adrift, unsettled))
+            return _late(compiled, values, motion, Response(force, None, adrift, unsettled, states))
         jacobian = np.zeros((len(values), rows, samples))
         state_count, coefficient_count = len(states), len(coefficients)
         force_slopes = _with_means(compiled.force_slopes, arguments, turning, shape)
@@ -170,7 +172,7 @@ def respond(
                         jacobian[parameter] += slope * inner
             else:
                 jacobian[column - state_count - coefficient_count] += slope
-    return _late(compiled, values, motion, Response(force, jacobian, adrift, unsettled))
+    return _late(compiled, values, motion, Response(force, jacobian, adrift, unsettled, states))
 
 
 @dataclass(frozen=True)

@@ -211,6 +211,30 @@ def test_higher_harmonics_take_part_in_stability() -> None:
     assert decay == pytest.approx(state.growth, rel=0.05)
 
 
+@pytest.mark.parametrize("frequency", [4.5, 7.5])
+def test_a_law_with_memory_comes_to_rest_as_fast_as_said(
+    bench: Path, write_law: Callable[..., None], frequency: float
+) -> None:
+    """Below and above resonance, once the disturbance is small."""
+    write_law(bench / "slip.json", {"k10": 5.0, "c0": 0.01, "alpha0": 1.0, "k_s": 20.0, "z_s": 3.0}, "memory")
+    pipe, law = reduce(parse_pipe(PIPES["pipe"])), law_of(read_law(bench / "slip.json"))
+    clamp = SteadyClamp(law, 293.15, 1.0, frequency, (0.01, 5.0), (1.0, 60.0))
+    state = SteadySystem(pipe, [(0, clamp)], lambda frequency: 0.5).at(frequency)
+    assert state is not None
+    assert state.stable
+    steps, cycles = 64, round(12 * frequency)
+    time = np.arange(cycles * steps + 1) / (steps * frequency)
+    shaken = solve_monolithic(
+        pipe, [clamp_equations(law, 1.0, frequency, 293.15)],
+        lambda t: 0.5 * np.sin(2 * pi * frequency * t), time, 1e-8,
+    )  # fmt: skip
+    motion = 1e3 * shaken.displacement[:-1, 0].reshape(cycles, steps)
+    assert np.ptp(motion[-1]) / 2 == pytest.approx(half_range(state.clamps)[0], rel=0.01)
+    off = np.abs(motion - motion[-1]).max(axis=1)
+    cycle = np.arange(cycles)[(off < 0.05 * off[0]) & (off > 1e-3 * off[0])]
+    assert np.polyfit(cycle / frequency, np.log(off[cycle]), 1)[0] == pytest.approx(state.growth, rel=0.06)
+
+
 def test_the_fundamental_is_control_s_describing_function(bench: Path, write_law: Callable[..., None]) -> None:
     """For k1 y + k3 y^3: python-control's own integral of it."""
     hardening(bench, write_law)
