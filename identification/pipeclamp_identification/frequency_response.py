@@ -239,7 +239,10 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
     for column, value in source.conditions.items():
         name, setting = condition_parameter(column, value)
         if name not in further:
-            raise UserError(f"{where}: clamp {source.at!r}: {unknown(name, list(further), 'condition')}")
+            raise UserError(
+                f"{where}: clamp {source.at!r}: conditions: {column}: law {source.law} doesn't follow it; leave it out "
+                "or take a law with an effect that does"
+            )
         further[name] = scales[name] * setting
     named = conditions_of(clamp_equations(law.structure))[len(CONDITIONS_FIRST) :]
     return SteadyClamp(
