@@ -1,10 +1,10 @@
 """Stability of a periodic motion: a small disturbance, followed step by step through a cycle (Floquet).
 
-Between samples the clamps' forces are straight and the modes move exactly. With x = (q, q') and E, B of such a step,
+Between samples the clamps' forces are straight and the modes move exactly. With x = (q, q'), in a step from 0 to 1,
 
-    x' = E x + B_0 F + B_1 F',    F' = F_y y' + F_v v' + F_a a' + F_before y + F_z z + F_A A,    z' likewise,
+    x_1 = E x_0 + B_0 F_0 + B_1 F_1,    F_1 = F_y y_1 + F_v v_1 + F_a a_1 + F_before y_0 + F_z z_0 + F_A A,
 
-A being that of the cycle before, where a law follows its motion's own.
+and the laws' states z_1 likewise; A is that of the cycle before, where a law follows its motion's own.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from math import log
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, expm
+from scipy.linalg import block_diag
 
+from pipeclamp_identification.modal_step import modal_step
 from pipeclamp_identification.tangents import ACCELERATION, AMPLITUDE, BEFORE, STATES, Tangents, V, Y
 
 Array = NDArray[np.float64]
@@ -24,34 +25,43 @@ MM = 1e3
 """mm in a metre: the clamps are in mm, the pipe in m."""
 
 NEUTRAL = 1e-6
-"""How near to 1 a multiplier is for a state that keeps a constant."""
+"""How near to 1 a multiplier is for what keeps a constant: a state that never slips, a place that nothing holds."""
 
 
-def growth(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], period: float) -> float:
+def growth(
+    stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], period: float, *, adrift: bool
+) -> float:
     """Give the rate at which the disturbance grows that grows fastest, 1/s; below 0 where the motion is stable.
+
+    What keeps a constant for ever is neither stable nor unstable, and doesn't count.
 
     Args:
         stiffness, damping: of the modes, q'' + damping q' + stiffness q = -shapes^T F, (m, m).
         shapes: displacement of each clamp (m) per unit of each mode, (clamps, m).
         clamps: their laws' steps, linearised about the motion, at n samples of the cycle.
         period: of the cycle, s.
+        adrift: whether the pipe itself can move as a rigid body.
     """
-    modes, count = len(stiffness), len(clamps)
+    multipliers = np.linalg.eigvals(_cycle(stiffness, damping, shapes, clamps, period))
+    if adrift or any(clamp.adrift for clamp in clamps):
+        multipliers = multipliers[np.abs(multipliers - 1) > NEUTRAL]
+    return log(np.abs(multipliers).max(initial=np.finfo(float).tiny)) / period
+
+
+def _cycle(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], period: float) -> Array:
+    """Give what a cycle makes of a disturbance, (d, d); arguments as of `growth`."""
+    count = len(clamps)
     if not count:
-        companion = np.block([[np.zeros_like(stiffness), np.eye(modes)], [-stiffness, -damping]])
-        return float(np.linalg.eigvals(companion).real.max())
+        return modal_step(np.hstack([-stiffness, -damping]), -shapes.T, period, 0)[0]
     samples = clamps[0].follows.size
     steps = _steps(stiffness, damping, shapes, clamps, period / samples)
     while len(steps) > 1:
-        odd = steps[len(steps) // 2 * 2 :]
-        steps = np.concatenate([steps[1::2] @ steps[: len(steps) // 2 * 2 : 2], odd])
-    whole = steps[0]
+        paired = len(steps) // 2 * 2
+        steps = np.concatenate([steps[1:paired:2] @ steps[:paired:2], steps[paired:]])
+    whole: Array = steps[0]
     # The next cycle's A is what this one's motion adds up to.
     whole[-2 * count : -count], whole[-count:] = whole[-count:], 0.0
-    multipliers = np.linalg.eigvals(whole)
-    if any(clamp.adrift for clamp in clamps):
-        multipliers = multipliers[np.abs(multipliers - 1) > NEUTRAL]
-    return log(max(float(np.abs(multipliers).max()), np.finfo(float).tiny)) / period
+    return whole
 
 
 def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], h: float) -> Array:
@@ -59,7 +69,7 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     count, size = len(clamps), 2 * len(stiffness)
     memory = [len(clamp.slopes) - 1 for clamp in clamps]
     rates = np.hstack([-stiffness, -damping])
-    start, held, sloped = _held_and_sloped(rates, -shapes.T, h)
+    start, (held, sloped) = modal_step(rates, -shapes.T, h, 2)
     places = np.cumsum([0, *memory])
     states, amplitudes = size + count, size + count + places[-1]
     width, samples = amplitudes + 2 * count, clamps[0].follows.size
@@ -95,21 +105,3 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     follows = np.stack([clamp.follows for clamp in clamps], axis=1)[:, :, None]
     steps[:, -count:] += follows * (y_of @ end)
     return steps
-
-
-def _held_and_sloped(rates: Array, loads: Array, h: float) -> tuple[Array, Array, Array]:
-    """Give what a step makes of the state, of a load that is held, and of one that grows from 0 to 1.
-
-    Args:
-        rates: q'' from (q, q'), (m, 2 m).
-        loads: modal loads per unit of each, (m, loads).
-        h: s.
-    """
-    modes, size = rates.shape
-    inputs = loads.shape[1]
-    whole = np.zeros((size + 2 * inputs, size + 2 * inputs))
-    whole[:modes, modes:size] = h * np.eye(modes)
-    whole[modes:size, :size], whole[modes:size, size : size + inputs] = h * rates, h * loads
-    whole[size : size + inputs, size + inputs :] = np.eye(inputs)
-    found = expm(whole)[:size]
-    return found[:, :size], found[:, size : size + inputs], found[:, size + inputs :]

@@ -326,4 +326,5 @@ class SteadySystem:
     def _growth(self, motion: Complex, frequency: float) -> float:
         """Give the rate at which small disturbances of a motion (clamps, H + 1) grow, 1/s."""
         laws = [tangents(clamp, motion[index], frequency) for index, clamp in enumerate(self._clamps)]
-        return growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency)
+        adrift = not self._has_mean
+        return growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency, adrift=adrift)

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from pipeclamp.law import Law
 from pipeclamp.one_thread import one_thread
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp.realise.arrays import realise
 from pipeclamp.realise.stepping import clamp_equations
+from pipeclamp_identification.modal_step import modal_step
 
 Array = NDArray[np.float64]
 
@@ -142,7 +142,9 @@ class _Modal:
         rates = np.zeros((len(pipes), modes, self.size))
         for rate, pipe in zip(rates, pipes, strict=True):
             rate[:] = np.hstack([-pipe.stiffness_matrix, -pipe.damping_matrix])
-        start, *by_load = _step_matrices(rates, loads, step)
+        start, (held, sloped, curved) = modal_step(rates, loads, step, 3)
+        # The quadratic through a load's values before the step, at its start and at its end.
+        by_load = (curved - sloped / 2, held - 2 * curved, curved + sloped / 2)
         earlier, first, last = by_load
         clamps = slice(0, self.clamps)
         transition = np.concatenate(
@@ -161,33 +163,6 @@ class _Modal:
             else:
                 self.seen[:, row, order * modes : (order + 1) * modes] = shape[:, 0]
         self.seen[:, len(orders) :, : self.size] = points
-
-
-def _step_matrices(rates: Array, loads: Array, step: float) -> tuple[Array, Array, Array, Array]:
-    """Give what a step makes of the state at its start and of loads before it, at its start and at its end.
-
-    Args:
-        rates: q'' from the state, (B, n, 2 n).
-        loads: modal loads per unit of each, (B, n, loads).
-        step: s.
-    """
-    count, modes, size = rates.shape
-    inputs = loads.shape[2]
-    # Over (w q, q') with w about the highest frequency the entries are alike; and over t/h, so are the inputs'.
-    w = np.sqrt(np.maximum(1.0, np.abs(rates[:, :, :modes]).max(axis=(1, 2))))[:, None, None]
-    whole = np.zeros((count, size + 3 * inputs, size + 3 * inputs))
-    whole[:, :modes, modes:size] = step * w * np.eye(modes)
-    whole[:, modes:size, :modes] = step * rates[:, :, :modes] / w
-    whole[:, modes:size, modes:size] = step * rates[:, :, modes:]
-    whole[:, modes:size, size : size + inputs] = step * loads
-    for order in range(2):
-        begin = size + order * inputs
-        whole[:, begin : begin + inputs, begin + inputs : begin + 2 * inputs] = np.eye(inputs)
-    found = expm(whole)[:, :size]
-    found[:, :modes] /= w
-    found[:, :, :modes] *= w
-    held, sloped, curved = (found[:, :, size + order * inputs : size + (order + 1) * inputs] for order in range(3))
-    return found[:, :, :size], (curved - sloped / 2), held - 2 * curved, curved + sloped / 2
 
 
 class _Laws:
