@@ -46,6 +46,8 @@ def detached_branches(
         first, last: ends of the range, Hz.
     """
     found: list[tuple[SteadyState, ...]] = []
+    if not system.size:  # without laws all is linear
+        return ()
     for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
         met = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
         # Where a response that was given up has a gap, it begins at rest.

@@ -166,7 +166,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
         progress: told what is being done.
 
     Raises:
-        UserError: the system can't be read or built, has no sine or no law, or a co-simulation fails.
+        UserError: the system can't be read or built, has no sine, no law or nothing to show, or a co-simulation fails.
     """
     tell = progress or (lambda what: None)
     description = read_system(path)
@@ -175,6 +175,10 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
         raise UserError(f"{path}: pipe: a response needs the pipe's equations; expected file = 'PIPE.toml', not an FMU")
     pipe = reduce(read_pipe(path.parent / description.pipe.file))
     require_kind(description.excitation, pipe.excitation, str(path))
+    if not description.clamps and not pipe.probe_names:
+        raise UserError(
+            f"{path}: there is neither a clamp nor a probe whose motion could be shown; expected one of them"
+        )
     # Refuses what can't serve before anything is built.
     steady_system(description, pipe, path.parent, None, 1.0, table.harmonics, str(path))
     curves: list[Curve] = []

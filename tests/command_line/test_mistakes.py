@@ -347,6 +347,20 @@ def test_a_system_without_a_frequency_response(refused, tmp_path, change, words)
     assert not (tmp_path / "response.csv").exists()
 
 
+def test_a_response_of_nothing_that_moves(refused, tmp_path):
+    pipe = (EXAMPLES / "pipe.toml").read_text(encoding="utf-8")
+    system = (EXAMPLES / "system.toml").read_text(encoding="utf-8")
+    (tmp_path / "pipe.toml").write_text(pipe.replace(table_of(pipe, "[[probes]]"), ""), encoding="utf-8")
+    (tmp_path / "system.toml").write_text(system.replace(table_of(system, "[[clamps]]"), ""), encoding="utf-8")
+    message = refused("response", tmp_path / "system.toml", "-o", tmp_path / "response.csv")
+    assert "neither a clamp nor a probe" in message
+
+
+def table_of(text, header):
+    """Give a table's lines of a TOML text, up to the next table's."""
+    return text[text.index(header) :].partition("\n[")[0]
+
+
 def test_reading_a_law_never_executes_anything(refused, law, small, tmp_path):
     """Code in every text of the file is text: names, effects, arguments, notes, units."""
     mark = tmp_path / "executed"
