@@ -2,7 +2,7 @@
 
 Between samples the clamps' forces are straight and the modes move exactly. With x = (q, q'), in a step from 0 to 1,
 
-    x_1 = E x_0 + B_0 F_0 + B_1 F_1,    F_1 = F_y y_1 + F_v v_1 + F_a a_1 + F_before y_0 + F_z z_0 + F_A A,
+    x_1 = E x_0 + B_0 F_0 + B_1 F_1,    F_1 = F_y y_1 + F_v v_1 + F_before y_0 + F_z z_0 + F_A A,
 
 and the laws' states z_1 likewise; A is that of the cycle before, where a law follows its motion's own.
 """
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from pipeclamp_identification.modal_step import modal_step
-from pipeclamp_identification.tangents import ACCELERATION, AMPLITUDE, BEFORE, STATES, Tangents, V, Y
+from pipeclamp_identification.tangents import AMPLITUDE, BEFORE, STATES, Tangents, V, Y
 
 Array = NDArray[np.float64]
 
@@ -68,8 +68,7 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     """Give what each step makes of (q, q', F, z, A, what the next A adds up to), (n, d, d)."""
     count, size = len(clamps), 2 * len(stiffness)
     memory = [len(clamp.slopes) - 1 for clamp in clamps]
-    rates = np.hstack([-stiffness, -damping])
-    start, (held, sloped) = modal_step(rates, -shapes.T, h, 2)
+    start, (held, sloped) = modal_step(np.hstack([-stiffness, -damping]), -shapes.T, h, 2)
     places = np.cumsum([0, *memory])
     states, amplitudes = size + count, size + count + places[-1]
     width, samples = amplitudes + 2 * count, clamps[0].follows.size
@@ -77,25 +76,22 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     free = np.zeros((size, width))
     free[:, :size], free[:, size:states] = start, held - sloped
     motion = MM * block_diag(shapes, shapes)
-    y_of, v_of, a_of = motion[:count], motion[count:], MM * shapes @ rates
+    y_of, v_of = motion[:count], motion[count:]
 
-    # Forces and states at a step's end, by (q, q') and by F there, and by all at its start.
+    # Forces and states at a step's end, by (q, q') there, and by all at its start.
     by_end = np.zeros((samples, count + places[-1], size))
-    by_force = np.zeros((samples, count + places[-1], count))
     by_start = np.zeros((samples, count + places[-1], width))
     for index, clamp in enumerate(clamps):
         rows = [index, *range(count + places[index], count + places[index + 1])]
         slopes = np.moveaxis(clamp.slopes, 2, 0)[..., None]
         by_end[:, rows] = slopes[:, :, Y] * y_of[index] + slopes[:, :, V] * v_of[index]
-        by_end[:, rows] += slopes[:, :, ACCELERATION] * a_of[index]
-        by_force[:, rows] = slopes[:, :, ACCELERATION] * (-MM * shapes[index] @ shapes.T)
         by_start[:, rows, :size] = slopes[:, :, BEFORE] * y_of[index]
         own = slice(states + places[index], states + places[index + 1])
         by_start[:, rows, own] = slopes[:, :, STATES:, 0]
         by_start[:, rows, amplitudes + index] = slopes[:, :, AMPLITUDE, 0]
 
     known = by_end @ free + by_start
-    implied = by_end @ sloped + by_force
+    implied = by_end @ sloped
     force = np.linalg.solve(np.eye(count) - implied[:, :count], known[:, :count])
     end = free + sloped @ force
     steps = np.zeros((samples, width, width))

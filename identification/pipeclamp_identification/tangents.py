@@ -17,8 +17,10 @@ Array = NDArray[np.float64]
 NUDGE = 1e-5
 """By which share of its size an argument is moved for a derivative."""
 
-Y, V, ACCELERATION, BEFORE, AMPLITUDE, STATES = range(6)
-"""Arguments: y, v, a at a sample, y a sample before, A, and from there on the states a sample before."""
+Y, V, BEFORE, AMPLITUDE, STATES = range(5)
+"""Arguments: y, v at a sample, y a sample before, A, and from there on the states a sample before.
+
+No law that is carried to a pipe depends on acceleration: only what the rig adds does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,7 @@ def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
     states = [state[0] for state in response.states]
     y, v, a, h, A = cycle.y[0], cycle.v[0], cycle.a[0], cycle.h[0, 0], cycle.slow["A"][0, 0]
 
-    at = np.stack([y, v, a, np.roll(y, 1), np.full_like(y, A), *(np.roll(state, 1) for state in states)])
+    at = np.stack([y, v, np.roll(y, 1), np.full_like(y, A), *(np.roll(state, 1) for state in states)])
     nudges = NUDGE * np.maximum(np.abs(at).max(axis=1, keepdims=True), np.finfo(float).tiny) * np.ones_like(at)
     nudges[V] = np.maximum(nudges[V], np.abs(a) * h / 2)
     each = np.eye(len(at))[:, :, None] * nudges
@@ -65,7 +67,7 @@ def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
     with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
         coefficients = compiled.coefficients(*(slow[name] for name in compiled.slow), *values, *smoothing)
         held = [*coefficients, *values, *smoothing]
-        fast = [moved[Y], moved[V], moved[ACCELERATION], moved[BEFORE], h]
+        fast = [moved[Y], moved[V], a, moved[BEFORE], h]
         after = compiled.update(*fast, *moved[STATES:], *held) if states else []
         results = [*compiled.force(*fast, *after, *held), *after]
     found = np.stack([np.broadcast_to(result, moved[Y].shape) for result in results])
