@@ -4,18 +4,20 @@ Between samples the clamps' forces are straight and the modes move exactly. With
 
     x_1 = E x_0 + B_0 F_0 + B_1 F_1,    F_1 = F_y y_1 + F_v v_1 + F_before y_0 + F_z z_0 + F_A A,
 
-and the laws' states z_1 likewise; A is that of the cycle before, where a law follows its motion's own.
+and the laws' states z_1 likewise. Where A is the motion's own, it comes as late as by the clamp FMU's tracker, through
+two averages in a row: a motion can beat for that alone. The law's f is taken to stay.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import log
+from math import expm1, log
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from pipeclamp_fmu.clamp_slave import AVERAGING
 from pipeclamp_identification.modal_step import modal_step
 from pipeclamp_identification.tangents import AMPLITUDE, BEFORE, STATES, Tangents, V, Y
 
@@ -58,14 +60,11 @@ def _cycle(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     while len(steps) > 1:
         paired = len(steps) // 2 * 2
         steps = np.concatenate([steps[1:paired:2] @ steps[:paired:2], steps[paired:]])
-    whole: Array = steps[0]
-    # The next cycle's A is what this one's motion adds up to.
-    whole[-2 * count : -count], whole[-count:] = whole[-count:], 0.0
-    return whole
+    return np.asarray(steps[0])
 
 
 def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], h: float) -> Array:
-    """Give what each step makes of (q, q', F, z, A, what the next A adds up to), (n, d, d)."""
+    """Give what each step makes of (q, q', F, z, A, the first of A's averages), (n, d, d)."""
     count, size = len(clamps), 2 * len(stiffness)
     memory = [len(clamp.slopes) - 1 for clamp in clamps]
     start, (held, sloped) = modal_step(np.hstack([-stiffness, -damping]), -shapes.T, h, 2)
@@ -97,7 +96,8 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     steps = np.zeros((samples, width, width))
     steps[:, :size], steps[:, size:states] = end, force
     steps[:, states:amplitudes] = known[:, count:] + implied[:, count:] @ force
-    steps[:, amplitudes:] = np.eye(width)[amplitudes:]
     follows = np.stack([clamp.follows for clamp in clamps], axis=1)[:, :, None]
-    steps[:, -count:] += follows * (y_of @ end)
+    share, kept = -expm1(-1 / (AVERAGING * samples)), np.eye(width)
+    steps[:, -count:] = (1 - share) * kept[-count:] + share * follows * (y_of @ end)
+    steps[:, amplitudes:-count] = (1 - share) * kept[amplitudes:-count] + share * steps[:, -count:]
     return steps

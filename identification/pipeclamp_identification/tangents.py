@@ -29,7 +29,7 @@ class Tangents:
 
     Attributes:
         slopes: of the force and the states, (1 + J, n), by the arguments, (1 + J, STATES + J, n).
-        follows: change of A by that of y at each sample, (n,); 0 where the law's A is given or held.
+        follows: n times the change of A by that of y at each sample, (n,); 0 where the law's A is given or held.
         adrift: whether states keep a constant for ever, which is neither stable nor unstable.
     """
 
@@ -75,5 +75,5 @@ def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
 
     follows = np.zeros_like(y)
     if clamp.amplitude is None and clamp.range_A[0] < A < clamp.range_A[1]:
-        follows = 2 * (y - y.mean()) / (A * y.size)
+        follows = 2 * (y - y.mean()) / A
     return Tangents((above - below) / (2 * nudges), follows, bool(response.adrift[0]))

@@ -9,7 +9,7 @@ from pathlib import Path
 import control
 import numpy as np
 import pytest
-from cantilever import cantilever
+from cantilever import cantilever, shaken
 from scipy.signal import find_peaks
 
 from pipeclamp.bundled import open_law
@@ -81,11 +81,11 @@ def test_three_ways_agree(bench: Path, law: str, name: str, temperature: float, 
     cycles = round(frequency * log(1000) / -state.growth) + CYCLES_KEPT
     time = np.arange(cycles * STEPS + 1) / (STEPS * frequency)
     equations = clamp_equations(law_of(read_law(bench / f"{law}.json")), 0.5, frequency, temperature + 273.15)
-    shaken = solve_monolithic(
+    moved = solve_monolithic(
         pipe, [equations], lambda t: ACCELERATION * np.sin(2 * pi * frequency * t), time, relative_tolerance=1e-6
     )
     last = slice(-CYCLES_KEPT * STEPS - 1, None)
-    whole = [1e3 * np.ptp(values[last, 0]) / 2 for values in (shaken.displacement, shaken.probes)]
+    whole = [1e3 * np.ptp(values[last, 0]) / 2 for values in (moved.displacement, moved.probes)]
 
     file = bench / "system.toml"
     file.write_text(
@@ -155,8 +155,8 @@ def test_time_integration_ends_on_a_stable_branch(bench: Path, write_law: Callab
     assert middle.growth > 0 > max(upper.growth, lower.growth)
     cycles = round(8.0 * log(1000) / -max(upper.growth, lower.growth))
     time = np.arange(cycles * 80 + 1) / (80 * 8.0)
-    shaken = solve_monolithic(pipe, [equations], lambda t: 0.5 * np.sin(2 * pi * 8.0 * t), time, 1e-6)
-    ends = 1e3 * np.ptp(shaken.displacement[-81:, 0]) / 2
+    moved = solve_monolithic(pipe, [equations], lambda t: 0.5 * np.sin(2 * pi * 8.0 * t), time, 1e-6)
+    ends = 1e3 * np.ptp(moved.displacement[-81:, 0]) / 2
     assert min(abs(ends / half_range(state.clamps)[0] - 1) for state in (upper, lower)) < 0.02
     assert abs(ends / half_range(middle.clamps)[0] - 1) > 0.1
 
@@ -198,10 +198,10 @@ def test_higher_harmonics_take_part_in_stability() -> None:
     [state] = system.crossings(curve, frequency)
     assert abs(state.clamps[0, 3]) > 0.3 * abs(state.clamps[0, 1])
     time = np.arange(cycles * steps + 1) / (steps * frequency)
-    shaken = solve_monolithic(
+    moved = solve_monolithic(
         pipe, [clamp_equations(law, 1.0, 5.0, 293.15)], lambda t: 0.2 * np.sin(2 * pi * frequency * t), time, 1e-6
     )
-    motion = 1e3 * shaken.displacement[:-1, 0].reshape(cycles, steps)
+    motion = 1e3 * moved.displacement[:-1, 0].reshape(cycles, steps)
     assert np.ptp(motion[-1]) / 2 == pytest.approx(half_range(state.clamps)[0], rel=0.01)
     off = np.abs(motion - motion[-1]).max(axis=1)
     peaks = find_peaks(off)[0]
@@ -224,15 +224,40 @@ def test_a_law_with_memory_comes_to_rest_as_fast_as_said(
     assert state.stable
     steps, cycles = 64, round(12 * frequency)
     time = np.arange(cycles * steps + 1) / (steps * frequency)
-    shaken = solve_monolithic(
+    moved = solve_monolithic(
         pipe, [clamp_equations(law, 1.0, frequency, 293.15)],
         lambda t: 0.5 * np.sin(2 * pi * frequency * t), time, 1e-8,
     )  # fmt: skip
-    motion = 1e3 * shaken.displacement[:-1, 0].reshape(cycles, steps)
+    motion = 1e3 * moved.displacement[:-1, 0].reshape(cycles, steps)
     assert np.ptp(motion[-1]) / 2 == pytest.approx(half_range(state.clamps)[0], rel=0.01)
     off = np.abs(motion - motion[-1]).max(axis=1)
     cycle = np.arange(cycles)[(off < 0.05 * off[0]) & (off > 1e-3 * off[0])]
     assert np.polyfit(cycle / frequency, np.log(off[cycle]), 1)[0] == pytest.approx(state.growth, rel=0.06)
+
+
+@pytest.mark.parametrize(("frequency", "stable"), [(5.5, True), (6.5, False)])
+def test_a_motion_beats_where_its_amplitude_is_tracked_too_late(
+    tmp_path: Path, write_law: Callable[..., None], frequency: float, stable: bool
+) -> None:
+    """Of a clamp whose stiffness is in proportion to A."""
+    write_law(tmp_path / "law.json", {"k10": 2.0, "k1_A": 1.0, "c0": 0.004, "alpha0": 1.0})
+    (tmp_path / "pipe.toml").write_text(PIPES["pipe"], encoding="utf-8")
+    clamp = SteadyClamp(law_of(read_law(tmp_path / "law.json")), 293.15, None, None, (0.01, 5.0), (1.0, 60.0))
+    pipe = reduce(parse_pipe(PIPES["pipe"]))
+    state = SteadySystem(pipe, [(0, clamp)], lambda frequency: 1.0).at(frequency)
+    assert state is not None
+    assert state.stable == stable
+
+    steps, cycles = 64, 150
+    text = shaken(half_range(state.clamps)[0], frequency, clamp="track = true")
+    text = text.replace("stop_s = 1.0", f"stop_s = {cycles / frequency!r}")
+    text = text.replace("step_s = 0.001", f"step_s = {1 / (steps * frequency)!r}")
+    (tmp_path / "system.toml").write_text(text, encoding="utf-8")
+    result = run_system(tmp_path / "system.toml")
+    motion = 1e3 * result.columns["clamp1.s"][:-1].reshape(cycles, steps)
+    amplitudes = np.ptp(motion[-20:], axis=1) / 2 / half_range(state.clamps)[0]
+    assert (np.abs(amplitudes - 1).max() < 0.01) == stable
+    assert np.ptp(amplitudes) > 0.5 or stable
 
 
 def test_the_fundamental_is_control_s_describing_function(bench: Path, write_law: Callable[..., None]) -> None:
