@@ -191,7 +191,8 @@ def test_a_system_gives_its_clamps_conditions_by_column(system, tmp_path, law_wi
 
 def test_a_condition_that_the_law_does_not_follow_is_refused(system, tmp_path):
     path = system("bolt_torque_Nm = 3.0")
-    with pytest.raises(UserError, match=r"condition\.bolt_torque_Nm"):
+    refused = "conditions: bolt_torque_Nm: .* doesn't follow it"
+    with pytest.raises(UserError, match=refused):
         run_system(path)
-    with pytest.raises(UserError, match=r"condition\.bolt_torque_Nm"):
+    with pytest.raises(UserError, match=refused):
         steady_clamp(read_system(path).clamps[0], tmp_path, None, "here")
