@@ -115,7 +115,10 @@ def run_described(
     tell, tell_check = _shared(progress, 1 - CHECK_SHARE if checked else 1.0)
     with finished(description, folder) as ready:
         solved = [clamp.mode == "solved" for clamp in ready.clamps]
-        ranges = [law_in(folder, clamp.law).range if clamp.law else {} for clamp in ready.clamps]
+        ranges = [
+            law_in(folder, clamp.law).range if is_solved and clamp.law else {}
+            for is_solved, clamp in zip(solved, ready.clamps, strict=True)
+        ]
         for runs in range(1, (MOST_RUNS if any(solved) else 1) + 1):
             result = _once(ready, folder, where, tell)
             found = [

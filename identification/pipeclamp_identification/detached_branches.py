@@ -109,7 +109,7 @@ def _half_by_half(system: SteadySystem, start: Point, ends: tuple[float, float])
     path, passed = [start], [start.unknowns]
     for end in islice(cycle(ends), MOST_HALVES):
         size = float(system.sizes(path[-1].unknowns[None])[0])
-        _, *half = follow(system.over_frequency(1.0), path[-1], end, size)
+        _, *half = follow(system.over_frequency(), path[-1], end, size)
         path += half
         if not half or half[-1].parameter != start.parameter:
             return path, False

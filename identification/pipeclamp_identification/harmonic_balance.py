@@ -165,7 +165,8 @@ class SteadySystem:
         points = 2j * pi * np.outer(frequency, self._orders)
         if not self._has_mean:
             points[:, 0] = 1e-3 * points[:, 1]
-        found = self._linear(points.ravel(), squeeze=False).reshape(*self._linear.C.shape[:1], -1, *points.shape)
+        found = self._linear(points.ravel(), squeeze=False)
+        found = found.reshape(self._linear.noutputs, self._linear.ninputs, *points.shape)
         found = np.moveaxis(found, 2, 0)
         if not self._has_mean:
             found[..., 0] = 0.0
@@ -184,8 +185,10 @@ class SteadySystem:
 
     def _forces(self, motion: Complex, frequency: Array) -> Complex:
         """Give the harmonics of the clamps' forces, (rows, clamps, H + 1)."""
-        forces = [clamp.forces(motion[:, index], frequency) for index, clamp in enumerate(self._clamps)]
-        return np.stack(forces, axis=1)
+        forces = np.zeros_like(motion)
+        for index, clamp in enumerate(self._clamps):
+            forces[:, index] = clamp.forces(motion[:, index], frequency)
+        return forces
 
     def moved(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Complex:
         """Give the motion of clamps and probes under a sine and the forces of the clamps' motion.
@@ -199,11 +202,13 @@ class SteadySystem:
         Returns:
             harmonics, mm, (rows, points, H + 1), the clamps first; where they are balanced the clamps' motion again.
         """
-        inputs = np.zeros((len(unknowns), len(self._clamps) + 1, self._orders.size), dtype=np.complex128)
-        inputs[:, 0, 1] = -1j * drive
-        if self._clamps:
-            inputs[:, 1:] = self._forces(self.unpacked(unknowns), frequency)
-        return np.asarray(np.einsum("rijh,rjh->rih", responses, inputs))
+        return self._driven(self._forces(self.unpacked(unknowns), frequency), drive, responses)
+
+    def _driven(self, forces: Complex, drive: Array, responses: Complex) -> Complex:
+        """Give the motion under given forces of the clamps (rows, clamps, H + 1); the rest as of `moved`."""
+        sine = np.zeros((len(forces), 1, self._orders.size), dtype=np.complex128)
+        sine[:, 0, 1] = -1j * drive
+        return np.asarray(np.einsum("rijh,rjh->rih", responses, np.concatenate([sine, forces], axis=1)))
 
     def residuals(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Array:
         """Give by how much the clamps' motion isn't balanced, mm, (rows, m); arguments as of `moved`."""
@@ -226,12 +231,12 @@ class SteadySystem:
         """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
         return np.asarray(np.maximum(SMALLEST, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
 
-    def over_frequency(self, level: float) -> Equation:
-        """Give the balance at a level of the excitation as an equation in unknowns and frequency."""
+    def over_frequency(self) -> Equation:
+        """Give the balance at the stated level of the excitation as an equation in unknowns and frequency."""
 
         def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
             two = frequency * np.array([1.0, 1 + NUDGE])
-            drives = level * np.array([self._excitation(one) for one in two.tolist()])
+            drives = np.array([self._excitation(one) for one in two.tolist()])
             residual, by_unknowns, ahead = self._linearised(unknowns, two, drives, self.responses(two))
             return residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0])
 
@@ -277,7 +282,7 @@ class SteadySystem:
             return []
         if not self._clamps:
             return [self.state(start, frequency) for frequency in np.linspace(first, last, 200).tolist()]
-        path = follow(self.over_frequency(1.0), Point(first, start), last, float(self.sizes(start[None])[0]))
+        path = follow(self.over_frequency(), Point(first, start), last, float(self.sizes(start[None])[0]))
         return [self.state(point.unknowns, point.parameter) for point in path]
 
     def followed(self, first: float, last: float) -> FollowedResponse:
@@ -296,7 +301,7 @@ class SteadySystem:
         for passage in passages(states, frequency):
             guess = self.packed(passage.clamps[None])[0]
             size = float(self.sizes(guess[None])[0])
-            unknowns = guess if not guess.size else solve(self.over_frequency(1.0), guess, frequency, size)
+            unknowns = guess if not guess.size else solve(self.over_frequency(), guess, frequency, size)
             if unknowns is not None:
                 found.append(unknowns)
         return found
@@ -307,17 +312,18 @@ class SteadySystem:
 
     def state(self, unknowns: Array, frequency: float) -> SteadyState:
         """Evaluate a solution (m,) at a frequency (Hz), and its stability."""
-        count, H = len(self._clamps), self._orders.size - 1
+        count = len(self._clamps)
         motion = self.unpacked(unknowns[None])
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
-        moved = self.moved(unknowns[None], at, drive, self.responses(at))[0]
+        forces = self._forces(motion, at)
+        moved = self._driven(forces, drive, self.responses(at))[0]
         conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
         farthest = half_range(moved[:count]).tolist()
         return SteadyState(
             frequency=frequency,
             clamps=moved[:count],
             probes=moved[count:],
-            forces=self._forces(motion, at)[0] if count else np.zeros((0, H + 1), dtype=np.complex128),
+            forces=forces[0],
             conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
             growth=self._growth(motion[0], frequency),
             beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
