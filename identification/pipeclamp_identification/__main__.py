@@ -1,5 +1,24 @@
-"""`python -m pipeclamp_identification` is `pipeclamp`."""
+"""`pipeclamp`, which is also `python -m pipeclamp_identification`.
 
-from pipeclamp_identification.cli import main
+The command line is imported inside, so that an interrupt has its one message while that still loads.
+"""
 
-main()
+import sys
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as of a shell."""
+
+
+def main() -> None:
+    """Run the command line; an interrupt is one message on stderr and status 130."""
+    try:
+        from pipeclamp_identification import cli
+
+        cli.main()
+    except KeyboardInterrupt as interrupt:
+        sys.stderr.write(f"pipeclamp: interrupted: {str(interrupt) or 'the same command begins anew'}\n")
+        sys.exit(INTERRUPTED)
+
+
+if __name__ == "__main__":
+    main()

@@ -86,21 +86,24 @@ def _tell_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as of a shell."""
+TYPER_INTERRUPTED = 130
+"""Exit status that Typer makes of Ctrl-C."""
 
 
 def main() -> None:
-    """Run the command line; a user's mistake is one message on stderr and status 1 or (usage) 2, an interrupt 130."""
+    """Run the command line; a user's mistake is one message on stderr and status 1 or (usage) 2.
+
+    Raises:
+        KeyboardInterrupt: the user stopped it; how to go on, where it isn't the same command from its start.
+    """
     try:
         app(prog_name="pipeclamp")
     except SystemExit as end:
-        if end.code == INTERRUPTED:
-            errors.print("pipeclamp: interrupted; the same command begins anew", style="red", highlight=False)
+        if end.code == TYPER_INTERRUPTED:
+            raise KeyboardInterrupt from end
         raise
     except InterruptError as error:
-        errors.print(f"pipeclamp: interrupted: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
-        sys.exit(INTERRUPTED)
+        raise KeyboardInterrupt(str(error)) from error
     except (UserError, OSError) as error:
         errors.print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(2 if isinstance(error, UsageError) else 1)

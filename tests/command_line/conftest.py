@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeclamp_identification.cli import main
+from pipeclamp_identification.__main__ import main
 
 ROOT = Path(__file__).parents[2]
 ROOMS = [str(ROOT / room) for room in ("models", "fmu_src", "identification")]
@@ -23,8 +23,9 @@ def command(*words: str | Path) -> list[str]:
     return [sys.executable, "-m", "pipeclamp_identification", *(str(word) for word in words)]
 
 
-def environment() -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(ROOMS), "PYTHONIOENCODING": "utf-8"}
+def environment(*modules: Path) -> dict[str, str]:
+    """Give the environment of a command; folders of `modules` come before all others."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([*map(str, modules), *ROOMS]), "PYTHONIOENCODING": "utf-8"}
 
 
 def call(words: Sequence[str | Path], cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -49,12 +50,11 @@ def pipeclamp(tmp_path_factory: pytest.TempPathFactory) -> Run:
 
 @pytest.fixture(scope="session")
 def started() -> Callable[..., subprocess.Popen[str]]:
-    """Give a function that starts a command and gives its process."""
+    """Give a function that starts a command, with `modules` instead of those that it would import, and its process."""
 
-    def start(*words: str | Path) -> subprocess.Popen[str]:
-        return subprocess.Popen(
-            command(*words), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
-        )
+    def start(*words: str | Path, modules: Sequence[Path] = ()) -> subprocess.Popen[str]:
+        pipe = subprocess.PIPE
+        return subprocess.Popen(command(*words), env=environment(*modules), stdout=pipe, stderr=pipe, encoding="utf-8")
 
     return start
 

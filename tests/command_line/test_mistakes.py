@@ -7,7 +7,6 @@ import json
 import os
 import shutil
 import signal
-import time
 from pathlib import Path
 
 import pytest
@@ -391,18 +390,25 @@ def test_text_in_a_law_reaches_the_fmu_as_text(pipeclamp, law, tmp_path):
 
 @pytest.mark.skipif(os.name != "posix", reason="kills with signals")
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda sent: sent.name)
-@pytest.mark.parametrize("what", ["identify", "rig"])
-def test_killed_in_the_middle_leaves_no_partial_output(started, clamp_a, tmp_path, sent, what):
+@pytest.mark.parametrize(
+    ("words", "in_the_middle"),
+    [
+        (("identify", "clamp_a", "--effects", "memory:3"), "fit from start"),
+        (("rig", "emwm2", "--cycles", "40", "--rate", "2500"), "rig: A0"),
+    ],
+    ids=["identify", "rig"],
+)
+def test_killed_in_the_middle_leaves_no_partial_output(monkeypatch, started, tmp_path, sent, words, in_the_middle):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # it tells what it does, as on a terminal
     output = tmp_path / "output"
-    words = {
-        "identify": ("identify", clamp_a, "-o", output, "--effects", "memory:3"),
-        "rig": ("rig", "emwm2", "-o", output, "--cycles", "40", "--rate", "2500"),
-    }[what]
-    with started(*words) as process:
-        time.sleep(1.6)
-        assert process.poll() is None, "it ended before it could be killed"
+    with started(*words, "-o", output) as process:
+        told = ""
+        while in_the_middle not in told:
+            read = process.stderr.read(1)
+            assert read, f"it ended before it could be killed: {told}"
+            told += read
         process.send_signal(sent)
-        _, told = process.communicate(timeout=60)
+        told = process.stderr.read()
     assert process.returncode != 0
     assert not output.exists()
     if sent == signal.SIGINT:
@@ -410,3 +416,12 @@ def test_killed_in_the_middle_leaves_no_partial_output(started, clamp_a, tmp_pat
         assert process.returncode == 130
         assert "pipeclamp: interrupted" in told
         assert "Traceback" not in told
+
+
+def test_interrupted_while_it_still_loads(started, tmp_path):
+    """On a cold disk that takes seconds."""
+    (tmp_path / "typer.py").write_text("raise KeyboardInterrupt\n", encoding="utf-8")
+    with started("effects", modules=[tmp_path]) as process:
+        told = process.stderr.read()
+    assert process.returncode == 130
+    assert told == "pipeclamp: interrupted: the same command begins anew\n"
