@@ -413,7 +413,8 @@ def test_killed_in_the_middle_leaves_no_partial_output(monkeypatch, started, tmp
     assert not output.exists()
     if sent == signal.SIGINT:
         assert list(tmp_path.iterdir()) == []
-        assert process.returncode == 130
+        # A shell says 130 of both: where the signal fell into `exec` of a text, Python 3.11 ends by the signal itself.
+        assert process.returncode in (130, -signal.SIGINT)
         assert "pipeclamp: interrupted" in told
         assert "Traceback" not in told
 
