@@ -190,7 +190,7 @@ def test_the_longest_texts_are_read_in_a_moment():
     wide = " + ".join(f"where(abs(y+{number})>v, abs(log(v)), p_1)" for number in range(30))
     for text in (extremes, chosen, wide, "max(" * 90 + "y" + ", v)" * 90, "*".join(["(y + v)"] * 99)):
         assert len(text) <= LONGEST
-        begin = time.perf_counter()
+        begin = time.process_time()
         parse_expression(text, NAMES, "force")
-        assert time.perf_counter() - begin < 5
+        assert time.process_time() - begin < 5
     assert {*FUNCTIONS, WHERE} == set(NUMPY) - {"pi"}
