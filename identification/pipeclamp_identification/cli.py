@@ -29,6 +29,8 @@ from pipeclamp_identification.terminal import (
     command_called,
     console,
     errors,
+    file_option,
+    folder_option,
     names_in,
     opened_law,
     print_table,
@@ -122,10 +124,7 @@ def program(
 @app.command(epilog="Example: pipeclamp metrics my_campaign --report metrics.html")
 def metrics(
     campaign: CampaignFolder,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="METRICS", help="Write the metrics as a campaign without records."),
-    ] = None,
+    output: Annotated[Path | None, folder_option("METRICS", "Write the metrics as a campaign without records.")] = None,
     json: JsonOption = None,
     report: ReportOption = None,
     strict: StrictOption = False,
@@ -146,7 +145,7 @@ def metrics(
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
 def identify(
     campaign: CampaignFolder,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW.json", help="The parameter file to write.")],
+    output: Annotated[Path, file_option("LAW.json", "The parameter file to write.")],
     effects: EffectsOption = "",
     base: Annotated[
         BaseLaw, typer.Option(help="Base law, of Jiang et al. 2020: Eq. 17 (power), 14 (memory), 10 (series).")
@@ -227,9 +226,7 @@ def diagnose(
     campaign: CampaignFolder,
     json: JsonOption = None,
     report: ReportOption = None,
-    auto: Annotated[
-        Path | None, typer.Option("--auto", metavar="LAW2.json", help="Add what is missing, again and again.")
-    ] = None,
+    auto: Annotated[Path | None, file_option("LAW2.json", "Add what is missing, again and again.", "--auto")] = None,
     limits: Annotated[
         str, typer.Option(metavar="A=0.1..2,f=0.5..20,T=20..300", help="What the rig can do, for the next test.")
     ] = "",
@@ -270,7 +267,7 @@ def remove(
     law: LawArgument,
     effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect to take out.")],
     campaign: CampaignFolder,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW2.json", help="The parameter file to write.")],
+    output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
     strict: StrictOption = False,
     reproducible: ReproducibleOption = False,
 ) -> None:
@@ -285,7 +282,7 @@ def add(
     law: LawArgument,
     effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect, see `pipeclamp effects`, or F.toml.")],
     campaign: CampaignFolder,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="LAW2.json", help="The parameter file to write.")],
+    output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
     declared: DeclaredOption = None,
     strict: StrictOption = False,
     reproducible: ReproducibleOption = False,

@@ -16,6 +16,7 @@ from pipeclamp_identification.terminal import (
     command_called,
     console,
     errors,
+    folder_option,
     names_in,
     numbers_in,
     opened_law,
@@ -37,9 +38,7 @@ class RecordFormat(StrEnum):
 @app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
 def rig(
     law: LawArgument,
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")
-    ],
+    output: Annotated[Path, folder_option("CAMPAIGN", "The folder to write; it must not exist.")],
     effects: EffectsOption = "",
     declared: DeclaredOption = None,
     set_values: Annotated[
@@ -101,9 +100,7 @@ def rig(
 @app.command(epilog="Example: pipeclamp join tests next_test -o all_tests")
 def join(
     campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN...", help="Tests of one clamp.")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="CAMPAIGN", help="The folder to write; it must not exist.")
-    ],
+    output: Annotated[Path, folder_option("CAMPAIGN", "The folder to write; it must not exist.")],
     strict: StrictOption = False,
     format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
 ) -> None:

@@ -17,6 +17,7 @@ from pipeclamp_identification.terminal import (
     ReportOption,
     console,
     errors,
+    file_option,
     names_in,
     opened_law,
     told,
@@ -58,7 +59,7 @@ PlatformsOption = Annotated[
 @app.command("build-fmu", epilog="Example: pipeclamp build-fmu law.json -o clamp.fmu")
 def build_fmu(
     law: LawArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="CLAMP.fmu", help="The FMU to write.")],
+    output: Annotated[Path, file_option("CLAMP.fmu", "The FMU to write.")],
     kind: KindOption = FmuKind.python,
     fmi: FmiOption = None,
     platforms: PlatformsOption = None,
@@ -75,9 +76,7 @@ def build_fmu(
 def set_parameters(
     fmu: Annotated[Path, typer.Argument(metavar="CLAMP.fmu", help="An FMU made by build-fmu.")],
     law: LawArgument,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="CLAMP2.fmu", help="The FMU to write; the same by default.")
-    ] = None,
+    output: Annotated[Path | None, file_option("CLAMP2.fmu", "The FMU to write; the same by default.")] = None,
 ) -> None:
     """Put another law's parameters into a finished clamp FMU, without a compiler."""
     from pipeclamp_fmu import set_parameters as setting
@@ -91,7 +90,7 @@ def set_parameters(
 @app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
 def build_pipe(
     pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="PIPE.fmu", help="The FMU to write.")],
+    output: Annotated[Path, file_option("PIPE.fmu", "The FMU to write.")],
     kind: KindOption = FmuKind.python,
     fmi: FmiOption = None,
     platforms: PlatformsOption = None,
@@ -112,7 +111,7 @@ def build_pipe(
 @app.command(epilog="Example: pipeclamp cosim system.toml -o result.csv --report result.html")
 def cosim(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="RESULT.csv", help="The result to write.")],
+    output: Annotated[Path, file_option("RESULT.csv", "The result to write.")],
     report: ReportOption = None,
 ) -> None:
     """Couple a pipe FMU with clamp FMUs and run them."""
@@ -132,7 +131,7 @@ def cosim(
 @app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
 def response(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="RESPONSE.csv", help="The curves to write.")],
+    output: Annotated[Path, file_option("RESPONSE.csv", "The curves to write.")],
     report: ReportOption = None,
 ) -> None:
     """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
@@ -151,7 +150,7 @@ def response(
 @app.command("system", epilog="Example: pipeclamp system system.toml -o system.ssp --kind native")
 def system_structure(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="SYSTEM.ssp", help="The SSP to write.")],
+    output: Annotated[Path, file_option("SYSTEM.ssp", "The SSP to write.")],
     kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
@@ -179,7 +178,7 @@ def system_structure(
 @app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")
 def sweep(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The system and what is varied in it.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="STUDY.parquet", help="The table to write.")],
+    output: Annotated[Path, file_option("STUDY.parquet", "The table to write.")],
     jobs: JobsOption = -1,
     dask: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler that takes the cases.")] = None,
     report: ReportOption = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,7 +16,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
 from pipeclamp.errors import UsageError
-from pipeclamp.files import write_whole
+from pipeclamp.files import refuse_file, refuse_folder, write_whole
 
 if TYPE_CHECKING:
     from pipeclamp.parameter_file import LawFile
@@ -29,9 +29,28 @@ console = Console(width=None if sys.stdout.isatty() else WIDE)
 errors = Console(stderr=True)
 
 
+def file_option(metavar: str, help: str, *names: str) -> Any:
+    """Give the option of a file to write, `-o` unless named; one that can't be written is refused before the work."""
+    return _output_option(refuse_file, metavar, help, names)
+
+
+def folder_option(metavar: str, help: str, *names: str) -> Any:
+    """Give the option of a new folder, `-o` unless named; one that can't be made is refused before the work."""
+    return _output_option(refuse_folder, metavar, help, names)
+
+
+def _output_option(refuse: Callable[[Path], None], metavar: str, help: str, names: Sequence[str]) -> Any:
+    def checked(path: Path | None) -> Path | None:
+        if path is not None:
+            refuse(path)
+        return path
+
+    return typer.Option(*(names or ("-o", "--output")), metavar=metavar, help=help, callback=checked)
+
+
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
-JsonOption = Annotated[Path | None, typer.Option("--json", metavar="F", help="Write the answer as JSON.")]
-ReportOption = Annotated[Path | None, typer.Option("--report", metavar="F.html", help="Write a report with pictures.")]
+JsonOption = Annotated[Path | None, file_option("F", "Write the answer as JSON.", "--json")]
+ReportOption = Annotated[Path | None, file_option("F.html", "Write a report with pictures.", "--report")]
 StrictOption = Annotated[bool, typer.Option("--strict", metavar="", help="A run that can't be used is an error.")]
 EffectsOption = Annotated[
     str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")

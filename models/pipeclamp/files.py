@@ -18,6 +18,34 @@ def why_unreadable(error: OSError | UnicodeDecodeError) -> str:
     return "no such file" if isinstance(error, FileNotFoundError) else f"can't be read ({error.strerror})"
 
 
+def refuse_file(path: Path) -> None:
+    """Refuse a path that no file can be written to, before the work that would fill it.
+
+    Raises:
+        UserError: there is a folder of that name, or the file's folder doesn't exist.
+    """
+    if path.is_dir():
+        raise UserError(f"{path}: is a folder; expected the name of a file to write")
+    _refuse_parent(path)
+
+
+def refuse_folder(folder: Path) -> None:
+    """Refuse a path that no new folder can be made at, before the work that would fill it.
+
+    Raises:
+        UserError: there is something of that name, or its parent folder doesn't exist.
+    """
+    if folder.exists():
+        raise UserError(f"{folder}: exists already; expected a folder that is not there yet")
+    _refuse_parent(folder)
+
+
+def _refuse_parent(path: Path) -> None:
+    if not path.parent.is_dir():
+        there = "is no folder" if path.parent.exists() else "doesn't exist"
+        raise UserError(f"{path}: can't write there ({path.parent} {there}); expected an existing folder")
+
+
 def write_whole(path: Path, content: bytes | str) -> None:
     """Write `content` to `path` so that the file appears whole or not at all.
 
@@ -28,8 +56,7 @@ def write_whole(path: Path, content: bytes | str) -> None:
     Raises:
         UserError: there is a folder of that name, or the file's folder doesn't exist or can't be written.
     """
-    if path.is_dir():
-        raise UserError(f"{path}: is a folder; expected the name of a file to write")
+    refuse_file(path)
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
@@ -62,8 +89,7 @@ def write_folder(folder: Path, files: Iterable[tuple[str, bytes]]) -> tuple[str,
     Raises:
         UserError: the folder exists, or its parent can't be written.
     """
-    if folder.exists():
-        raise UserError(f"{folder}: exists already; expected a folder that is not there yet")
+    refuse_folder(folder)
     try:
         work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
     except OSError as error:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import re
 import shutil
 import signal
 from pathlib import Path
 
 import pytest
+import typer
+
+from pipeclamp_identification.cli import app
 
 EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
 
@@ -191,6 +195,24 @@ def test_an_output_that_is_a_folder(refused, law, small, tmp_path):
     message = refused("metrics", small, "--json", tmp_path / "there")
     assert "there: is a folder; expected the name of a file" in message
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
+
+
+OUTPUTS = [
+    (name, option.opts[0], len([entry for entry in command.params if entry.param_type_name == "argument"]))
+    for name, command in typer.main.get_command(app).commands.items()
+    for option in command.params
+    if {"-o", "--json", "--report", "--auto"} & set(option.opts)
+]
+
+
+@pytest.mark.parametrize(("command", "option", "arguments"), OUTPUTS)
+def test_an_output_that_cannot_be_written_is_refused_before_any_work(refused, tmp_path, command, option, arguments):
+    """The input isn't there either: it was not looked at."""
+    further = ["-o", tmp_path / "o"] if option != "-o" and (command, "-o", arguments) in OUTPUTS else []
+    words = (command, *["absent"] * arguments, *further, option)
+    assert "none doesn't exist); expected an existing folder" in refused(*words, tmp_path / "none" / "file")
+    assert re.search("is a folder|exists already", refused(*words, tmp_path))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_law_of_a_newer_program_is_used_with_a_note(pipeclamp, law, small, tmp_path):
