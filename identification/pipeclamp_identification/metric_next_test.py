@@ -15,7 +15,7 @@ from pipeclamp_identification.metric_campaign import SAMPLES
 from pipeclamp_identification.metric_diagnosis import MetricDiagnosis
 from pipeclamp_identification.metric_evidence import MetricJudged
 from pipeclamp_identification.metric_observations import MetricObservations, loop_energies, metric_slopes
-from pipeclamp_identification.next_test import LEVELS, Limits, limits_around
+from pipeclamp_identification.next_test import LEVELS, Limits, reach, temperature_words
 from pipeclamp_identification.screen import effect_id
 
 SURELY = 3.0
@@ -27,7 +27,7 @@ class MetricProposal:
     """A test and what its dW and W would tell.
 
     Attributes:
-        amplitude_mm, frequency_Hz, temperature_C: its conditions.
+        amplitude_mm, frequency_Hz, temperature_C: its conditions; no temperature where that of the tests isn't known.
         separation: expected difference between the rivals' log dW and log W in standard deviations of scatter and
             doubt.
         rivals: names of the two that it separates.
@@ -35,7 +35,7 @@ class MetricProposal:
 
     amplitude_mm: float
     frequency_Hz: float
-    temperature_C: float
+    temperature_C: float | None
     separation: float
     rivals: tuple[str, str]
 
@@ -43,8 +43,9 @@ class MetricProposal:
         """Say what to do."""
         one, other = self.rivals
         test = (
-            f"run a sine test at {self.amplitude_mm:.3g} mm, {self.frequency_Hz:.3g} Hz, {self.temperature_C:.3g} "
-            f"degC: dW and W of {one} and {other} then differ by {self.separation:.1f} standard deviations"
+            f"run a sine test at {self.amplitude_mm:.3g} mm, {self.frequency_Hz:.3g} Hz, "
+            f"{temperature_words(self.temperature_C)}: dW and W of {one} and {other} then differ by "
+            f"{self.separation:.1f} standard deviations"
         )
         return test if self.separation >= SURELY else f"{test}; record its loop, which tells more than dW and W"
 
@@ -55,21 +56,21 @@ def next_metric_test(diagnosis: MetricDiagnosis, limits: Limits | None = None) -
         return None
     names = diagnosis.effects[:2]
     rivals = [next(one for one in diagnosis.candidates if effect_id(one.effects[0]) == name) for name in names]
-    slow = diagnosis.observations.motion.slow
-    A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
-    reach = limits or limits_around(A, f, T - CELSIUS)
+    so_far = diagnosis.observations.motion
+    within = reach(so_far, limits)
     grid = np.array(
         list(
             itertools.product(
-                np.geomspace(*reach.amplitude, LEVELS), np.geomspace(*reach.frequency, LEVELS),
-                np.unique(np.linspace(*reach.temperature, 4)),
+                np.geomspace(*within.amplitude, LEVELS), np.geomspace(*within.frequency, LEVELS),
+                np.unique(np.linspace(*within.temperature, 4)),
             )
         )
     )  # fmt: skip
     separation = _separation(rivals, _motion(grid, diagnosis.observations), diagnosis)
     row = int(np.argmax(separation))
-    at = [float(value) for value in grid[row]]
-    return MetricProposal(at[0], at[1], at[2], float(separation[row]), (names[0], names[1]))
+    A, f, T = (float(value) for value in grid[row])
+    temperature = None if "T" in so_far.assumed else T
+    return MetricProposal(A, f, temperature, float(separation[row]), (names[0], names[1]))
 
 
 def _motion(grid: Array, tested: MetricObservations) -> Motion:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import logsumexp
@@ -83,7 +83,7 @@ class Proposal:
     """A test and what it would tell.
 
     Attributes:
-        amplitude_mm, frequency_Hz, temperature_C: its conditions.
+        amplitude_mm, frequency_Hz, temperature_C: its conditions; no temperature where that of the tests isn't known.
         further: further conditions that matter to a rival: columns of runs.csv, as in a law's signals.
         profile: SINE or RIDDEN.
         separation: expected difference between the predictions of those two rivals that it separates least, in standard
@@ -95,7 +95,7 @@ class Proposal:
 
     amplitude_mm: float
     frequency_Hz: float
-    temperature_C: float
+    temperature_C: float | None
     further: Mapping[str, float]
     profile: str
     separation: float
@@ -110,9 +110,14 @@ class Proposal:
         who = " and ".join(self.rivals) if two else f"any two of {', '.join(self.rivals)}"
         return (
             f"run {PROFILES[self.profile]} at {self.amplitude_mm:.3g} mm, {self.frequency_Hz:.3g} Hz, "
-            f"{self.temperature_C:.3g} degC{further}, {REPEATS} times: {who} then differ by "
+            f"{temperature_words(self.temperature_C)}{further}, {REPEATS} times: {who} then differ by "
             f"{'' if two else 'at least '}{self.separation:.1f} standard deviations"
         )
+
+
+def temperature_words(temperature_C: float | None) -> str:
+    """Say at which temperature a test is proposed."""
+    return "the temperature of the tests so far" if temperature_C is None else f"{temperature_C:.3g} degC"
 
 
 def _further_words(signal: str, value: float) -> str:
@@ -123,20 +128,21 @@ def _further_words(signal: str, value: float) -> str:
     return f"{signal.removeprefix(symbols.CONDITION)} {value:.4g}"
 
 
-def tested_limits(diagnosis: Diagnosis) -> Limits:
-    """Give limits that the tests so far suggest, where the rig's own aren't stated."""
-    loops = diagnosis.problem.loops
-    return limits_around(loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K - CELSIUS)
+def reach(tested: Motion, stated: Limits | None) -> Limits:
+    """Give the limits of the next test: the stated ones, else around what was tested.
+
+    Where the temperature of the tests isn't known, it stays the assumed one: laws foretell nothing of another.
+    """
+    (A_low, A_high), (f_low, f_high), T = (_span(tested, name) for name in ("A", "f", "T"))
+    tested_T = (T[0] - CELSIUS, T[1] - CELSIUS)
+    if stated is not None:
+        return replace(stated, temperature=tested_T) if "T" in tested.assumed else stated
+    return Limits((REACH_A[0] * A_low, REACH_A[1] * A_high), (REACH_F[0] * f_low, REACH_F[1] * f_high), tested_T)
 
 
-def limits_around(amplitude: Array, frequency: Array, temperature: Array) -> Limits:
-    """Give limits around what was tested: mm, Hz and degC, nan where a temperature isn't known."""
-    T = temperature[np.isfinite(temperature)]
-    return Limits(
-        (REACH_A[0] * float(amplitude.min()), REACH_A[1] * float(amplitude.max())),
-        (REACH_F[0] * float(frequency.min()), REACH_F[1] * float(frequency.max())),
-        (float(T.min()), float(T.max())) if len(T) else (20.0, 20.0),
-    )
+def _span(motion: Motion, signal: str) -> tuple[float, float]:
+    """Give the lowest and highest value of a slow signal."""
+    return float(np.min(motion.slow[signal])), float(np.max(motion.slow[signal]))
 
 
 @dataclass(frozen=True)
@@ -170,8 +176,9 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
         return None
     names = diagnosis.effects[:MOST_RIVALS]
     rivals = [_foreseer(_of(name, diagnosis), diagnosis) for name in names]
-    tested = _tested(diagnosis)
-    grid = _grid(limits or tested_limits(diagnosis), tested, _further_levels(rivals, diagnosis))
+    so_far = diagnosis.problem.observations.motion
+    tested = {name: _span(so_far, name) for name in ("A", "f", "T")}
+    grid = _grid(reach(so_far, limits), tested, _further_levels(rivals, diagnosis))
     outlooks = [_outlook(profile, grid, rivals, diagnosis) for profile in PROFILES]
     mistaken = np.stack([outlook.mistaken for outlook in outlooks])
     away = _away(grid, tested) + np.array([[RIDING if outlook.profile == RIDDEN else 0.0] for outlook in outlooks])
@@ -183,8 +190,9 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
     further = {name: float(values[row]) for name, values in grid.items() if name not in ("A", "f", "T")}
     motion = outlook.motion.rows(np.array([row]))
     return Proposal(
-        A, f, T - CELSIUS, further, outlook.profile, float(outlook.apart[row]), names, motion, outlook.forces[:, row]
-    )
+        A, f, None if "T" in so_far.assumed else T - CELSIUS, further, outlook.profile, float(outlook.apart[row]),
+        names, motion, outlook.forces[:, row],
+    )  # fmt: skip
 
 
 def _outlook(profile: str, grid: Mapping[str, Array], rivals: Sequence[_Foreseer], diagnosis: Diagnosis) -> _Outlook:
@@ -259,17 +267,11 @@ def _further_levels(rivals: Sequence[_Foreseer], diagnosis: Diagnosis) -> dict[s
     return levels
 
 
-def _tested(diagnosis: Diagnosis) -> dict[str, tuple[float, float]]:
-    """Give the range of A mm, f Hz and T K that was tested."""
-    slow = diagnosis.problem.observations.motion.slow
-    return {name: (float(np.min(slow[name])), float(np.max(slow[name]))) for name in ("A", "f", "T")}
-
-
-def _grid(reach: Limits, tested: Mapping[str, tuple[float, float]], further: Mapping[str, Array]) -> dict[str, Array]:
+def _grid(limits: Limits, tested: Mapping[str, tuple[float, float]], further: Mapping[str, Array]) -> dict[str, Array]:
     """Give every combination of conditions, each a column of shape (R,); T in K."""
-    T = (reach.temperature[0] + CELSIUS, reach.temperature[1] + CELSIUS)
+    T = (limits.temperature[0] + CELSIUS, limits.temperature[1] + CELSIUS)
     spread = {
-        "A": np.geomspace(*reach.amplitude, LEVELS), "f": np.geomspace(*reach.frequency, LEVELS),
+        "A": np.geomspace(*limits.amplitude, LEVELS), "f": np.geomspace(*limits.frequency, LEVELS),
         "T": np.linspace(*T, TEMPERATURES),
     }  # fmt: skip
     # What was tested is also a place to test, as far as the rig reaches.
