@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from pipeclamp.errors import UserError
 from pipeclamp.one_thread import one_thread
 
 Array = NDArray[np.float64]
@@ -309,6 +310,9 @@ def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
 
     Returns:
         omega, (d,), rad/s, ascending (0 for rigid body modes), and shapes, (d, d), one per column, of unit modal mass.
+
+    Raises:
+        UserError: what is attached is so heavy that the pipe's own mass is lost in rounding.
     """
     mass, stiffness = assembly.mass, assembly.stiffness
     # The inverse problem, M x = mu (K + s M) x with mu = 1/(omega^2 + s), keeps the digits of the lowest frequencies;
@@ -317,6 +321,11 @@ def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
     scale = beam.bending_stiffness / (assembly.moving_mass * beam.length**3)
     shift = SHIFT * scale
     mu, shapes = eigh(mass, stiffness + shift * mass)
+    if not mu[0] > 0:
+        raise UserError(
+            f"the pipe moves with {assembly.moving_mass:.3g} kg, {beam.mass_per_length * beam.length:.3g} kg of them "
+            "its own, which are lost in rounding; expected masses in kg, and a support where nothing moves"
+        )
     squared = 1.0 / mu[::-1] - shift
     shapes = shapes[:, ::-1] / np.sqrt(mu[::-1])
     squared[squared < RIGID * scale] = 0.0

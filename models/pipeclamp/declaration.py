@@ -18,7 +18,7 @@ from pipeclamp import symbols
 from pipeclamp.catalogue import entries
 from pipeclamp.effect import NOTHING, Coefficient, Effect, Parameter, Role, State
 from pipeclamp.errors import UserError
-from pipeclamp.expression import CONSTANTS, FUNCTIONS, WHERE, parse_expression
+from pipeclamp.expression import CONSTANTS, FUNCTIONS, WHERE, has_value, parse_expression
 from pipeclamp.toml_file import Number, Table, read_table
 
 SUFFIX = ".toml"
@@ -340,9 +340,30 @@ class _Maker:
         for name, symbol in {**self.parameters, **self.coefficients, **self.states}.items():
             if symbol not in used:
                 raise self._error(f"{name!r} is declared but no force, factor, update or path uses it; leave it out")
+        self._check_values(effect)
         counts = {len(table.start) for table in declaration.parameters} - {1}
         if len(counts) > 1:
             raise self._error("parameters: expected one start, or equally many of each parameter")
+
+    def _check_values(self, effect: Effect) -> None:
+        """Refuse an effect that has no value where one of its parameters is neutral or begins."""
+        parts = {
+            "force": effect.force, "energy": effect.energy, "lag": effect.lag,
+            **{f"factor of {name}": factor for name, factor in effect.scales.items()},
+            **{f"path of {signal}": path for signal, path in effect.replaces.items()},
+            **{f"coefficient {one.symbol}": one.expression for one in effect.coefficients},
+            **{f"update of {state.symbol}": state.update for state in effect.states},
+        }  # fmt: skip
+        for parameter in effect.parameters:
+            for what, value in (("neutral", parameter.neutral), *(("start", start) for start in parameter.starts)):
+                if not isinstance(value, float):
+                    continue
+                for part, expression in parts.items():
+                    if not has_value(expression, parameter.symbol, value):
+                        raise self._error(
+                            f"parameters, {parameter.name}, {what}: got {value:g}, where the {part} has no value; "
+                            "expected one at which all expressions have values, or expressions that do"
+                        )
 
     def _optional(self, text: str, names: Signals, place: str) -> sp.Expr:
         return self._expression(text, names, place) if text else NOTHING

@@ -121,6 +121,14 @@ def as_expression(value: Value) -> sp.Expr:
     return sp.Integer(int(number)) if number == int(number) and abs(number) < 2**53 else sp.Float(number)
 
 
+def has_value(expression: sp.Expr, symbol: sp.Symbol, value: float) -> bool:
+    """Whether an expression has a real value where a symbol takes one, whatever the others are."""
+    try:
+        return not expression.subs(symbol, as_expression(value)).has(sp.zoo, sp.oo, -sp.oo, sp.nan, sp.I)
+    except NO_VALUE:
+        return False
+
+
 @dataclass(frozen=True)
 class _Reader:
     """Reads one expression."""

@@ -33,10 +33,13 @@ slope), or a table of springs."""
 
 
 class MaterialTable(Table):
-    """A material by its values at the pipe's temperature; the expansion is the mean one from where it was installed."""
+    """A material by its values at the pipe's temperature; the expansion is the mean one from where it was installed.
 
-    E_GPa: Positive
-    density_kg_m3: Positive
+    No pipe is stiffer or lighter than the bounds: values beyond them are in other units.
+    """
+
+    E_GPa: Annotated[Positive, Field(le=2000)]
+    density_kg_m3: Annotated[Positive, Field(ge=100)]
     expansion_1e6_K: NotNegative = 0.0
     poisson: Annotated[NotNegative, Field(lt=0.5)] = 0.3
 

@@ -7,16 +7,26 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipeclamp.errors import UserError, did_you_mean
 from pipeclamp.files import why_unreadable
 from pipeclamp.symbols import CELSIUS
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
-Celsius = Annotated[float, Field(strict=True, gt=-CELSIUS, allow_inf_nan=False)]
+SMALLEST, LARGEST = 1e-12, 1e15
+"""No quantity is nearer to zero or larger, in any unit; powers and products of such stay numbers."""
+
+
+def _of_some_size(value: float) -> float:
+    if value and not SMALLEST <= abs(value) <= LARGEST:
+        raise ValueError(f"expected 0, or a size between {SMALLEST:g} and {LARGEST:g}")
+    return value
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(_of_some_size)]
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
+Celsius = Annotated[Number, Field(gt=-CELSIUS)]
 """A temperature in degC."""
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 """A name that FMU variables and table columns can carry."""

@@ -80,6 +80,40 @@ def test_what_cannot_serve_is_refused_with_its_place(old, new, words):
         assert word in str(refused.value)
 
 
+@pytest.mark.parametrize("stated", ["start = 1, neutral = 0", "start = 0", "start = [1, 0]"])
+@pytest.mark.parametrize(
+    ("part", "force", "energy"),
+    [
+        ("force", "y / s", ""),
+        ("force", "s * log(s) * y", ""),
+        ("force", "where(y < 1 / s, y, 0)", ""),
+        ("energy", "s * y", "y**2 / (2 * s)"),
+    ],
+)
+def test_where_a_parameter_is_neutral_or_begins_the_effect_has_values(stated, part, force, energy):
+    text = f"""
+    id = "soft"
+    title = "A soft one"
+    looks_like = "a kink"
+    force = "{force}"
+    {f'energy = "{energy}"' if energy else ""}
+    parameters = [{{ symbol = "s", unit = "mm/N", meaning = "softness", %s }}]
+    """
+    with pytest.raises(
+        UserError, match=f"'soft': parameters, s, (neutral|start): got 0, where the {part} has no value"
+    ):
+        declared(text % stated)
+    declared(text % "start = 1")
+
+
+def test_a_choice_that_has_a_value_there_is_read():
+    declared(
+        GOOD.replace("k_b * max(y - y_b, 0)", "where(k_b > 0, y / k_b, 0) + sqrt(k_b) * y_b").replace(
+            "lower = 0", "lower = 0, neutral = 0"
+        )
+    )
+
+
 def test_an_id_of_the_catalogue_is_refused(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(GOOD.replace('"stop"', '"viscous"'), encoding="utf-8")
