@@ -30,7 +30,7 @@ def environment(*modules: Path) -> dict[str, str]:
 
 def call(words: Sequence[str | Path], cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        command(*words), cwd=cwd, env=environment(), capture_output=True, encoding="utf-8", timeout=300, check=False
+        command(*words), cwd=cwd, env=environment(), capture_output=True, encoding="utf-8", timeout=1800, check=False
     )
 
 

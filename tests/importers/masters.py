@@ -21,7 +21,7 @@ def told_by(master: str, program: ModuleType, *arguments: object) -> np.ndarray:
     if find_spec(package) is None:
         pytest.skip(f"{master} isn't installed: pip install {package}")
     command = [sys.executable, str(program.__file__), master, *map(str, arguments)]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    run = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     if "libtbb" in run.stderr and "cannot open shared object" in run.stderr:
         pytest.skip(f"{master} can't be loaded: it needs Debian's libtbb12")
     assert run.stdout, run.stderr
