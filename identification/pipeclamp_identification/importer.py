@@ -8,44 +8,24 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import byref
-from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
 from typing import Any
 
 import fmpy
-from fmpy import calloc, free
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Slave,
     fmi2Boolean,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
     fmi2FMUstate,
     fmi2Real,
     fmi2True,
     fmi2ValueReference,
-    fmi2Warning,
 )
 
 from pipeclamp.errors import UserError
+from pipeclamp_identification.fmu_messages import Messages, callbacks_for
 from pipeclamp_identification.fmu_variables import find_variables, read_description, renamed, variables_of
-
-
-@dataclass
-class Messages:
-    """What an FMU has logged: warnings, and worse."""
-
-    warnings: list[str] = field(default_factory=list)
-    errors: list[str] = field(default_factory=list)
-
-    def __call__(self, component: object, instance: bytes, status: int, category: bytes, message: bytes) -> None:
-        """Take a message, as FMI's logger."""
-        if status >= fmi2Warning:
-            text = message.decode("utf-8", "replace").strip()
-            (self.warnings if status == fmi2Warning else self.errors).append(text)
 
 
 class LoadedFmu:
@@ -67,11 +47,7 @@ class LoadedFmu:
         self.variables = variables_of(description)
         self.can_roll_back = bool(description.coSimulation.canGetAndSetFMUstate)
         self.has_derivatives = bool(description.coSimulation.providesDirectionalDerivative)
-        self._callbacks = fmi2CallbackFunctions()
-        # Not through fmpy's proxy, which has one logger for the whole process and keeps it after it has been freed.
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self.messages)
-        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        self._callbacks = callbacks_for(self.messages, description.generationTool)
         try:
             self.slave: Any = FMU2Slave(
                 guid=description.guid,
