@@ -17,14 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from pipeclamp_fmu.clamp_slave import AVERAGING
+from pipeclamp.response import composed
+from pipeclamp_fmu.clamp_slave import AVERAGING, MM
 from pipeclamp_identification.modal_step import modal_step
 from pipeclamp_identification.tangents import AMPLITUDE, BEFORE, STATES, Tangents, V, Y
 
 Array = NDArray[np.float64]
-
-MM = 1e3
-"""mm in a metre: the clamps are in mm, the pipe in m."""
 
 NEUTRAL = 1e-6
 """How near to 1 a multiplier is for what keeps a constant: a state that never slips, a place that nothing holds."""
@@ -56,11 +54,7 @@ def _cycle(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     if not count:
         return modal_step(np.hstack([-stiffness, -damping]), -shapes.T, period, 0)[0]
     samples = clamps[0].follows.size
-    steps = _steps(stiffness, damping, shapes, clamps, period / samples)
-    while len(steps) > 1:
-        paired = len(steps) // 2 * 2
-        steps = np.concatenate([steps[1:paired:2] @ steps[:paired:2], steps[paired:]])
-    return np.asarray(steps[0])
+    return composed(_steps(stiffness, damping, shapes, clamps, period / samples))
 
 
 def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], h: float) -> Array:

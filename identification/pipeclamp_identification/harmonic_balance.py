@@ -19,15 +19,13 @@ from numpy.typing import NDArray
 
 from pipeclamp.pipe import ReducedPipe
 from pipeclamp.pipe_response import state_space
+from pipeclamp_fmu.clamp_slave import MM
 from pipeclamp_identification.continuation import Equation, Point, Steps, follow, solve
 from pipeclamp_identification.floquet import growth
-from pipeclamp_identification.steady_clamp import SAMPLES, Complex, SteadyClamp
-from pipeclamp_identification.tangents import tangents
+from pipeclamp_identification.steady_clamp import SAMPLES, Complex, SteadyClamp, harmonics_of
+from pipeclamp_identification.tangents import linearised, tangents
 
 Array = NDArray[np.float64]
-
-MM = 1e3
-"""mm in a metre: the clamps are in mm, the pipe in m."""
 
 NUDGE = 1e-5
 """By which share of its size an unknown is moved for a derivative."""
@@ -218,14 +216,28 @@ class SteadySystem:
     def _linearised(
         self, unknowns: Array, frequencies: Array, drives: Array, responses: Complex
     ) -> tuple[Array, Array, Array]:
-        """Give the residual at the first frequency, its derivatives by the unknowns, and the residual at the others."""
+        """Give the residual at the first frequency, its derivatives by the unknowns, and the residual at the others.
+
+        What the clamps make of a small change is taken from their laws' tangents: each law is solved once.
+        """
         nudge = NUDGE * self.sizes(unknowns[None])[0]
-        others = len(frequencies) - 1
-        moved = np.vstack([unknowns, unknowns + nudge * np.eye(self.size), *others * [unknowns]])
+        others, width = len(frequencies) - 1, 2 * self._orders.size - 1
+        motion = self.unpacked(unknowns[None])[0]
+        forces = np.zeros((1 + self.size + others, *motion.shape), dtype=np.complex128)
+        for index, clamp in enumerate(self._clamps):
+            own = np.arange(index * width, (index + 1) * width)
+            nudged = self.unpacked(unknowns + nudge * np.eye(self.size)[own])[:, index]
+            motions = np.vstack([motion[index], nudged, np.tile(motion[index], (others, 1))])
+            at = np.concatenate([np.full(1 + width, frequencies[0]), frequencies[1:]])
+            force, changes = linearised(clamp, motions, at)
+            forces[:, index] = force
+            forces[1 + own, index] += changes[:width]
+            forces[1 + self.size :, index] += changes[width:]
         which = np.concatenate([np.zeros(self.size + 1, dtype=np.intp), np.arange(1, others + 1)])
-        residuals = self.residuals(moved, frequencies[which], drives[which], responses[which])
-        residual = residuals[0]
-        return residual, ((residuals[1 : self.size + 1] - residual) / nudge).T, residuals[self.size + 1 :]
+        moved = self._driven(forces, drives[which], responses[which][:, : len(self._clamps)])
+        residuals = unknowns - self.packed(moved)
+        by_unknowns = np.eye(self.size) + ((residuals[1 : self.size + 1] - residuals[0]) / nudge).T
+        return residuals[0], by_unknowns, residuals[self.size + 1 :]
 
     def sizes(self, unknowns: Array) -> Array:
         """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
@@ -315,7 +327,10 @@ class SteadySystem:
         count = len(self._clamps)
         motion = self.unpacked(unknowns[None])
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
-        forces = self._forces(motion, at)
+        laws = [tangents(clamp, motion[0, index], frequency) for index, clamp in enumerate(self._clamps)]
+        forces = np.zeros_like(motion)
+        for index, law in enumerate(laws):
+            forces[:, index] = harmonics_of(law.force[None], self._orders.size)
         moved = self._driven(forces, drive, self.responses(at))[0]
         conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
         farthest = half_range(moved[:count]).tolist()
@@ -325,12 +340,6 @@ class SteadySystem:
             probes=moved[count:],
             forces=forces[0],
             conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
-            growth=self._growth(motion[0], frequency),
+            growth=growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency, adrift=not self._has_mean),
             beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
         )
-
-    def _growth(self, motion: Complex, frequency: float) -> float:
-        """Give the rate at which small disturbances of a motion (clamps, H + 1) grow, 1/s."""
-        laws = [tangents(clamp, motion[index], frequency) for index, clamp in enumerate(self._clamps)]
-        adrift = not self._has_mean
-        return growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency, adrift=adrift)

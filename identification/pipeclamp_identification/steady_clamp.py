@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import pi
 
 import numpy as np
@@ -121,11 +122,18 @@ class SteadyClamp:
         equations = clamp_equations(self.law.structure)
         values = self.law.vector(equations)
         force = respond(equations, values, (self.law.v_r, self.law.y_r), cycle).force
-        harmonics = 2 / self.samples * (force @ _waves(motion.shape[1], self.samples).conj().T)
-        harmonics[:, 0] /= 2
-        return np.asarray(harmonics, dtype=np.complex128)
+        return harmonics_of(force, motion.shape[1])
 
 
+def harmonics_of(signals: Array, count: int) -> Complex:
+    """Give the first harmonics, from 0, of cycles in samples (rows, samples): (rows, count)."""
+    samples = signals.shape[1]
+    harmonics = 2 / samples * (signals @ _waves(count, samples).conj().T)
+    harmonics[:, 0] /= 2
+    return np.asarray(harmonics, dtype=np.complex128)
+
+
+@lru_cache(maxsize=16)
 def _waves(count: int, samples: int) -> Complex:
     """Give e^(i h omega t) of the first harmonics, from 0, at the samples of a cycle, (h, samples)."""
     return np.asarray(np.exp(2j * pi * np.outer(np.arange(count), np.arange(samples)) / samples))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import repeat
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -97,6 +99,7 @@ class Response:
         unsettled: rows in which a state isn't periodic after all that was tried: their force is that of one cycle among
             others; shape (R,).
         states: the states after each sample, J arrays of shape (R, n).
+        steps: of periodic motions, derivatives of the states by those a sample before, shape (R, n, J, J).
     """
 
     force: Array
@@ -104,6 +107,7 @@ class Response:
     adrift: npt.NDArray[np.bool_]
     unsettled: npt.NDArray[np.bool_]
     states: Sequence[Array]
+    steps: Array | None = None
 
 
 def law_response(law: Law, motion: Motion) -> Response:
@@ -150,7 +154,7 @@ def respond(
             for index, value in coefficient_slopes.items()
         }
         march = _March(compiled, equations, columns, slope_columns, values, smoothing, motion)
-        states, state_slopes, adrift, unsettled = march.states(derivatives=derivatives)
+        states, state_slopes, steps, adrift, unsettled = march.states(derivatives=derivatives)
         y_previous = np.roll(motion.y, 1, axis=1)
         if not motion.periodic:
             y_previous[:, 0] = 0.0
@@ -159,7 +163,7 @@ def respond(
         turning = _turning(motion)
         force = _with_means(compiled.force, arguments, turning, shape)[0]
         if not derivatives:
-            return _late(compiled, values, motion, Response(force, None, adrift, unsettled, states))
+            return _late(compiled, values, motion, Response(force, None, adrift, unsettled, states, steps))
         jacobian = np.zeros((len(values), rows, samples))
         state_count, coefficient_count = len(states), len(coefficients)
         force_slopes = _with_means(compiled.force_slopes, arguments, turning, shape)
@@ -172,7 +176,7 @@ def respond(
                         jacobian[parameter] += slope * inner
             else:
                 jacobian[column - state_count - coefficient_count] += slope
-    return _late(compiled, values, motion, Response(force, jacobian, adrift, unsettled, states))
+    return _late(compiled, values, motion, Response(force, jacobian, adrift, unsettled, states, steps))
 
 
 @dataclass(frozen=True)
@@ -256,6 +260,10 @@ def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, r
     return replace(response, force=late, jacobian=jacobian)
 
 
+Columns = tuple[Sequence[Array], Sequence[Array]]
+"""Arguments of a law's step before and after its states, each (R, n), or (R, 1) where it keeps still."""
+
+
 @dataclass(frozen=True)
 class _March:
     """Steps the states of a law along motions, all rows at once."""
@@ -285,10 +293,12 @@ class _March:
                 slopes[entry].append((self.moving.index(parameter), slope))
         return slopes
 
-    def states(self, *, derivatives: bool) -> tuple[list[Array], Array, npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-        """Give the states, J arrays (R, n), their slopes by the moving parameters, (J, M, R, n), and rows.
+    def states(
+        self, *, derivatives: bool
+    ) -> tuple[list[Array], Array, Array | None, npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+        """Give the states, J arrays (R, n), their slopes by the moving parameters, (J, M, R, n), steps, and rows.
 
-        The rows are those that are adrift, and those that didn't settle.
+        The steps are those of `Response`; the rows those that are adrift, and those that didn't settle.
 
         On periodic motions the states' map over one cycle is brought to its fixed point by Newton's method from rest.
         Directions in which the map is the identity (an element that never slips) stay as the move from rest left them.
@@ -298,20 +308,25 @@ class _March:
         parameters = len(self.moving) if derivatives else 0
         none = np.zeros(rows, dtype=np.bool_)
         if count == 0:
-            return [], np.zeros((0, parameters, rows, samples)), none, none
+            return [], np.zeros((0, parameters, rows, samples)), None, none, none
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
-        no_slopes = np.zeros((count, count + parameters, rows))
+        unmoved = np.zeros((rows, 1))
         if not self.motion.periodic:
-            trajectory, trail = self._walk(rest, no_slopes, np.zeros(rows), derivatives=derivatives)
-            return list(trajectory), trail[:, count:], none, none
-        start, slopes = self._step(rest, no_slopes, np.zeros(rows), -1, derivatives=derivatives)
+            columns = self._columns(np.concatenate([unmoved, self.motion.y[:, :-1]], axis=1))
+            trajectory = self._walk(rest, columns)
+            if not derivatives:
+                return list(trajectory), np.zeros((count, 0, rows, samples)), None, none, none
+            slopes = trail(np.zeros((rows, count, parameters)), *self._slopes(rest, trajectory, columns, parameters))
+            return list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), None, none, none
+        last, from_rest = self._last(), self._last()._columns(unmoved)
+        moved = last._walk(rest, from_rest)
+        start, columns = moved[:, :, 0], self._columns(np.roll(self.motion.y, 1, axis=1))
         scale = 1e-300 + np.max(np.abs(start), axis=0)
         for _ in range(SETTLING_CYCLES):
-            # The first columns of the slopes are those by the states at the cycle's begin.
-            slopes[:, :count] = np.eye(count)[:, :, None]
-            trajectory, trail = self._walk(start, slopes, self.motion.y[:, -1], derivatives=derivatives)
+            trajectory = self._walk(start, columns)
+            by_states, by_parameters = self._slopes(start, trajectory, columns, parameters)
             change = trajectory[:, :, -1] - start
-            to_begin = np.moveaxis(np.eye(count)[:, :, None] - trail[:, :count, :, -1], -1, 0)
+            to_begin = np.eye(count) - composed(np.moveaxis(by_states, 1, 0))
             inverse = np.linalg.pinv(to_begin, rcond=SETTLED)
             size = scale + np.max(np.abs(trajectory), axis=(0, 2))
             unsettled = ~np.all(np.abs(change) <= SETTLED * size, axis=0)
@@ -320,53 +335,108 @@ class _March:
             start = start + np.einsum("rjk,kr->jr", inverse, change)
         adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
         if not derivatives:
-            return list(trajectory), trail[:, count:], adrift, unsettled
-        missing = trail[:, count:, :, -1] - slopes[:, count:]
-        at_begin = np.einsum("rjk,kpr->jpr", inverse, missing)
-        slopes_now = trail[:, count:] + np.einsum("jkrn,kpr->jprn", trail[:, :count], at_begin)
-        return list(trajectory), slopes_now, adrift, unsettled
+            return list(trajectory), np.zeros((count, 0, rows, samples)), by_states, adrift, unsettled
+        slopes = last._slopes(rest, moved, from_rest, parameters)[1][:, 0]
+        once = trail(slopes, by_states, by_parameters)[:, -1]
+        slopes = trail(slopes + inverse @ (once - slopes), by_states, by_parameters)
+        return list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled
 
-    def _walk(self, start: Array, slopes: Array, y_previous: Array, *, derivatives: bool) -> tuple[Array, Array]:
-        """Step along all samples from the one before the first; give states (J, R, n), slopes (J, J + M, R, n)."""
-        samples = self.motion.y.shape[1]
-        states = np.empty((*start.shape, samples))
-        trail = np.empty((*slopes.shape, samples))
-        current, current_slopes = start, slopes
-        for index in range(samples):
-            current, current_slopes = self._step(current, current_slopes, y_previous, index, derivatives=derivatives)
-            states[:, :, index] = current
-            trail[:, :, :, index] = current_slopes
-            y_previous = self.motion.y[:, index]
-        return states, trail
-
-    def _step(
-        self, states: Array, slopes: Array, y_previous: Array, index: int, *, derivatives: bool
-    ) -> tuple[Array, Array]:
-        """Make one step to sample `index`; give the states (J, R) and their slopes (J, J + M, R)."""
-        motion, count = self.motion, len(states)
-        results = self.compiled.update_with_slopes(
-            motion.y[:, index],
-            motion.v[:, index],
-            motion.a[:, index],
-            y_previous,
-            motion.h[:, 0],
-            *states,
-            *(column[:, index if column.shape[1] > 1 else 0] for column in self.coefficients),
-            *self.values,
-            *self.smoothing,
+    def _last(self) -> _March:
+        """Give the march to the last sample alone."""
+        motion = self.motion
+        y, v, a = motion.y[:, -1:], motion.v[:, -1:], motion.a[:, -1:]
+        return replace(
+            self,
+            coefficients=[column[:, -1:] for column in self.coefficients],
+            coefficient_slopes={entry: slope[:, -1:] for entry, slope in self.coefficient_slopes.items()},
+            motion=replace(motion, y=y, v=v, a=a),
         )
-        new_states = np.empty_like(states)
-        for row in range(count):
-            new_states[row] = results[row]
-        new_slopes = np.zeros_like(slopes)
-        for (row, column), slope in zip(self.compiled.update_slope_index, results[count:], strict=True):
+
+    def _columns(self, y_previous: Array) -> Columns:
+        """Give what the states' update takes before and after the states."""
+        motion, ones = self.motion, np.ones((len(self.motion.y), 1))
+        numbers = [value * ones for value in (*self.values, *self.smoothing)]
+        return [motion.y, motion.v, motion.a, y_previous, motion.h], [*self.coefficients, *numbers]
+
+    def _walk(self, start: Array, columns: Columns) -> Array:
+        """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
+        if len(self.motion.y) == 1:  # one motion is stepped many times faster in plain numbers than in arrays of one
+            numbers = [[column[0].tolist() for column in some] for some in columns]
+            try:
+                steps = list(_steps(self.compiled.update_of_numbers, start[:, 0].tolist(), *numbers))
+                return np.array(steps, dtype=np.float64).T[:, None]
+            except (ArithmeticError, ValueError):
+                pass  # what plain numbers refuse is infinite or no number in arrays
+        states = np.empty((*start.shape, self.motion.y.shape[1]))
+        arrays = [[list(column.T) for column in some] for some in columns]
+        for index, after in enumerate(_steps(self.compiled.update, list(start), *arrays)):
+            for state, value in zip(states, after, strict=True):
+                state[:, index] = value
+        return states
+
+    def _slopes(self, start: Array, trajectory: Array, columns: Columns, parameters: int) -> tuple[Array, Array]:
+        """Give the slopes of each step.
+
+        Args:
+            start: states (J, R) before the first sample.
+            trajectory: states after each, (J, R, n).
+            columns: the steps' other arguments.
+            parameters: M; 0 where slopes by parameters aren't wanted.
+
+        Returns:
+            by the states, (R, n, J, J), and by the moving parameters, (R, n, J, M).
+        """
+        count, rows, samples = trajectory.shape
+        moving, held = columns
+        before = np.concatenate([start[:, :, None], trajectory[:, :, :-1]], axis=2)
+        slopes = self.compiled.update_slopes(*moving, *before, *held)
+        by_states, by_parameters = (np.zeros((rows, samples, count, width)) for width in (count, parameters))
+        for (row, column), slope in zip(self.compiled.update_slope_index, slopes, strict=True):
             if column < count:
-                new_slopes[row] += slope * slopes[column]
-            elif not derivatives:
+                by_states[:, :, row, column] = slope
+            elif not parameters:
                 continue
             elif column < count + len(self.coefficients):
                 for place, inner in self.inner[column - count]:
-                    new_slopes[row, count + place] += slope * inner[:, index if inner.shape[1] > 1 else 0]
+                    by_parameters[:, :, row, place] += slope * inner
             else:
-                new_slopes[row, count + self.moving.index(column - count - len(self.coefficients))] += slope
-        return new_states, new_slopes
+                by_parameters[:, :, row, self.moving.index(column - count - len(self.coefficients))] += slope
+        return by_states, by_parameters
+
+
+def _steps(
+    update: Compiled, start: Sequence[Any], moving: Sequence[Sequence[Any]], held: Sequence[Sequence[Any]]
+) -> Iterator[Sequence[Any]]:
+    """Give the states after each sample, from those before the first; an argument of one value keeps it."""
+    y, *others = moving
+    fast, slow = ([repeat(values[0]) if len(values) == 1 else values for values in some] for some in (others, held))
+    after = start
+    for place, with_it, still in zip(y, zip(*fast, strict=False), zip(*slow, strict=False), strict=False):
+        after = update(place, *with_it, *after, *still)
+        yield after
+
+
+def trail(start: Array, by_states: Array, inputs: Array) -> Array:
+    """Carry slopes along all samples.
+
+    Args:
+        start: before the first sample, (R, J, M).
+        by_states: of each step, (R, n, J, J).
+        inputs: what each step adds, (R, n, J, M).
+
+    Returns:
+        after each sample, (R, n, J, M).
+    """
+    after, current = np.empty_like(inputs), start
+    for index in range(inputs.shape[1]):
+        current = by_states[:, index] @ current + inputs[:, index]
+        after[:, index] = current
+    return after
+
+
+def composed(steps: Array) -> Array:
+    """Give what linear steps (n, ..., d, d) make one after the other, (..., d, d)."""
+    while len(steps) > 1:
+        paired = len(steps) // 2 * 2
+        steps = np.concatenate([steps[1:paired:2] @ steps[:paired:2], steps[paired:]])
+    return np.asarray(steps[0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
@@ -13,6 +14,7 @@ from sympy.printing.numpy import NumPyPrinter
 
 from pipeclamp import symbols
 from pipeclamp.law import Equations
+from pipeclamp.realise.scalar import ScalarPrinter
 from pipeclamp.realise.stepping import exact
 
 Array = npt.NDArray[np.float64]
@@ -116,13 +118,18 @@ class ArrayRealisation:
 
     @property
     def update_slope_index(self) -> tuple[tuple[int, int], ...]:
-        """(state, place among states, coefficients, parameters) of each slope of `update_with_slopes`."""
+        """(state, place among states, coefficients, parameters) of each of `update_slopes`."""
         return self._update_slopes[0]
 
     @cached_property
-    def update_with_slopes(self) -> Compiled:
-        """The states after a step, then their derivatives."""
-        return _compile(self._fast_arguments, [*self._updates, *self._update_slopes[1]])
+    def update_slopes(self) -> Compiled:
+        """The derivatives of the states after a step."""
+        return _compile(self._fast_arguments, self._update_slopes[1])
+
+    @cached_property
+    def update_of_numbers(self) -> Compiled:
+        """The states after a step, of plain numbers; raises what Python's arithmetic raises."""
+        return _compile(self._fast_arguments, self._updates, numbers=True)
 
     @cached_property
     def energy(self) -> Compiled:
@@ -157,12 +164,15 @@ class ArrayRealisation:
 FAST_ARGUMENTS = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 
 
-def _compile(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Compiled:
-    printer = ArrayPrinter({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True})
+def _compile(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr], *, numbers: bool = False) -> Compiled:
+    """Compile expressions for arrays or for plain numbers."""
+    modules: str | dict[str, Any] = {"math": math} if numbers else "numpy"
+    settings = {"fully_qualified_modules": numbers, "inline": True, "allow_unknown_functions": True}
+    printer = ScalarPrinter(settings) if numbers else ArrayPrinter(settings)
     with_references = [exact(expression) for expression in expressions]
     # Dummies for arguments: no effect's symbol can then hide a function of NumPy or a common part.
     compiled: Compiled = sp.lambdify(
-        list(arguments), with_references, modules="numpy", printer=printer, cse=True, dummify=True
+        list(arguments), with_references, modules=modules, printer=printer, cse=True, dummify=True
     )
     return compiled
 
