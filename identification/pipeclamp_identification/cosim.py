@@ -155,7 +155,8 @@ def _checked(
 ) -> CosimResult:
     """Give the result with the error that it owes to its step: by a run in twice the step, or in half of it.
 
-    A run that fails or itself hides motion can't tell; the half step is asked only where nothing else is in doubt.
+    A run that fails, itself hides motion, or takes the same steps (there is none longer than the whole run) can't tell;
+    the half step is asked only where nothing else is in doubt.
     """
     doubtful = bool(result.doubts())
     for factor in (2.0,) if doubtful else (2.0, 0.5):
@@ -163,7 +164,7 @@ def _checked(
             other = _once(_in_steps(ready, factor), folder, where, progress)
         except UserError:
             continue
-        if other.hidden_share <= result.trusted_share:
+        if other.hidden_share <= result.trusted_share and other.time.size != result.time.size:
             return replace(result, step_error=step_error(result, other))
     return result if doubtful else replace(result, step_error=math.inf)
 

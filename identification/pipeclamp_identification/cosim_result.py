@@ -139,7 +139,7 @@ class CosimResult:
     def _about_step(self, error: float) -> str:
         """Say by how much the motion is off."""
         if error == inf:
-            return "the displacement's error isn't known, as the run fails in other steps"
+            return "the displacement's error isn't known, as no run in other steps tells it"
         return f"the displacement errs by {error:.1%} for its steps"
 
     def _shorter_step(self, error: float) -> str:

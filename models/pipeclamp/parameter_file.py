@@ -152,6 +152,10 @@ class LawFile(Part):
         missing = {"A", "f"} - set(self.range)
         if missing:
             raise ValueError(f"range lacks {', '.join(sorted(missing))}")
+        for name in ("A", "f"):  # coefficients are powers of them, and a clamp at rest is taken for the smallest
+            interval = self.range[name]
+            if not interval.minimum > 0:
+                raise ValueError(f"range.{name}: minimum {interval.minimum:g} {interval.unit} isn't above 0")
         return self
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from math import pi
+from math import inf, pi
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -267,6 +267,17 @@ def test_few_steps_in_a_period_cannot_be_trusted_whatever_the_energy_says(bench:
         result = run_system(write_system(bench, "implicit", laws, step=1 / (9.0 * parts), stop=20 / 9.0, more=more))
         assert result.trusted == fine, result.doubts()
         assert ("steps in a period of the excitation, expected at least 10" in result.summary()) != fine
+
+
+def test_a_run_of_one_step_is_held_against_its_halves(bench: Path) -> None:
+    """No step is longer than the run."""
+    more = "trusted_share = 0.9\n"
+    result = run_system(write_system(bench, "implicit", stop=1e-3, step=1e-3, more=more))
+    assert result.time.size == 2
+    assert result.step_error is not None
+    assert 0 < result.step_error < 0.9, result.doubts()
+    unknown = replace(result, step_error=inf)
+    assert "error isn't known, as no run in other steps tells it" in unknown.summary()
 
 
 def test_what_has_not_settled_is_said(bench: Path, tmp_path: Path) -> None:

@@ -51,6 +51,12 @@ def test_the_schema_says_what_is_needed():
     assert schema["additionalProperties"] is False
 
 
+AT_REST = {
+    "A": {"minimum": 0.0, "maximum": 1.0, "unit": "mm"},
+    "f": {"minimum": 1.0, "maximum": 9.0, "unit": "Hz"},
+}
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -58,6 +64,7 @@ def test_the_schema_says_what_is_needed():
         ({"colour": "red"}, ["colour"]),
         ({"range": {"A": {"minimum": 0.2, "maximum": 1.0, "unit": "mm"}}}, ["range lacks f"]),
         ({"range": {"A": {"minimum": 2.0, "maximum": 1.0, "unit": "mm"}}}, ["range.A", "above maximum"]),
+        ({"range": AT_REST}, ["range.A", "minimum 0 mm", "above 0"]),
         ({"smoothing": {"v_r": 0.1}}, ["smoothing lacks y_r"]),
         ({"smoothing": {"v_r": -0.1, "y_r": 0.1}}, ["smoothing.v_r"]),
         ({"covariance": {"names": ["a", "b"], "matrix": [[1.0]]}}, ["covariance", "2 x 2"]),
