@@ -23,6 +23,7 @@ from pipeclamp_identification.terminal import (
     told,
     write,
 )
+from pipeclamp_identification.trust_mark import DOUBT
 
 if TYPE_CHECKING:
     from pipeclamp_fmu.native_fmu import Built
@@ -162,7 +163,7 @@ def system_structure(
     console.print(f"{output}: SSP 1.0, {kind.value}")
     if found.step is None:
         errors.print(
-            "NOT TO BE TRUSTED: masters that couple in parallel, as most do, in no step down to "
+            f"{DOUBT}: masters that couple in parallel, as most do, in no step down to "
             f"{found.tried:.3g} s; use a master that iterates, or pipeclamp cosim",
             style="bold red", highlight=False, markup=False, soft_wrap=True,
         )  # fmt: skip
@@ -207,7 +208,7 @@ def sweep(
 def _say(lines: Sequence[str], output: Path) -> None:
     """Print what came out, and on stderr what isn't to be trusted."""
     for line in lines:
-        shown, style = (errors, "bold red") if line.startswith("NOT TO BE TRUSTED") else (console, None)
+        shown, style = (errors, "bold red") if line.startswith(DOUBT) else (console, None)
         shown.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
     console.print(str(output))
 

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from pipeclamp.realise.arrays import Array
 from pipeclamp_identification.cosim_result import CosimResult
 from pipeclamp_identification.pictures import curves_picture
-from pipeclamp_identification.report import Section, Table, styled
+from pipeclamp_identification.report import Section, Table, doubted, styled
 
 MOST_POINTS = 4000
 """A time history is drawn with at most so many points, highest and lowest of each stretch kept."""
@@ -29,11 +29,15 @@ def cosim_sections(result: CosimResult) -> list[Section]:
     ]
     final = result.energy.final()
     energy = Table(("energy at the end", "J"), list(final.items()), "excitation + coupling = all the others")
+    pictures = [*histories, *tracked, *loops, balance := _energy_picture(result)]
+    if not result.trusted:
+        for picture in pictures:
+            doubted(picture)
     return [
         Section("What came out", result.summary().splitlines()),
         Section("Motion", (), (), histories + tracked),
         Section("The clamps' loops", (), (), loops),
-        Section("Energy", (), [energy], [_energy_picture(result)]),
+        Section("Energy", (), [energy], [balance]),
     ]
 
 
@@ -41,13 +45,7 @@ def history_picture(result: CosimResult, column: str, factor: float, unit: str, 
     """Draw one column over time."""
     time, values = _thinned(result.time, factor * result.columns[column])
     name = column.rpartition(".")[2]
-    marked = f"{title}{_mark(result)}"
-    return curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], marked)
-
-
-def _mark(result: CosimResult) -> str:
-    """Give the word that a picture of a result that isn't to be trusted carries."""
-    return "".join(f" (NOT TO BE TRUSTED: {what})" for what, _ in result.doubts()[:1])
+    return curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], title)
 
 
 def _loop_picture(result: CosimResult, name: str) -> go.Figure:
@@ -55,7 +53,7 @@ def _loop_picture(result: CosimResult, name: str) -> go.Figure:
     y, force = 1e3 * result.columns[f"{name}.s"][last], result.columns[f"{name}.f"][last]
     figure = go.Figure(go.Scatter(x=y, y=force, mode="lines", name=name, line={"width": 1.2}))
     figure.update_xaxes(title_text="s / mm").update_yaxes(title_text="f / N")
-    return styled(figure, f"Loop of {name}, last fifth of the run{_mark(result)}")
+    return styled(figure, f"Loop of {name}, last fifth of the run")
 
 
 def _energy_picture(result: CosimResult) -> go.Figure:
@@ -70,7 +68,7 @@ def _energy_picture(result: CosimResult) -> go.Figure:
     for name, values in parts.items():
         time, thin = _thinned(result.time, values)
         curves.append((name, time.tolist(), thin.tolist(), "lines"))
-    return curves_picture("t / s", "energy / J", curves, f"Where the energy went{_mark(result)}")
+    return curves_picture("t / s", "energy / J", curves, "Where the energy went")
 
 
 def _thinned(time: Array, values: Array) -> tuple[Array, Array]:

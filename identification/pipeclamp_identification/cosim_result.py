@@ -15,6 +15,7 @@ from pipeclamp.files import write_whole
 from pipeclamp_identification.coupling import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_identification.energy import EnergyBalance
 from pipeclamp_identification.system import LawMode
+from pipeclamp_identification.trust_mark import DOUBT
 
 Array = NDArray[np.float64]
 
@@ -116,10 +117,10 @@ class CosimResult:
 
     def doubts(self) -> list[tuple[str, str]]:
         """Say why it isn't to be trusted: what is wrong, what was expected, and what helps."""
-        energy = f"the coupling itself made {self.coupling_share:.1%} of the energy"
-        heat = f"the clamps gave out {self.energy.clamps_share:.1%} of the energy, more than they ever took in"
-        motion = f"{self.hidden_share:.1%} of a clamp's motion passes between the steps"
-        most = f"expected at most {self.trusted_share:.1%}"
+        energy = f"the coupling itself made {self.coupling_share:.2%} of the energy"
+        heat = f"the clamps gave out {self.energy.clamps_share:.2%} of the energy, more than they ever took in"
+        motion = f"{self.hidden_share:.2%} of a clamp's motion passes between the steps"
+        most = f"expected at most {self.trusted_share:.2%}"
         found = []
         if self.steps_a_period < FEWEST_STEPS:
             few = f"there are {self.steps_a_period:.2g} steps in a period of the excitation"
@@ -140,7 +141,7 @@ class CosimResult:
         """Say by how much the motion is off."""
         if error == inf:
             return "the displacement's error isn't known, as no run in other steps tells it"
-        return f"the displacement errs by {error:.1%} for its steps"
+        return f"the displacement errs by {error:.2%} for its steps"
 
     def _shorter_step(self, error: float) -> str:
         """Say what would make the motion's error the expected one."""
@@ -162,7 +163,8 @@ class CosimResult:
         trials = self.columns["trials"][1:]
         lines = [
             f"system {self.name!r}: {self.time.size - 1} {self.scheme} steps of {self._step_text()}, "
-            f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})"
+            f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})",
+            *(f"{DOUBT}: {what}, {rest}" for what, rest in self.doubts()),
         ]
         lines += [
             f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm, "
@@ -183,7 +185,6 @@ class CosimResult:
                 f"the displacement errs by {self.step_error:.2%} in amplitude and phase for its steps, "
                 "as a run in another step tells"
             )
-        lines += [f"NOT TO BE TRUSTED: {what}, {rest}" for what, rest in self.doubts()]
         lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
         for name, mode in zip(self.clamp_names, self.modes, strict=True):
             found, assumed = self.amplitude(f"{name}.s"), self.columns[f"{name}.A_used"][-1]

@@ -25,6 +25,7 @@ from pipeclamp_identification.harmonic_balance import FollowedResponse, SteadySt
 from pipeclamp_identification.response_dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_identification.steady_clamp import SteadyClamp
 from pipeclamp_identification.system import ClampSource, ResponseTable, SystemDescription, read_system
+from pipeclamp_identification.trust_mark import DOUBT
 
 Progress = Callable[[str], None]
 
@@ -86,7 +87,7 @@ class FrequencyResponse:
 
     def summary(self) -> str:
         """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
-        lines = [f"system {self.name!r}, {self.excitation}"]
+        lines = [f"system {self.name!r}, level 1: {self.excitation}"]
         for curve in self.curves:
             peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
             peak_text = ", ".join(
@@ -135,7 +136,7 @@ class FrequencyResponse:
         if doubtful:
             places = "; ".join(f"{label(dot.temperature, dot.level)}, {dot.frequency:.4g} Hz" for dot in doubtful)
             lines.append(
-                f"NOT TO BE TRUSTED: {len(doubtful)} co-simulations, drawn as crosses: 1/{2**MOST_HALVINGS} of step_s "
+                f"{DOUBT}: {len(doubtful)} co-simulations, drawn as crosses: 1/{2**MOST_HALVINGS} of step_s "
                 f"is still too long a step for them; use a smaller step_s or scheme = 'implicit' ({places})"
             )
         return lines

@@ -11,6 +11,7 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from pipeclamp.files import write_whole
+from pipeclamp_identification.trust_mark import DOUBT
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 INK, GRID = "#1f2933", "#e4e7eb"
@@ -64,6 +65,12 @@ def styled(figure: go.Figure, title: str, height: int = 420, least_width: int = 
     return figure
 
 
+def doubted(figure: go.Figure) -> go.Figure:
+    """Give the figure with the mark of a result that can't be used below its title, where a narrow window shows it."""
+    text = f"{figure.layout.title.text}<br><span style='color:{MODEL}'><b>{DOUBT}</b></span>"
+    return figure.update_layout(title_text=text, margin={"t": 70})
+
+
 def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
     """Give a report as the text of one self-contained HTML file.
 
@@ -95,6 +102,7 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
         title=title,
         subtitle=subtitle,
         sections=list(zip(sections, drawn, strict=True)),
+        doubt=DOUBT,
         plotly_script=get_plotlyjs() if any(drawn) else "",
     )
 

@@ -10,6 +10,7 @@ from pipeclamp_identification.frequency_response import Curve, FrequencyResponse
 from pipeclamp_identification.harmonic_balance import SteadyState
 from pipeclamp_identification.report import SERIES, Section, Table, styled
 from pipeclamp_identification.response_dots import Dot
+from pipeclamp_identification.trust_mark import DOUBT
 
 WIDE = 4.0
 """Levels that differ by more than this factor are drawn on a logarithmic axis."""
@@ -44,9 +45,7 @@ def response_sections(response: FrequencyResponse) -> list[Section]:
 
 def _remark(dot: Dot) -> str:
     """Give what a table says besides of a co-simulation."""
-    return ", ".join(
-        words for words, said in (("not settled", not dot.settled), ("NOT TO BE TRUSTED", not dot.trusted)) if said
-    )
+    return ", ".join(words for words, said in (("not settled", not dot.settled), (DOUBT, not dot.trusted)) if said)
 
 
 def response_picture(response: FrequencyResponse, point: int) -> go.Figure:

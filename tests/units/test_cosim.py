@@ -239,7 +239,7 @@ def test_a_result_whose_coupling_makes_energy_is_marked_everywhere(bench: Path, 
     laws = {"clamp1": 'fmu = "soft.fmu"'}
     marked = run_system(write_system(bench, "parallel", laws, step=2.5e-3))
     assert not marked.trusted
-    assert f"NOT TO BE TRUSTED: the coupling itself made {marked.coupling_share:.1%}" in marked.summary()
+    assert f"NOT TO BE TRUSTED: the coupling itself made {marked.coupling_share:.2%}" in marked.summary()
     write_result(marked, tmp_path / "marked.csv")
     assert set(pl.read_csv(tmp_path / "marked.csv")["trusted [1 yes, 0 no]"]) == {0.0}
     titles = [figure.layout.title.text for section in cosim_sections(marked) for figure in section.figures]

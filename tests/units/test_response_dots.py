@@ -84,7 +84,7 @@ def test_a_co_simulation_whose_steps_meet_a_mode_is_marked(tmp_path: Path) -> No
     assert off > 0.05
     assert met.coupling_share < 0.1 * met.trusted_share
     assert not met.trusted
-    assert f"NOT TO BE TRUSTED: {met.hidden_share:.1%} of a clamp's motion passes between the steps" in met.summary()
+    assert f"NOT TO BE TRUSTED: {met.hidden_share:.2%} of a clamp's motion passes between the steps" in met.summary()
     assert all(
         "NOT TO BE TRUSTED" in figure.layout.title.text for part in cosim_sections(met) for figure in part.figures
     )
