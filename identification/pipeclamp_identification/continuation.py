@@ -48,7 +48,7 @@ class Point:
 
 def solve(equation: Equation, guess: Array, parameter: float, size: float, tolerance: float = 1e-8) -> Array | None:
     """Solve at one parameter by Newton's method from a guess; None where it doesn't get there."""
-    unknowns = guess.copy()
+    unknowns, last = guess.copy(), 0.0
     for _ in range(3 * CORRECTIONS):
         residual, by_unknowns, _ = equation(unknowns, parameter)
         try:
@@ -58,9 +58,19 @@ def solve(equation: Equation, guess: Array, parameter: float, size: float, toler
         if not np.all(np.isfinite(change)):
             return None
         unknowns += change
-        if np.abs(change).max() <= tolerance * max(size, float(np.abs(unknowns).max())):
+        largest = float(np.abs(change).max())
+        if _missing(largest, last) <= tolerance * max(size, float(np.abs(unknowns).max())):
             return unknowns
+        last = largest
     return None
+
+
+def _missing(correction: float, before: float) -> float:
+    """Give what a solution still lacks after corrections of these sizes: the rest of their geometric series.
+
+    Of corrections that don't shrink, or of a first one, its own size.
+    """
+    return correction**2 / (before - correction) if correction < before else correction
 
 
 def follow(equation: Equation, start: Point, end: float, size: float, steps: Steps | None = None) -> Iterator[Point]:
@@ -120,7 +130,7 @@ def _corrected(
         the point, the derivatives next to it, and how many corrections it took; None where it wasn't found.
     """
     begin = np.append(point.unknowns, point.parameter)
-    place = begin + step * tangent * scales
+    place, last = begin + step * tangent * scales, 0.0
     for correction in range(1, CORRECTIONS + 1):
         residual, by_unknowns, by_parameter = equation(place[:-1], float(place[-1]))
         ahead = float(tangent @ ((place - begin) / scales)) - step
@@ -132,8 +142,10 @@ def _corrected(
         except np.linalg.LinAlgError:
             return None
         place = place + change * scales
-        if np.abs(change).max() > 3 * step:
+        largest = float(np.abs(change).max())
+        if largest > 3 * step:
             return None
-        if np.abs(change).max() <= tolerance:
+        if _missing(largest, last) <= tolerance:
             return Point(float(place[-1]), place[:-1]), by_unknowns, by_parameter, correction
+        last = largest
     return None

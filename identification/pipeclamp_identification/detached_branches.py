@@ -32,7 +32,7 @@ LOOKS = 10
 MOST_HALVES = 20
 """No branch passes its first frequency more often."""
 
-STEPS = Steps(longest=0.1)
+STEPS = Steps(first=0.05, longest=0.2)
 
 
 def detached_branches(

@@ -119,8 +119,7 @@ def _along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
     nudges[V] = np.maximum(nudges[V], np.abs(a) * h / 2)
     each = np.eye(len(at))[:, :, None] * nudges
     moved = np.concatenate([at + each, at - each]).swapaxes(0, 1)  # (arguments, rows, n)
-    slow = {name: np.broadcast_to(value, moved[Y].shape) for name, value in cycle.slow.items()}
-    slow |= {"A": moved[AMPLITUDE], "f": moved[FREQUENCY]}
+    slow = {**cycle.slow, "A": moved[AMPLITUDE, :, :1], "f": moved[FREQUENCY, :, :1]}
     with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
         coefficients = compiled.coefficients(*(slow[name] for name in compiled.slow), *values, *smoothing)
         held = [*coefficients, *values, *smoothing]

@@ -228,7 +228,10 @@ def _with_means(
     """
     results = [np.array(np.broadcast_to(value, shape), dtype=np.float64) for value in function(*arguments)]
     if len(turning.row):
-        there = [np.broadcast_to(value, shape)[turning.row, turning.sample][:, None] for value in arguments]
+        there = [
+            np.broadcast_to(value, shape)[turning.row, turning.sample][:, None] if np.ndim(value) else value
+            for value in arguments
+        ]
         there[VELOCITY] = turning.v
         for result, values in zip(results, function(*there), strict=True):
             own = result[turning.row, turning.sample]
