@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -11,8 +12,8 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from pipeclamp.errors import UserError
-from pipeclamp.toml_file import unknown
+from pipeclamp.errors import UserError, did_you_mean
+from pipeclamp.files import why_unreadable
 
 Array = NDArray[np.float64]
 
@@ -43,8 +44,11 @@ def csv_frame(path: Path) -> pl.DataFrame:
         UserError: it can't be read, or has no rows.
     """
     try:
-        frame = pl.read_csv(path, infer_schema_length=None)
-    except (OSError, pl.exceptions.PolarsError) as error:
+        # Not by its path, in which polars would take brackets for patterns.
+        frame = pl.read_csv(path.read_bytes(), infer_schema_length=None)
+    except OSError as error:
+        raise UserError(f"{path}: {why_unreadable(error)}; expected CSV with names in row 1") from error
+    except pl.exceptions.PolarsError as error:
         raise UserError(f"{path}: can't read this file ({error}); expected CSV with names in row 1") from error
     if frame.height == 0:
         raise UserError(f"{path}: has no rows below its names; expected numbers")
@@ -73,11 +77,14 @@ def numbers(frame: pl.DataFrame, name: str, path: Path, *, blank: bool = False) 
         UserError: there is no such column, or a cell holds something else; the message names its row.
     """
     if name not in frame.columns:
-        raise UserError(f"{path}: {unknown(name, frame.columns, 'column')}")
+        raise UserError(
+            f"{path}: there is no column {name!r}; {did_you_mean(name, frame.columns)}expected it beside "
+            f"{', '.join(frame.columns)}, separated by commas"
+        )
     column = frame[name]
     if not column.dtype.is_numeric() and not (blank and column.null_count() == column.len()):
-        bad = next((row for row, cell in enumerate(column.to_list()) if not _is_number(cell)), 0)
-        raise UserError(f"{path}, row {bad + 2}, column {name!r}: got {column[bad]!r}; expected a number")
+        bad = next((row for row, cell in enumerate(column.to_list()) if not _is_finite(cell)), 0)
+        raise UserError(f"{path}, row {bad + 2}, column {name!r}: got {column[bad]!r}; expected a finite number")
     values = column.cast(pl.Float64).to_numpy().astype(np.float64)
     missing = np.zeros(values.size, dtype=np.bool_) if not blank else column.is_null().to_numpy()
     bad_rows = np.flatnonzero(~np.isfinite(values) & ~missing)
@@ -87,12 +94,11 @@ def numbers(frame: pl.DataFrame, name: str, path: Path, *, blank: bool = False) 
     return values
 
 
-def _is_number(cell: object) -> bool:
+def _is_finite(cell: object) -> bool:
     try:
-        float(str(cell))
+        return math.isfinite(float(str(cell)))
     except ValueError:
         return False
-    return True
 
 
 def ascending_time(frame: pl.DataFrame, path: Path) -> Array:

@@ -117,10 +117,14 @@ def test_a_record_is_linear_between_its_samples(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("time_s,force_N\n0,0\n3,1\n", ["column 'acceleration_m_s2' is not known", "force_N"]),
+        ("time_s,force_N\n0,0\n3,1\n", ["no column 'acceleration_m_s2'", "beside time_s, force_N"]),
         ("time_s,acceleration_m_s2\n0,0\n1,1\n", ["0 to 1 s", "stop_s = 2"]),
         ("time_s,acceleration_m_s2\n0,0\n2,1\n1,3\n", ["row 4", "from 2 to 1", "expected it to ascend"]),
-        ("time_s,acceleration_m_s2\n0,0\n2,x\n", ["row 3", "'acceleration_m_s2'", "'x'; expected a number"]),
+        ("time_s,acceleration_m_s2\n0,0\n2,x\n", ["row 3", "'acceleration_m_s2'", "'x'; expected a finite number"]),
+        (
+            "time_s,acceleration_m_s2\n0,0\n1,nan\n2,0\n",
+            ["row 3", "'acceleration_m_s2'", "'nan'; expected"],
+        ),
         ("time_s,acceleration_m_s2\n0,0\n2,\n", ["row 3", "'acceleration_m_s2'", "finite number"]),
         ("", ["can't read this file"]),
     ],
@@ -130,6 +134,15 @@ def test_a_wrong_record_is_refused(tmp_path: Path, text: str, words: list[str]) 
     with pytest.raises(UserError) as refused:
         excitation_signal(ExcitationTable(kind="record", file="base.csv"), "base", 2.0, tmp_path, "x")
     assert all(word in str(refused.value) for word in ["base.csv", *words]), refused.value
+
+
+def test_a_record_lies_in_a_file_whatever_its_name(tmp_path: Path) -> None:
+    (tmp_path / "run [1].csv").write_text("time_s,acceleration_m_s2\n0,0\n2,1\n", encoding="utf-8")
+    signal = excitation_signal(ExcitationTable(kind="record", file="run [1].csv"), "base", 2.0, tmp_path, "x")
+    assert signal(1.0) == pytest.approx(0.5)
+    for name, words in (("none.csv", "no such file"), (".", "can't be read")):
+        with pytest.raises(UserError, match=f"{words}.*; expected CSV"):
+            excitation_signal(ExcitationTable(kind="record", file=name), "base", 2.0, tmp_path, "x")
 
 
 @pytest.mark.parametrize(("kind", "expected"), [("force", "force_N"), ("base", "acceleration_m_s2")])
