@@ -154,29 +154,31 @@ def respond(
             for index, value in coefficient_slopes.items()
         }
         march = _March(compiled, equations, columns, slope_columns, values, smoothing, motion)
-        states, state_slopes, steps, adrift, unsettled = march.states(derivatives=derivatives)
+        states = march.states(derivatives=derivatives)
         y_previous = np.roll(motion.y, 1, axis=1)
         if not motion.periodic:
             y_previous[:, 0] = 0.0
-        arguments = [motion.y, motion.v, motion.a, y_previous, motion.h, *states, *coefficients, *values, *smoothing]
+        fast = [motion.y, motion.v, motion.a, y_previous, motion.h]
+        arguments = [*fast, *states.after, *coefficients, *values, *smoothing]
         shape = (rows, samples)
         turning = _turning(motion)
         force = _with_means(compiled.force, arguments, turning, shape)[0]
+        response = Response(force, None, states.adrift, states.unsettled, states.after, states.steps)
         if not derivatives:
-            return _late(compiled, values, motion, Response(force, None, adrift, unsettled, states, steps))
+            return _late(compiled, values, motion, response)
         jacobian = np.zeros((len(values), rows, samples))
-        state_count, coefficient_count = len(states), len(coefficients)
+        state_count, coefficient_count = len(states.after), len(coefficients)
         force_slopes = _with_means(compiled.force_slopes, arguments, turning, shape)
         for column, slope in zip(compiled.force_slope_index, force_slopes, strict=True):
             if column < state_count:
-                jacobian[list(march.moving)] += slope * state_slopes[column]
+                jacobian[list(march.moving)] += slope * states.slopes[column]
             elif column < state_count + coefficient_count:
                 for (entry, parameter), inner in coefficient_slopes.items():
                     if entry == column - state_count:
                         jacobian[parameter] += slope * inner
             else:
                 jacobian[column - state_count - coefficient_count] += slope
-    return _late(compiled, values, motion, Response(force, jacobian, adrift, unsettled, states, steps))
+    return _late(compiled, values, motion, replace(response, jacobian=jacobian))
 
 
 @dataclass(frozen=True)
@@ -268,6 +270,23 @@ Columns = tuple[Sequence[Array], Sequence[Array]]
 
 
 @dataclass(frozen=True)
+class _States:
+    """States along motions.
+
+    Attributes:
+        after: each sample, J arrays of shape (R, n).
+        slopes: by the moving parameters, (J, M, R, n); M is 0 where derivatives aren't wanted.
+        steps, adrift, unsettled: as of `Response`.
+    """
+
+    after: Sequence[Array]
+    slopes: Array
+    steps: Array | None
+    adrift: npt.NDArray[np.bool_]
+    unsettled: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
 class _March:
     """Steps the states of a law along motions, all rows at once."""
 
@@ -296,32 +315,32 @@ class _March:
                 slopes[entry].append((self.moving.index(parameter), slope))
         return slopes
 
-    def states(
-        self, *, derivatives: bool
-    ) -> tuple[list[Array], Array, Array | None, npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-        """Give the states, J arrays (R, n), their slopes by the moving parameters, (J, M, R, n), steps, and rows.
-
-        The steps are those of `Response`; the rows those that are adrift, and those that didn't settle.
-
-        On periodic motions the states' map over one cycle is brought to its fixed point by Newton's method from rest.
-        Directions in which the map is the identity (an element that never slips) stay as the move from rest left them.
-        """
+    def states(self, *, derivatives: bool) -> _States:
+        """Give the states along the motions, and their slopes where derivatives are wanted."""
         count = len(self.equations.states)
         rows, samples = self.motion.y.shape
         parameters = len(self.moving) if derivatives else 0
         none = np.zeros(rows, dtype=np.bool_)
         if count == 0:
-            return [], np.zeros((0, parameters, rows, samples)), None, none, none
+            return _States([], np.zeros((0, parameters, rows, samples)), None, none, none)
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
-        unmoved = np.zeros((rows, 1))
-        if not self.motion.periodic:
-            columns = self._columns(np.concatenate([unmoved, self.motion.y[:, :-1]], axis=1))
-            trajectory = self._walk(rest, columns)
-            if not derivatives:
-                return list(trajectory), np.zeros((count, 0, rows, samples)), None, none, none
-            slopes = trail(np.zeros((rows, count, parameters)), *self._slopes(rest, trajectory, columns, parameters))
-            return list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), None, none, none
-        last, from_rest = self._last(), self._last()._columns(unmoved)
+        if self.motion.periodic:
+            return self._periodic(rest, parameters)
+        columns = self._columns(np.concatenate([np.zeros((rows, 1)), self.motion.y[:, :-1]], axis=1))
+        trajectory = self._walk(rest, columns)
+        slopes = np.zeros((rows, samples, count, parameters))
+        if derivatives:
+            slopes = trail(slopes[:, 0], *self._slopes(rest, trajectory, columns, parameters))
+        return _States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), None, none, none)
+
+    def _periodic(self, rest: Array, parameters: int) -> _States:
+        """Bring the states' map over one cycle to its fixed point by Newton's method, after a first move from rest.
+
+        Directions in which the map is the identity (an element that never slips) stay as that move left them.
+        """
+        count, rows = rest.shape
+        last = self._last()
+        from_rest = last._columns(np.zeros((rows, 1)))
         moved = last._walk(rest, from_rest)
         start, columns = moved[:, :, 0], self._columns(np.roll(self.motion.y, 1, axis=1))
         scale = 1e-300 + np.max(np.abs(start), axis=0)
@@ -337,12 +356,12 @@ class _March:
                 break
             start = start + np.einsum("rjk,kr->jr", inverse, change)
         adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
-        if not derivatives:
-            return list(trajectory), np.zeros((count, 0, rows, samples)), by_states, adrift, unsettled
-        slopes = last._slopes(rest, moved, from_rest, parameters)[1][:, 0]
-        once = trail(slopes, by_states, by_parameters)[:, -1]
-        slopes = trail(slopes + inverse @ (once - slopes), by_states, by_parameters)
-        return list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled
+        slopes = by_parameters
+        if parameters:
+            begin = last._slopes(rest, moved, from_rest, parameters)[1][:, 0]
+            once = trail(begin, by_states, by_parameters)[:, -1]
+            slopes = trail(begin + inverse @ (once - begin), by_states, by_parameters)
+        return _States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled)
 
     def _last(self) -> _March:
         """Give the march to the last sample alone."""
