@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp.pipe import ReducedPipe
+from pipeclamp.pipe_response import state_space
 from pipeclamp_fmu.clamp_slave import MM
 from pipeclamp_identification.continuation import Equation, Point, Steps, follow, solve
 from pipeclamp_identification.floquet import growth
@@ -146,8 +147,9 @@ class SteadySystem:
         self._shapes = np.array([pipe.clamp_shapes[index] for index, _ in clamps]).reshape(len(clamps), modes)
         probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), modes)
         self._stiffness, self._damping = pipe.stiffness_matrix, pipe.damping_matrix
-        self._loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
-        self._observed = MM * np.vstack([self._shapes, probes])
+        loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
+        observed = MM * np.vstack([self._shapes, probes])
+        self._linear = state_space(self._stiffness, self._damping, loads, observed)
         # A pipe that can move as a rigid body has no mean position of its own.
         self._has_mean = bool(np.linalg.cond(self._stiffness) < 1e14)
 
@@ -161,10 +163,9 @@ class SteadySystem:
         points = 2j * pi * np.outer(frequency, self._orders)
         if not self._has_mean:
             points[:, 0] = 1e-3 * points[:, 1]
-        s = points[:, :, None, None]
-        dynamic = s**2 * np.eye(len(self._stiffness)) + s * self._damping + self._stiffness
-        dynamic[np.linalg.det(dynamic) == 0] = np.nan  # an undamped pipe at its own frequency
-        found = np.moveaxis(self._observed @ np.linalg.solve(dynamic, self._loads), 1, 3)
+        found = self._linear(points.ravel(), squeeze=False)
+        found = found.reshape(self._linear.noutputs, self._linear.ninputs, *points.shape)
+        found = np.moveaxis(found, 2, 0)
         if not self._has_mean:
             found[..., 0] = 0.0
         return np.asarray(found, dtype=np.complex128)
