@@ -36,6 +36,7 @@ from pipeclamp_identification.energy import EnergyBalance, received_work
 from pipeclamp_identification.excitation import Signal, excitation_signal
 from pipeclamp_identification.hidden_motion import hidden_share
 from pipeclamp_identification.importer import FmuParticipant, HeldInputs, LoadedFmu, opened
+from pipeclamp_identification.interrupts import held_back
 from pipeclamp_identification.schemes import advance_of, best_allowed
 from pipeclamp_identification.step_control import march_controlled
 from pipeclamp_identification.step_error import step_error
@@ -225,7 +226,7 @@ def _with_conditions(
 def _once(description: SystemDescription, folder: Path, where: str, progress: Progress | None) -> CosimResult:
     """Run a description whose FMUs are finished."""
     paths = [(folder / str(description.pipe.fmu), "pipe"), *((folder / str(c.fmu), c.at) for c in description.clamps)]
-    with opened(paths) as (pipe, *clamps):
+    with held_back() as let_through, opened(paths) as (pipe, *clamps):
         pipe.rename(description.pipe.variables)
         for fmu, source in zip(clamps, description.clamps, strict=True):
             fmu.rename(source.variables)
@@ -241,7 +242,7 @@ def _once(description: SystemDescription, folder: Path, where: str, progress: Pr
         pipe.initialise(start)
         for fmu, source in zip(clamps, description.clamps, strict=True):
             fmu.initialise(clamp_parameters(source, description, fmu.variables))
-        result = _run(description, variables, signal, pipe, clamps, progress)
+        result = _run(description, variables, signal, pipe, clamps, progress, let_through)
         if scheme == run.scheme:
             return result
         word = f"{', '.join(stuck)} can't save and restore a state: coupled by {scheme!r} instead of {run.scheme!r}"
@@ -291,6 +292,7 @@ def _run(
     pipe: LoadedFmu,
     clamps: Sequence[LoadedFmu],
     progress: Progress | None,
+    between_steps: Callable[[], None],
 ) -> CosimResult:
     """March the initialised FMUs and keep what they say."""
     names = tuple(clamp.at for clamp in description.clamps)
@@ -325,6 +327,7 @@ def _run(
     told = -1
     try:
         for point in marched:
+            between_steps()
             row = [value for participant in participants for value in participant.watched()]
             guard.check(point, row[energy], row[work])
             points.append(point)
