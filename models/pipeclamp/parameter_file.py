@@ -169,16 +169,22 @@ def law_of(file: LawFile) -> Law:
     """Give the law that the file describes.
 
     Raises:
-        UserError: an effect is not known, or the coefficients are not those of the structure.
+        UserError: an effect is not known, or the coefficients are not those of the structure, or in other units.
     """
     structure = structure_of(file)
-    names = set(compose(structure).names)
-    given = set(file.coefficients)
+    parameters = {parameter.name: parameter for parameter in compose(structure).parameters}
+    names, given = set(parameters), set(file.coefficients)
     if names != given:
         raise UserError(
             f"law {file.name!r}: the coefficients don't belong to base {file.base!r} with effects "
             f"{list(file.effects)}: missing {sorted(names - given)}, not expected {sorted(given - names)}"
         )
+    for name, entry in file.coefficients.items():
+        if entry.unit not in ("", parameters[name].unit):
+            raise UserError(
+                f"law {file.name!r}: coefficients.{name}.unit: got {entry.unit!r}; expected {parameters[name].unit!r}, "
+                "and the value in it"
+            )
     values = {name: entry.value for name, entry in file.coefficients.items()}
     return Law(structure, values, file.smoothing["v_r"], file.smoothing["y_r"])
 

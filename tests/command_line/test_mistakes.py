@@ -152,6 +152,7 @@ def coefficients(law: Path, **entries) -> dict:
         (lambda law: json.dumps(changed(law, effects=["memroy"])), "did you mean 'memory'"),
         (lambda law: json.dumps(changed(law, effects=["viscous"])), "c1"),
         (lambda law: json.dumps(coefficients(law, k99={"value": 1, "unit": "N", "state": "given"})), "k99"),
+        (lambda law: json.dumps(coefficients(law, k10={"value": 1e6, "unit": "N/m", "state": "given"})), "'N/mm'"),
         (lambda law: json.dumps(coefficients(law, k10={"value": None, "unit": "N/mm", "state": "given"})), "k10"),
         (lambda law: json.dumps(coefficients(law, k10={"value": 1e400, "unit": "N/mm", "state": "given"})), "k10"),
         (lambda law: json.dumps(changed(law, smoothing={"v_r": 0.0, "y_r": 1.0})), "v_r"),
