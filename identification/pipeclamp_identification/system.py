@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from pipeclamp.toml_file import Celsius, Name, Number, Positive, Table, read_table
 from pipeclamp_identification.coupling import ROLLS_BACK, Scheme
@@ -51,8 +51,8 @@ class ClampSource(Table):
     temperature_C: Celsius
     amplitude_mm: Positive | None = None
     frequency_Hz: Positive | None = None
-    track: bool = False
-    solve: bool = False
+    track: StrictBool = False
+    solve: StrictBool = False
     conditions: Annotated[dict[str, Number], Field(default_factory=dict)]
     variables: dict[str, str] = Field(default_factory=dict)
 

@@ -47,6 +47,7 @@ def test_a_system_is_read(tmp_path: Path) -> None:
         (('file = "PIPE.toml"', ""), ["pipe", "file", "fmu"]),
         (('law = "LAW.json"', 'law = "LAW.json"\nfmu = "x.fmu"'), ["clamps[1]", "either"]),
         (("amplitude_mm = 0.5", ""), ["clamps[1]", "amplitude_mm", "track = true"]),
+        (("amplitude_mm = 0.5", 'track = "yes"'), ["clamps[1]", "track", "boolean"]),
         (("temperature_C = 20", ""), ["clamps[1].temperature_C", "required"]),
         (("temperature_C = 20", "temperature_C = -300"), ["clamps[1].temperature_C", "-273.15", "-300"]),
         (("temperature_C", "temperatur_C"), ["clamps[1]", "did you mean 'temperature_C'"]),
