@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import polars as pl
 
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_folder
 from pipeclamp_identification.campaign import Campaign
 from pipeclamp_identification.description import description_text
 from pipeclamp_identification.records import Record
+from pipeclamp_identification.tables import pl
 
 
 @dataclass(frozen=True)

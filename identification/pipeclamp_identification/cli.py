@@ -319,9 +319,7 @@ def demo(
 ) -> None:
     """The whole story on bundled data, in about a minute."""
     from pipeclamp_identification.demo import run_demo
-    from pipeclamp_identification.interrupts import interrupted_once
 
-    interrupted_once()
     for path in run_demo(folder, lambda line: console.print(line, highlight=False)):
         console.print(f"  open {path}", highlight=False)
 

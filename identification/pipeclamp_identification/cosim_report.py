@@ -29,9 +29,9 @@ def cosim_sections(result: CosimResult) -> list[Section]:
     ]
     final = result.energy.final()
     energy = Table(("energy at the end", "J"), list(final.items()), "excitation + coupling = all the others")
-    pictures = [*histories, *tracked, *loops, balance := _energy_picture(result)]
+    balance = _energy_picture(result)
     if not result.trusted:
-        for picture in pictures:
+        for picture in (*histories, *tracked, *loops, balance):
             doubted(picture)
     return [
         Section("What came out", result.summary().splitlines()),

@@ -8,13 +8,13 @@ from math import inf
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 
 from pipeclamp.files import write_whole
 from pipeclamp_identification.coupling import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_identification.energy import EnergyBalance
 from pipeclamp_identification.system import LawMode
+from pipeclamp_identification.tables import pl
 from pipeclamp_identification.trust_mark import DOUBT
 
 Array = NDArray[np.float64]

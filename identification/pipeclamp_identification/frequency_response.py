@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 
 from pipeclamp.errors import UserError
 from pipeclamp.files import write_whole
@@ -25,6 +24,7 @@ from pipeclamp_identification.harmonic_balance import FollowedResponse, SteadySt
 from pipeclamp_identification.response_dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_identification.steady_clamp import SteadyClamp
 from pipeclamp_identification.system import ClampSource, ResponseTable, SystemDescription, read_system
+from pipeclamp_identification.tables import pl
 from pipeclamp_identification.trust_mark import DOUBT
 
 Progress = Callable[[str], None]

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 
 from pipeclamp.errors import UserError, did_you_mean
 from pipeclamp.files import why_unreadable
+from pipeclamp_identification.tables import pl
 
 Array = NDArray[np.float64]
 

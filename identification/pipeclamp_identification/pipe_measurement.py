@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
@@ -24,6 +23,7 @@ from pipeclamp_identification.measured_table import (
     numbers,
 )
 from pipeclamp_identification.records import Record, UnusableRecord, check_samples
+from pipeclamp_identification.tables import pl
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

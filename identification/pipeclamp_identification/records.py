@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-import polars as pl
 
 from pipeclamp.errors import UserError
 from pipeclamp_identification.description import ColumnSource, RecordColumn
+from pipeclamp_identification.tables import pl
 
 Array = npt.NDArray[np.float64]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import plotly.graph_objects as go
-import polars as pl
 
 from pipeclamp_identification.pictures import cells_picture, curves_picture
 from pipeclamp_identification.report import Section, Table
 from pipeclamp_identification.study import Study
 from pipeclamp_identification.study_case import IN_RANGE
+from pipeclamp_identification.tables import pl
 
 LEVEL = ".s [mm]"
 """How columns of displacement amplitudes end."""

@@ -14,12 +14,12 @@ from pathlib import Path
 from types import FrameType
 
 import joblib
-import polars as pl
 
 from pipeclamp.errors import InterruptError, UserError
 from pipeclamp.files import write_whole
 from pipeclamp_identification.study import Study
 from pipeclamp_identification.study_case import Row, evaluate
+from pipeclamp_identification.tables import pl
 
 Progress = Callable[[int, int], None]
 

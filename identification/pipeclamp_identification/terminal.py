@@ -94,9 +94,7 @@ def opened_law(name_or_path: str) -> LawFile:
 def told(title: str) -> Iterator[Tell]:
     """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
     from pipeclamp.one_thread import one_thread
-    from pipeclamp_identification.interrupts import interrupted_once
 
-    interrupted_once()
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     shown = Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal)
     with one_thread(), shown as progress:

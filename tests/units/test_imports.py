@@ -37,6 +37,12 @@ def test_nothing_imports_to_the_right(room):
             assert name.split(".")[0] not in right, f"{file} imports {name}"
 
 
+def test_polars_is_imported_in_one_place():
+    """There Ctrl-C is given back to Python."""
+    files = ROOMS["pipeclamp_identification"].rglob("*.py")
+    assert [file.name for file in files if "polars" in set(imported(file))] == ["tables.py"]
+
+
 def test_no_cycles_within_a_room():
     """Modules of a room can be put in an order in which each imports only what stands before it."""
     for room, folder in ROOMS.items():

@@ -17,10 +17,8 @@ from pipeclamp_identification.interrupts import held_back
 PROGRAM = """
 import io, os, signal, threading, time
 import numpy as np
-import polars as pl
-from pipeclamp_identification.interrupts import interrupted_once
+from pipeclamp_identification.tables import pl
 
-interrupted_once()
 count = 0
 table = pl.DataFrame({"a": np.random.default_rng(1).random(3_000_000)})
 threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
