@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from pipeclamp.parameter_file import write_law
-from pipeclamp_identification.identify import software
-from pipeclamp_identification.published_tables import bundled_files
+from pipeclamp_identification.fitting.identify import software
+from pipeclamp_identification.metrics_only.published import bundled_files
+from pipeclamp_models.law.file import write_law
 
-FOLDER = Path(__file__).parent.parent / "models" / "pipeclamp" / "data" / "laws"
+FOLDER = Path(__file__).parent.parent / "models" / "pipeclamp_models" / "data" / "laws"
 
 if __name__ == "__main__":
     FOLDER.mkdir(parents=True, exist_ok=True)

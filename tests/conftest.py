@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp.law import Structure, compose
-from pipeclamp_identification.campaign import Campaign, Run
-from pipeclamp_identification.clipping import check_clipping
-from pipeclamp_identification.cycles import find_cycles
-from pipeclamp_identification.harmonics import cycle_harmonics
-from pipeclamp_identification.misfit import RunMisfit
-from pipeclamp_identification.records import Record, check_samples
+from pipeclamp_identification.campaign.clipping import check_clipping
+from pipeclamp_identification.campaign.cycles import find_cycles
+from pipeclamp_identification.campaign.reading import Campaign, Run
+from pipeclamp_identification.campaign.records import Record, check_samples
+from pipeclamp_identification.fitting.misfit import RunMisfit
+from pipeclamp_identification.signals.harmonics import cycle_harmonics
+from pipeclamp_models.law.law import Structure
 
 
 def _record(
@@ -138,7 +138,7 @@ def _write_law(
                 "unit": parameter.unit,
                 "state": "given",
             }
-            for parameter in compose(structure).parameters
+            for parameter in structure.equations.parameters
         },
         "range": {
             "A": {"minimum": 0.01, "maximum": 5.0, "unit": "mm"},

@@ -12,14 +12,12 @@ import tempfile
 import time
 from pathlib import Path
 
-import pipeclamp_identification
-
 TIMES = 3
 
 
 def run(*arguments: str | Path) -> tuple[float, float]:
     """Give the least wall time of three, s, and peak memory, GiB (NaN where the system keeps it), of a command."""
-    command = [sys.executable, "-m", "pipeclamp_identification", *map(str, arguments)]
+    command = [sys.executable, "-m", "pipeclamp", *map(str, arguments)]
     times, peak = [], float("nan")
     for _ in range(TIMES):
         begin = time.perf_counter()
@@ -37,7 +35,7 @@ def run(*arguments: str | Path) -> tuple[float, float]:
 
 
 if __name__ == "__main__":
-    bundled = Path(pipeclamp_identification.__file__).parent / "data" / "campaigns" / "clamp_a"
+    bundled = Path(__file__).parents[2] / "identification/pipeclamp_identification/data/campaigns/clamp_a"
     campaign = Path(sys.argv[1]) if len(sys.argv) > 1 else bundled
     with tempfile.TemporaryDirectory() as folder:
         law = Path(folder) / "law.json"

@@ -20,11 +20,11 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from pythonfmu import FmuBuilder
 
-from pipeclamp.bundled import bundled_laws, open_law
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_fmu import clamp_slave
 from pipeclamp_fmu.build import build_clamp, build_pipe
+from pipeclamp_fmu.slaves import clamp as clamp_slave
+from pipeclamp_models.law.bundled import bundled_laws, open_law
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
 
 STEPS = 4000
 ROUNDS = 15
@@ -104,9 +104,10 @@ def instance(path: Path) -> tuple[FMU2Slave, dict[str, int]]:
     return fmu, {variable.name: variable.valueReference for variable in description.modelVariables}
 
 
-def drive_clamp(path: Path) -> Callable[[], float]:
+def drive_clamp(path: Path, track: bool = False) -> Callable[[], float]:
     """Give what measures one round of set + step + get with a clamp's variables, s per step."""
     fmu, references = instance(path)
+    fmu.setBoolean([references["track"]], [track])
     inputs = [references["flange.s"], references["flange.v"]]
     outputs = [references["flange.f"]]
     motion = [[5e-4 * sin(2 * pi * 3 * H * n), 5e-4 * 2 * pi * 3 * cos(2 * pi * 3 * H * n)] for n in range(STEPS)]
@@ -153,6 +154,7 @@ def main(names: list[str]) -> None:
             path = Path(folder) / f"{Path(name).stem}.fmu"
             build_clamp(open_law(name), path)
             measures[f"clamp {path.stem}"] = drive_clamp(path)
+            measures[f"clamp {path.stem}, track"] = drive_clamp(path, track=True)
         pipe = Path(folder) / "pipe.fmu"
         description = parse_pipe(PIPE)
         build_pipe(reduce(description), pipe)

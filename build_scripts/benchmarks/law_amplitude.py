@@ -37,9 +37,7 @@ GRID = (
 
 def pipeclamp(folder: Path, *words: str) -> None:
     """Run a command in a folder."""
-    subprocess.run(
-        [sys.executable, "-m", "pipeclamp_identification", *words], cwd=folder, check=True, capture_output=True
-    )
+    subprocess.run([sys.executable, "-m", "pipeclamp", *words], cwd=folder, check=True, capture_output=True)
 
 
 def main() -> None:

@@ -18,9 +18,10 @@ from pathlib import Path
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from pipeclamp.bundled import bundled_laws, open_law
 from pipeclamp_fmu.build import build_native_clamp
-from pipeclamp_fmu.compile import FLAGS, system_compiler
+from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.native.compiler import FLAGS, system_compiler
+from pipeclamp_models.law.bundled import bundled_laws, open_law
 
 HOST = Path(__file__).parents[1] / "c_host"
 STEPS = 100_000
@@ -104,11 +105,15 @@ def main() -> None:
                 copying = compiled(folder / "sources", HOST / "empty.c", root / "empty.so", *options)
                 bare = in_c(host, copying, token, folder)
             ours, ours_in_fmpy = in_c(host, library, token, folder / "resources"), in_fmpy(folder, identifier, token)
+            build_native_clamp(open_law(name), fmu, told=Start(track=True))
+            _, its_token, its_library = unpacked(fmu, root / f"{name}_tracked")
+            tracked = in_c(host, its_library, its_token, root / f"{name}_tracked" / "resources")
             without_law(root / f"{name}_empty", folder / "sources", library)
             empty, empty_in_fmpy = in_c(host, library, token, folder / "resources"), in_fmpy(folder, identifier, token)
             print(
                 f"{name}: C host {ours:.1f} ns, {ours / empty:.1f} times the same FMU without its law ({empty:.1f} ns) "
                 f"and {ours / bare:.1f} times one that copies values ({bare:.1f} ns); "
+                f"with track {tracked:.1f} ns, {tracked / empty:.1f} times; "
                 f"fmpy {ours_in_fmpy / 1e3:.2f} us, {ours_in_fmpy / empty_in_fmpy:.2f} times the one without its law"
             )
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeclamp.symbols import REFERENCES, T_0
-from pipeclamp_identification.importer import FmuParticipant, opened
+from pipeclamp_models.equations.symbols import REFERENCES, T_0
+from pipeclamp_system.fmus.participant import FmuParticipant, opened
 
 Array = NDArray[np.float64]
 

@@ -23,17 +23,17 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from pipeclamp.bundled import open_law
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import law_of
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import read_pipe
+from pipeclamp.pages.page import Section, styled, write_report
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_pipe
-from pipeclamp_identification.cosim import run_described
-from pipeclamp_identification.excitation import excitation_signal
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.report import Section, styled, write_report
-from pipeclamp_identification.system import read_system
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
+from pipeclamp_models.pipe.description import read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.cosim.run import run_described
+from pipeclamp_system.description.excitation import excitation_signal
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 Array = NDArray[np.float64]
 

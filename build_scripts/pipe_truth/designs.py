@@ -11,7 +11,7 @@ import numpy as np
 from pipe_rig import Sensor, Sine
 from record_rig import Motion
 
-from pipeclamp.law import Structure, compose
+from pipeclamp_models.law.law import Structure
 
 RUN = "[run]\nstop_s = 1.0\nstep_s = 0.001\n"
 
@@ -119,7 +119,7 @@ def write_law(path: Path, values: Mapping[str, float]) -> None:
         "smoothing": {"v_r": 0.5, "y_r": 0.001},
         "coefficients": {
             entry.name: {"value": values.get(entry.name, 0.0), "unit": entry.unit, "state": "given"}
-            for entry in compose(Structure("power")).parameters
+            for entry in Structure("power").equations.parameters
         },
         "range": {
             "A": {"minimum": 0.01, "maximum": 10.0, "unit": "mm"},

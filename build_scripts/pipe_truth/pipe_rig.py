@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import PipeDescription, Place, read_pipe
-from pipeclamp_identification.frequency_response import steady_clamps
-from pipeclamp_identification.harmonic_balance import SteadySystem
-from pipeclamp_identification.harmonics import cycle_harmonics
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.pipe_measurement import FILE_NAME, UNITS, Unit
-from pipeclamp_identification.system import read_system
+from pipeclamp_identification.on_pipe.measurement import FILE_NAME, UNITS, Unit
+from pipeclamp_identification.signals.harmonics import cycle_harmonics
+from pipeclamp_models.pipe.description import PipeDescription, Place, read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.described import steady_clamps
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 CYCLES, STEPS = 4, 64
 """Of the settled motion that are measured, and samples in each."""

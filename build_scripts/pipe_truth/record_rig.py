@@ -15,12 +15,12 @@ import numpy as np
 import polars as pl
 from pipe_rig import Sensor
 
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import Place, read_pipe
-from pipeclamp_identification.frequency_response import steady_clamps
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.pipe_measurement import UNITS
-from pipeclamp_identification.system import read_system
+from pipeclamp_identification.on_pipe.measurement import UNITS
+from pipeclamp_models.pipe.description import Place, read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.steady.described import steady_clamps
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 RATE = 250.0
 """Samples a second."""

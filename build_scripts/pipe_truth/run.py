@@ -19,9 +19,9 @@ from designs import DESIGNS, RECORD_TRIALS, TRIALS, Trial
 from pipe_rig import describe, measure
 from record_rig import measure_motions
 
-from pipeclamp_identification.pipe_attribution import Attribution, attribute
-from pipeclamp_identification.pipe_compared import compare_measured
-from pipeclamp_identification.pipe_measurement import FILE_NAME
+from pipeclamp_identification.attribution.compared import compare_measured
+from pipeclamp_identification.attribution.verdict import Attribution, attribute
+from pipeclamp_identification.on_pipe.measurement import FILE_NAME
 
 
 def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:

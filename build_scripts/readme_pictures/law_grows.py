@@ -4,14 +4,14 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from pipeclamp_identification.add import add_effect
-from pipeclamp_identification.bundled_campaigns import bundled_campaign
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.compare import Comparison, compare
-from pipeclamp_identification.comparison_report import loop_panels
-from pipeclamp_identification.demo import EFFECTS
-from pipeclamp_identification.identify import identify, law_file
-from pipeclamp_identification.report import MEASURED, MODEL, styled
+from pipeclamp.demo import EFFECTS
+from pipeclamp.pages.comparison import loop_panels
+from pipeclamp.pages.page import MEASURED, MODEL, styled
+from pipeclamp_identification.campaign.bundled import bundled_campaign
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.workflow.change import add_effect
+from pipeclamp_identification.workflow.on_records import RecordTests
 
 RUN = "A0p35_f4_T60"
 HEIGHT = 600
@@ -19,12 +19,12 @@ HEIGHT = 600
 
 def comparisons() -> list[tuple[str, Comparison]]:
     """The law of clamp_a after each step, held against the campaign that it never saw."""
-    tests, unseen = read_campaign(bundled_campaign("clamp_a")), read_campaign(bundled_campaign("clamp_a_heldout"))
-    file = law_file(identify(tests), tests, name="clamp_a", command="", date=None)
-    steps = [("base law", compare(file, unseen))]
+    tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in ("clamp_a", "clamp_a_heldout"))
+    file = tests.identify().file(name="clamp_a", command="", date=None)
+    steps = [("base law", unseen.compare(file))]
     for effect in EFFECTS:
         file = add_effect(file, effect, tests, command="", date=None).after
-        steps.append((f"+ {effect}", compare(file, unseen)))
+        steps.append((f"+ {effect}", unseen.compare(file)))
     return steps
 
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from pipeclamp_identification.frequency_response import FrequencyResponse, amplitudes_of, run_response
-from pipeclamp_identification.report import SERIES, styled
-from pipeclamp_identification.response_report import pieces
+from pipeclamp.pages.page import SERIES, styled
+from pipeclamp.pages.response import pieces
+from pipeclamp_system.steady.response import FrequencyResponse, amplitudes_of, run_response
 
 SYSTEM = Path(__file__).parent / "system" / "system.toml"
 ACCELERATION = 0.5

@@ -1,4 +1,4 @@
-"""The README's pictures, as PNG in docs/.
+"""Pictures of the README and the pages, as PNG in docs/pictures/.
 
 Run: python build_scripts/readme_pictures/run.py [law_grows] [response] [schemes]        (all of them unless told)
 
@@ -16,7 +16,7 @@ import plotly.graph_objects as go
 import response
 import schemes
 
-FOLDER = Path(__file__).parents[2] / "docs"
+FOLDER = Path(__file__).parents[2] / "docs" / "pictures"
 WIDTH = 1080
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
 PICTURES = {"law_grows": law_grows.picture, "response": response.picture, "schemes": schemes.picture}

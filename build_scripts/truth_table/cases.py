@@ -14,13 +14,14 @@ from rig import BETWEEN_STARTS, DESIGNS, Batch, Quality, batches, campaign_of, h
 from truth import Array, BaseLaw, Motion, Part, force
 from unlisted import UNLISTED
 
-from pipeclamp.law import Structure
-from pipeclamp_identification.campaign import Campaign, Run
-from pipeclamp_identification.identify import fit_structure
-from pipeclamp_identification.loops import loops_of, per_cycle
-from pipeclamp_identification.misfit import misfits
-from pipeclamp_identification.next_test import REPEATS, RIDDEN, RIDING, RIDING_ORDER, Proposal
-from pipeclamp_identification.observations import loop_observations
+from pipeclamp_identification.campaign.reading import Campaign, Run
+from pipeclamp_identification.diagnosis.next_test import Proposal
+from pipeclamp_identification.diagnosis.outlook import REPEATS, RIDDEN, RIDING, RIDING_ORDER
+from pipeclamp_identification.fitting.identify import fit_structure
+from pipeclamp_identification.fitting.misfit import misfits
+from pipeclamp_identification.fitting.observations import loop_observations
+from pipeclamp_identification.loops.loops import loops_of, per_cycle
+from pipeclamp_models.law.law import Structure
 
 KINDS: Mapping[str, Kind] = {**EFFECTS, **UNLISTED}
 STRENGTHS = {"weak": (0.3, 0.6), "middle": (0.6, 1.5), "strong": (1.5, 5.0)}
@@ -229,7 +230,7 @@ def unimitated_rms(drawn: Drawn, sizes: Sequence[float], effects: tuple[str, ...
         return float(np.sqrt(sum(run.squared_error for run in runs) / sum(len(run.measured) for run in runs)))
     loops = per_cycle(loops) if "loosening" in effects else loops
     observations = loop_observations(loops)
-    squares = observations.mean_squares(fit_structure(structure, loops, observations).response)
+    squares = observations.mean_squares(fit_structure(structure, loops, observations).law_force)
     return float(np.sqrt(np.average(squares, weights=loops.samples)))
 
 

@@ -1,4 +1,4 @@
-"""What can be hidden in a truth: every effect of EFFECTS.md in the catalogue's form (clean) and in another (rough).
+"""What can be hidden in a truth: every effect in the catalogue's form (clean) and in another (rough).
 
 Each function takes the motion, the base law, the form, the size and the drawn shape, and gives the effect's Part.
 """

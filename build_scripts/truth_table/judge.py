@@ -10,16 +10,17 @@ from typing import Any, Protocol
 
 from cases import Case, Drawn, Measured, draw, further_runs, measure
 
-from pipeclamp.parameter_file import LawFile, law_of
-from pipeclamp_identification.auto import MOST_EFFECTS, Settled, add_until_settled
-from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.diagnosis_report import Answer, answer_for
-from pipeclamp_identification.identify import identify, law_file
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.metric_campaign import MetricCampaign
-from pipeclamp_identification.misfit import misfits, overall_nrmse
-from pipeclamp_identification.next_test import Limits
-from pipeclamp_identification.screen import effect_id
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
+from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.workflow.auto import MOST_EFFECTS, Settled, add_until_settled
+from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_identification.workflow.tests import Tests
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.file import LawFile, law_of
 
 COMMAND = "truth table"
 RIG_LIMITS = Limits((0.1, 1.5), (0.5, 20.0), (20.0, 300.0))
@@ -122,10 +123,10 @@ def judged(case: Case, seed: int) -> Outcome:
     try:
         file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
         most = 0 if case.kind == "narrow" else MOST_EFFECTS
-        end = follow(file, data.campaign, steps, partial(noted, data=data), most)
+        end = follow(file, RecordTests(data.campaign), steps, partial(noted, data=data), most)
         added = end.file.effects
-        if isinstance(end.answer, Answer) and end.answer.verdict == "ambiguous" and case.truth:
-            settled = after_proposed(drawn, data, end.file, end.answer, tests)
+        if isinstance(end.found, Diagnosed) and end.found.verdict == "ambiguous" and case.truth:
+            settled = after_proposed(drawn, data, end.file, end.found, tests)
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
     return outcome_of(case, data.strengths, data.noise_share, steps, added, begin, error, settled, tests)
@@ -153,7 +154,7 @@ def outcome_of(
 
 def follow(
     file: LawFile,
-    campaign: Campaign | MetricCampaign,
+    tests: Tests,
     steps: list[Any],
     note: Callable[[Any, LawFile], Any],
     most: int,
@@ -162,57 +163,62 @@ def follow(
 
     Args:
         file: the law as it was identified.
-        campaign: records, or metrics alone.
+        tests: records, or metrics alone.
         steps: is given each diagnosis as it is noted.
-        note: notes an answer on a law.
+        note: notes a diagnosis of a law.
         most: effects that are added at most.
     """
     return add_until_settled(
-        file, campaign, command=COMMAND, limits=RIG_LIMITS, most=most,
-        seen=lambda answer, law: steps.append(note(answer, law)),
+        file, tests, command=COMMAND, limits=RIG_LIMITS, most=most,
+        seen=lambda found, law: steps.append(note(found, law)),
     )  # fmt: skip
 
 
-def after_proposed(drawn: Drawn, data: Measured, file: LawFile, answer: Answer, tests: list[Tested]) -> str:
+def after_proposed(drawn: Drawn, data: Measured, file: LawFile, found: Diagnosed, tests: list[Tested]) -> str:
     """Run the test that an ambiguous answer proposes, and one more where rivals are left; say how it ended.
 
     Args:
         drawn: the case.
         data: as it was measured.
         file: the law.
-        answer: the ambiguous diagnosis of it.
+        found: the ambiguous diagnosis of it.
         tests: is given each test and what came of it.
     """
     campaign = data.campaign
-    while answer.verdict == "ambiguous" and len(tests) < MOST_TESTS:
-        if answer.proposal is None:
+    while found.verdict == "ambiguous" and len(tests) < MOST_TESTS:
+        if found.proposal is None:
             return "none proposed"
-        campaign = further_runs(drawn, data, campaign, answer.proposal)
-        words = answer.proposal.words()
-        answer = answer_for(file, campaign, limits=RIG_LIMITS)
-        diagnosis = answer.diagnosis
-        tests.append(Tested(words, answer.verdict, diagnosis.effects, _shown(answer), diagnosis.reasons))
-    if answer.verdict != "missing":
-        return answer.verdict
-    return "right" if set(answer.diagnosis.effects) <= drawn.case.truth else "wrong"
+        campaign = further_runs(drawn, data, campaign, found.proposal)
+        words = found.proposal.words()
+        found = diagnosed(file, campaign, limits=RIG_LIMITS)
+        diagnosis = found.diagnosis
+        tests.append(Tested(words, found.verdict, _ids(found), _shown(found), diagnosis.reasons))
+    if found.verdict != "missing":
+        return found.verdict
+    return "right" if set(_ids(found)) <= drawn.case.truth else "wrong"
 
 
-def noted(answer: Answer, file: LawFile, data: Measured) -> Step:
+def _ids(found: Diagnosed) -> tuple[str, ...]:
+    """Give the ids of what a diagnosis names: how many slip elements there are isn't asked."""
+    return tuple(map(effect_id, found.effects))
+
+
+def noted(found: Diagnosed, file: LawFile, data: Measured) -> Step:
     """Note a diagnosis."""
-    diagnosis = answer.diagnosis
+    diagnosis = found.diagnosis
     return Step(
-        answer.verdict, tuple(diagnosis.effects) if answer.verdict in ("missing", "ambiguous") else (),
+        found.verdict, _ids(found),
         round(heldout_over_floor(file, data.heldout, data.heldout_floor), 4), round(diagnosis.law.lack.share, 4),
-        _shown(answer), tuple((name, round(promise, 4)) for name, promise in diagnosis.screened_out.items()),
-        (*diagnosis.reasons, f"not locked to the motion, Hz: {list(answer.leftover.time_locked_Hz)}"),
+        _shown(found), tuple((name, round(promise, 4)) for name, promise in diagnosis.screened_out.items()),
+        (*diagnosis.reasons, f"not locked to the motion, Hz: {list(found.diagnosis.leftover.time_locked_Hz)}"),
     )  # fmt: skip
 
 
-def _shown(answer: Answer) -> tuple[tuple[str, float, float, str], ...]:
+def _shown(found: Diagnosed) -> tuple[tuple[str, float, float, str], ...]:
     """Give the best candidates as `Step` holds them."""
     return tuple(
         ("+".join(one.effects), round(one.squares, 1), round(one.lack.share, 4), "; ".join(one.objections))
-        for one in answer.diagnosis.candidates[:6]
+        for one in found.diagnosis.candidates[:6]
     )
 
 

@@ -14,10 +14,11 @@ from hidden import EFFECTS, draw_shape
 from metric_loops import PLANS, Errors, Luck, draw_luck, driven, energies, printed
 from truth import Array, BaseLaw, force
 
-from pipeclamp.law import Structure
-from pipeclamp_identification.fit import fit
-from pipeclamp_identification.metric_campaign import MetricCampaign, metric_observations, read_tests
-from pipeclamp_identification.metric_law import rms
+from pipeclamp_identification.fitting.least_squares import fit
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign, metric_observations
+from pipeclamp_identification.metrics_only.law import rms
+from pipeclamp_identification.workflow.reading import read_tests
+from pipeclamp_models.law.law import Structure
 
 UNSEEN = ("asymmetry", "directional_damping", "offset")
 """Effects that change neither a loop's area nor the range of its force: nothing is the honest answer to them."""
@@ -96,9 +97,7 @@ class DrawnMetrics:
             folder = Path(name)
             (folder / "campaign.toml").write_text(f'name = "{self.case.name}"\n', encoding="utf-8")
             (folder / "runs.csv").write_text(text, encoding="utf-8")
-            campaign = read_tests(folder, strict=True)
-        assert isinstance(campaign, MetricCampaign)
-        return campaign
+            return read_tests(folder, strict=True).metrics()
 
     def errors(self, sizes: Sequence[float]) -> Errors:
         """Give errors that make the wanted scatter: what they do is as good as proportional to them."""
@@ -128,7 +127,7 @@ def draw_metrics(case: Case, seed: int) -> DrawnMetrics:
 def unimitated_logs(drawn: DrawnMetrics, sizes: Sequence[float], effects: tuple[str, ...] = ()) -> float:
     """Give the rms of log dW and log W, free of scatter, that the base law (with effects) can't imitate."""
     observations = metric_observations(drawn.campaign(sizes, Errors()))
-    return rms(observations.logs(fit(Structure("power", effects), observations).response.force))
+    return rms(observations.logs(fit(Structure("power", effects), observations).law_force.force))
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,13 @@ from cases import Case
 from judge import COMMAND, Outcome, follow, outcome_of
 from metric_cases import draw_metrics, measure_metrics
 
-from pipeclamp.parameter_file import LawFile
-from pipeclamp_identification.auto import MOST_EFFECTS
-from pipeclamp_identification.metric_diagnosis_report import MetricAnswer, explained
-from pipeclamp_identification.metric_law import identify_metrics, metric_law_file
+from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
+from pipeclamp_identification.metrics_only.diagnosis_answer import explained
+from pipeclamp_identification.metrics_only.law import identify_metrics, metric_law_file
+from pipeclamp_identification.workflow.auto import MOST_EFFECTS
+from pipeclamp_identification.workflow.on_metrics import MetricTests
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.file import LawFile
 
 MOST_SHOWN = 6
 
@@ -48,18 +51,19 @@ def judged_metrics(case: Case, seed: int) -> Outcome:
     try:
         file = metric_law_file(identify_metrics(campaign), campaign, name="base", command=COMMAND, date=None)
         most = MOST_EFFECTS if case.kind == "two" else 0
-        added = follow(file, campaign, steps, noted_metrics, most).file.effects
+        added = follow(file, MetricTests(campaign), steps, noted_metrics, most).file.effects
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
     return outcome_of(case, data.strengths, data.scatter, steps, added, begin, error)
 
 
-def noted_metrics(answer: MetricAnswer, file: LawFile) -> MetricStep:
+def noted_metrics(found: MetricDiagnosed, file: LawFile) -> MetricStep:
     """Note a diagnosis."""
-    diagnosis = answer.diagnosis
+    diagnosis = found.diagnosis
     dissipated, elastic = diagnosis.scatter.share
     return MetricStep(
-        answer.verdict, diagnosis.effects, tuple(answer.cautions()), (round(dissipated, 5), round(elastic, 5)),
+        found.verdict, tuple(map(effect_id, found.effects)), tuple(found.cautions()),
+        (round(dissipated, 5), round(elastic, 5)),
         tuple(
             (
                 one.effects[0], round(one.squares, 1), round(explained(one, diagnosis), 3),

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from hidden import COLUMN
 from truth import SUBSTEPS, Array, Motion, drive
 
-from pipeclamp_identification.campaign import Campaign, Run
-from pipeclamp_identification.clipping import check_clipping
-from pipeclamp_identification.cycles import find_cycles
-from pipeclamp_identification.records import Record
+from pipeclamp_identification.campaign.clipping import check_clipping
+from pipeclamp_identification.campaign.cycles import find_cycles
+from pipeclamp_identification.campaign.reading import Campaign, Run
+from pipeclamp_identification.campaign.records import Record
 
 DENSITIES = (2.0, 2.286, 2.571)
 LEVELS = (5.0, 10.0, 20.0)

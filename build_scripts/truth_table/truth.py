@@ -1,4 +1,4 @@
-"""The truth of virtual campaigns: motion, base law and time stepping, written from EFFECTS.md alone.
+"""The truth of virtual campaigns: motion, base law and time stepping, written from the published equations alone.
 
 Nothing here may share code with the package that is put to the test: other formulas, other steps, plain NumPy.
 """
@@ -90,7 +90,7 @@ def drive(
 
 @dataclass(frozen=True)
 class BaseLaw:
-    """Coefficients of the base law of EFFECTS.md."""
+    """Coefficients of the base law."""
 
     k10: float
     k1_A: float

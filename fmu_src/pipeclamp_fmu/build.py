@@ -6,30 +6,32 @@ import importlib.metadata
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeclamp import symbols
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import Interval, LawFile, law_of
-from pipeclamp.pipe import ReducedPipe
-from pipeclamp.realise.c import c_source
-from pipeclamp.realise.scalar import python_source
-from pipeclamp.realise.stepping import (
+from pipeclamp_fmu.contents.clamp import USUAL, ClampModel, Entry, FurtherCondition, Start, clamp_content
+from pipeclamp_fmu.contents.content import Content
+from pipeclamp_fmu.contents.excitation import Samples, excitation_content
+from pipeclamp_fmu.contents.passivity import require_dissipation
+from pipeclamp_fmu.contents.pipe import pipe_content
+from pipeclamp_fmu.native.clamp import native_clamp
+from pipeclamp_fmu.native.compiler import default_platforms
+from pipeclamp_fmu.native.excitation import native_excitation
+from pipeclamp_fmu.native.packing import Built, NativeContent, write_native_fmu
+from pipeclamp_fmu.native.pipe import native_pipe
+from pipeclamp_fmu.python.packing import write_fmu
+from pipeclamp_fmu.slaves.clamp import MM, within
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.law.file import Interval, LawFile, law_of
+from pipeclamp_models.pipe.modes import ReducedPipe
+from pipeclamp_models.realise.c import c_source
+from pipeclamp_models.realise.scalar import python_source
+from pipeclamp_models.realise.stepping import (
     CONDITIONS_FIRST,
-    clamp_equations,
     conditions_of,
     parameter_symbols,
     parameter_values,
 )
-from pipeclamp.realise.text import equation_lines
-from pipeclamp_fmu.clamp import ClampModel, Entry, FurtherCondition, clamp_content
-from pipeclamp_fmu.compile import default_platforms
-from pipeclamp_fmu.excitation import Samples, excitation_content
-from pipeclamp_fmu.native_clamp import native_clamp
-from pipeclamp_fmu.native_excitation import native_excitation
-from pipeclamp_fmu.native_fmu import Built, NativeContent, write_native_fmu
-from pipeclamp_fmu.native_pipe import native_pipe
-from pipeclamp_fmu.packing import Content, write_fmu
-from pipeclamp_fmu.passivity import require_dissipation
-from pipeclamp_fmu.pipe import pipe_content
+from pipeclamp_models.realise.text import equation_lines
 
 CYCLES = "firstCycle"
 """The clamp FMU's parameter for load cycles that it has seen."""
@@ -48,24 +50,27 @@ def version() -> str:
     return importlib.metadata.version("pipeclamp")
 
 
-def build_clamp(file: LawFile, output: Path) -> str:
+def build_clamp(file: LawFile, output: Path, told: Start = USUAL) -> str:
     """Build a clamp FMU (FMI 2.0 co-simulation, Python) from a law.
 
     Args:
         file: the law.
         output: the FMU to write, whole or not at all.
+        told: what it starts with.
 
     Returns:
         the FMU's model identifier, unique for its content.
 
     Raises:
         UserError: the law would create energy over some closed cycle in its range, depends on a condition that isn't in
-            that range, or the FMU can't be written.
+            that range, is told to start beyond it, or the FMU can't be written.
     """
-    return write_fmu(python_clamp_content(file), output)
+    return write_fmu(python_clamp_content(file, told), output)
 
 
-def build_native_clamp(file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None) -> Built:
+def build_native_clamp(
+    file: LawFile, output: Path, fmi: int = 2, platforms: Sequence[str] | None = None, told: Start = USUAL
+) -> Built:
     """Build a clamp FMU (FMI 2.0 or 3.0, co-simulation and model exchange, C) from a law.
 
     Args:
@@ -73,35 +78,36 @@ def build_native_clamp(file: LawFile, output: Path, fmi: int = 2, platforms: Seq
         output: the FMU to write, whole or not at all.
         fmi: version of FMI, 2 or 3.
         platforms: to compile for, see `compile.PLATFORMS`; the host's by default. None of them gives an FMU of sources.
+        told: what it starts with.
 
     Raises:
         UserError: as `build_clamp`; a platform can't be compiled for.
     """
-    content = native_clamp_content(file)
+    content = native_clamp_content(file, told)
     return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
 
 
-def python_clamp_content(file: LawFile) -> Content:
+def python_clamp_content(file: LawFile, told: Start = USUAL) -> Content:
     """Give all that goes into a law's Python FMU.
 
     Raises:
         UserError: as `build_clamp`.
     """
-    model = clamp_model(file)
+    model = clamp_model(file, told)
     require_passive(model)
     return clamp_content(model, version())
 
 
-def native_clamp_content(file: LawFile) -> NativeContent:
+def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
     """Give all that goes into a law's native FMU.
 
     Raises:
         UserError: as `build_clamp`.
     """
-    model = clamp_model(file)
+    model = clamp_model(file, told)
     require_passive(model)
     structure = law_of(file).structure
-    states = [Entry(str(state.symbol), state.unit, state.meaning) for state in clamp_equations(structure).states]
+    states = [Entry(str(state.symbol), state.unit, state.meaning) for state in structure.equations_without_rig.states]
     return native_clamp(model, c_source(structure), states, version())
 
 
@@ -188,14 +194,19 @@ def build_native_excitation(
     return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
 
 
-def clamp_model(file: LawFile) -> ClampModel:
+def clamp_model(file: LawFile, told: Start = USUAL) -> ClampModel:
     """Give a law as the clamp FMU needs it.
 
+    Args:
+        file: the law.
+        told: what the FMU starts with.
+
     Raises:
-        UserError: the law's range lacks a condition that the law depends on.
+        UserError: the law's range lacks a condition that the law depends on, or what it is told to start with.
     """
+    _require_in_range(file, told)
     law = law_of(file)
-    equations = clamp_equations(law.structure)
+    equations = law.structure.equations_without_rig
     described = {entry.name: (entry.unit, entry.meaning) for entry in equations.parameters} | SMOOTHING
     names = [str(symbol) for symbol in parameter_symbols(equations)]
     entries = [(name, file.coefficients[name]) for name in equations.names]
@@ -223,7 +234,29 @@ def clamp_model(file: LawFile) -> ClampModel:
         notes=_notes(file),
         history=file.history,
         fit=file.fit,
+        told=told,
     )
+
+
+def _require_in_range(file: LawFile, told: Start) -> None:
+    """Refuse start values that the law's data don't hold.
+
+    Raises:
+        UserError: one of them.
+    """
+    for name, meaning, value, zero, unit in (
+        ("A", "amplitude", told.A and MM * told.A, 0.0, "mm"),
+        ("f", "frequency", told.f, 0.0, "Hz"),
+        ("T", "temperature", told.T, CELSIUS, "degC"),
+    ):
+        known = file.range.get(name)
+        if value is None or known is None or within(value, (known.minimum, known.maximum)):
+            continue
+        low, high, got = (entry - zero for entry in (known.minimum, known.maximum, value))
+        raise UserError(
+            f"law {file.name!r}: the FMU would start with {meaning} {name} = {got:g} {unit}; expected {low:g} to "
+            f"{high:g} {unit}, where the law's data lie: give another {meaning}, or a law from tests that hold it"
+        )
 
 
 def _further(name: str, file: LawFile) -> FurtherCondition:

@@ -9,10 +9,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from pipeclamp.errors import UserError
-from pipeclamp.files import write_whole
-from pipeclamp_fmu.model_description import xml_bytes
-from pipeclamp_fmu.packing import zipped
+from pipeclamp_fmu.describe.model_description import xml_bytes
+from pipeclamp_fmu.python.packing import zipped
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import write_whole
 
 NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",

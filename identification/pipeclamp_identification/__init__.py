@@ -1,1 +1,6 @@
-"""From loop tests to a law and on to co-simulation; the command line is the top."""
+"""From measurements to a law and to what it lacks: campaigns, fits, comparison, diagnosis, tests on the pipe.
+
+It prints nothing and draws nothing.
+Its packages, each importing only those before it: signals, campaign, loops, fitting, comparison, diagnosis,
+metrics_only, on_pipe, attribution, workflow.
+"""

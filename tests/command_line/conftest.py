@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeclamp_identification.__main__ import main
+from pipeclamp.__main__ import main
 
 ROOT = Path(__file__).parents[2]
 ROOMS = [str(ROOT / room) for room in ("models", "fmu_src", "identification")]
@@ -20,7 +20,7 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 def command(*words: str | Path) -> list[str]:
-    return [sys.executable, "-m", "pipeclamp_identification", *(str(word) for word in words)]
+    return [sys.executable, "-m", "pipeclamp", *(str(word) for word in words)]
 
 
 def environment(*modules: Path) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Every command end to end, on the bundled campaign: exit status, files, and the fields of CONTRACT.md."""
+"""Every command end to end, on the bundled campaign: exit status, files, and the fields that stay."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import math
 import shutil
 import zipfile
 from importlib import resources
+from xml.etree import ElementTree
 
 import numpy as np
 import polars as pl
 import pytest
 
-from pipeclamp.catalogue import entries
-from pipeclamp_identification.campaign import read_campaign
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_models.law.catalogue import entries
 
 
 def read(path):
@@ -144,6 +145,48 @@ def test_effects_lists_the_whole_catalogue(pipeclamp):
     text = pipeclamp("effects").stdout
     for name in entries():
         assert name in text
+    assert max(map(len, text.splitlines())) <= 80
+
+
+def test_an_effect_is_shown_whole(pipeclamp, tmp_path):
+    text = pipeclamp("effects", "relaxation").stdout
+    for words in (
+        "q after a step",
+        "exp(-h/tau)",
+        "k_m",
+        "N/mm",
+        "relaxation time",
+        "Ferry",
+        "1980",
+        "viscous",
+        "typical",
+    ):
+        assert words in text
+    assert max(map(len, text.splitlines())) <= 80
+    assert "1/[column]" in pipeclamp("effects", "condition").stdout
+    assert "z2" in pipeclamp("effects", "memory:2").stdout
+    assert "did you mean 'memory'" in pipeclamp("effects", "memroy", status=1).stderr
+    path = tmp_path / "effects.json"
+    pipeclamp("effects", "--json", path)
+    found = {effect["id"]: effect for effect in read(path)["effects"]}
+    assert set(found) == set(entries())
+    memory = found["memory"]
+    assert memory["equations"][0] == {"says": "force added, N", "equation": "z", "latex": r"\Delta F = z"}
+    assert [(one["symbol"], one["unit"]) for one in memory["parameters"]] == [("k_s", "N/mm"), ("z_s", "N")]
+    assert all(one["lower"] < one["typical"] < one["upper"] for one in memory["parameters"])
+    assert found["relaxation"]["parameters"][0]["upper"] is None
+
+
+def test_the_rig_says_which_sizes_it_took(pipeclamp, tmp_path):
+    plan = ("--amplitudes", "0.5", "--frequencies", "2", "--temperatures", "20")
+    done = pipeclamp("rig", "emwm2", "-o", tmp_path / "v", "--effects", "memory,offset", "--set", "F_o=7", *plan)
+    lines = {line.split()[1]: line for line in done.stdout.splitlines() if line.startswith("│")}
+    assert "N/mm" in lines["k_s"] and "typical size" in lines["k_s"]
+    assert "--set" in lines["F_o"] and " 7 " in lines["F_o"]
+    assert "k10" not in lines
+    done = pipeclamp("rig", "emwm2", "-o", tmp_path / "w", "--effects", "memory", "--set", "k_S=7", *plan, status=1)
+    assert "did you mean 'k_s'? it has" in done.stderr and "z_s (N)" in done.stderr
+    assert not (tmp_path / "w").exists()
 
 
 def test_rig_writes_a_campaign_that_is_read(pipeclamp, small):
@@ -186,7 +229,7 @@ def test_schema_is_the_files(pipeclamp, law):
 def test_pipe_and_clamp_are_built_and_coupled(pipeclamp, law, tmp_path):
     examples = resources.files("pipeclamp_identification").joinpath("data", "examples")
     (tmp_path / "pipe.toml").write_text(examples.joinpath("pipe.toml").read_text(encoding="utf-8"), encoding="utf-8")
-    system = examples.joinpath("system.toml").read_text(encoding="utf-8").replace("stop_s = 30.0", "stop_s = 0.4")
+    system = examples.joinpath("system.toml").read_text(encoding="utf-8").replace("stop_s = 30.0", "stop_s = 0.3")
     system = system.replace('law = "clamp_a.json"', 'fmu = "clamp.fmu"').replace('file = "pipe.toml"', 'fmu = "p.fmu"')
     (tmp_path / "system.toml").write_text(system, encoding="utf-8")
     pipeclamp("build-fmu", law, "-o", "clamp.fmu", cwd=tmp_path)
@@ -236,6 +279,12 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
     for words in ("as printed", "rests on one row", "tests never seen", "300 degC"):
         assert words in done.stdout
     assert {path.name for path in (tmp_path / "story").glob("*.fmu")} == {"clamp_a.fmu", "pipe.fmu"}
+    # What it tells of pipe and clamp is to be trusted, and its pages say nothing else.
+    assert "NOT TO BE TRUSTED" not in done.stdout + done.stderr
+    for page in (tmp_path / "story").glob("*.html"):
+        assert "NOT TO BE TRUSTED" not in page.read_text(encoding="utf-8"), page.name
+    for name in ("system", "system_hot"):
+        assert set(pl.read_csv(tmp_path / "story" / f"{name}.csv")["trusted [1 yes, 0 no]"]) == {1.0}
     # a second run replaces the first
     assert not [path for path in (tmp_path / "story").iterdir() if path.name.startswith(".")]
 
@@ -261,6 +310,35 @@ def test_a_native_clamp_is_built(pipeclamp, law, tmp_path):
     done = pipeclamp("build-fmu", law, "-o", "c.fmu", "--kind", "native", "--fmi", "3", "--platforms", "", cwd=tmp_path)
     assert "FMI 3.0 co-simulation and model exchange, native (sources alone" in done.stdout.replace("\n", " ")
     assert "sources/fmi3.c" in zipfile.ZipFile(tmp_path / "c.fmu").namelist()
+
+
+@pytest.mark.parametrize("kind", [("--kind", "python"), ("--kind", "native", "--platforms", "")])
+def test_a_clamp_starts_with_what_it_is_told(pipeclamp, tmp_path, kind):
+    told = ("--amplitude", "0.3", "--frequency", "4", "--temperature", "150", "--track")
+    pipeclamp("build-fmu", "emwm2", "-o", "c.fmu", *told, *kind, cwd=tmp_path)
+    archive = zipfile.ZipFile(tmp_path / "c.fmu")
+    variables = ElementTree.fromstring(archive.read("modelDescription.xml")).iter("ScalarVariable")
+    starts = {variable.get("name"): variable[0].get("start") for variable in variables}
+    assert [float(starts[name]) for name in ("A", "f", "T")] == pytest.approx([3e-4, 4.0, 423.15])
+    assert starts["track"] == "true"
+    pipeclamp("set-parameters", "c.fmu", "emwm2", cwd=tmp_path)
+    assert zipfile.ZipFile(tmp_path / "c.fmu").read("modelDescription.xml") == archive.read("modelDescription.xml")
+
+
+@pytest.mark.parametrize(
+    ("told", "status", "words"),
+    [
+        (("--amplitude", "3"), 1, "amplitude A = 3 mm; expected 0.2 to 1 mm"),
+        (("--amplitude", "0"), 2, "got 0 mm; expected a number above 0 mm"),
+        (("--frequency", "nan"), 2, "got nan Hz; expected a number above 0 Hz"),
+        (("--temperature", "-300"), 2, "expected a number above -273.15 degC"),
+        (("--temperature", "400"), 1, "temperature T = 400 degC; expected 20 to 300 degC"),
+    ],
+)
+def test_what_a_clamp_cannot_start_with_is_refused(pipeclamp, tmp_path, told, status, words):
+    done = pipeclamp("build-fmu", "emwm2", "-o", "c.fmu", *told, cwd=tmp_path, status=status)
+    assert words in " ".join(done.stderr.replace("│", " ").split())
+    assert not (tmp_path / "c.fmu").exists()
 
 
 def test_a_native_pipe_is_built(pipeclamp, tmp_path):

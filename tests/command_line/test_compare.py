@@ -14,7 +14,7 @@ def without_numbers(text):
     return " ".join(re.sub(r"\d+", "#", text.replace("> ", "")).split())
 
 
-README = without_numbers((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8"))
+PAGE = without_numbers((Path(__file__).parents[2] / "docs" / "howto" / "compare.md").read_text(encoding="utf-8"))
 
 
 def read(path):
@@ -62,7 +62,7 @@ def test_every_breakdown_adds_up_and_is_told(compared, law, clamp_a):
     for sentence in where["words"]:
         assert sentence in " ".join(printed.split())
         assert sentence in page
-        assert without_numbers(sentence) in README, "the README tells of this very law and campaign"
+        assert without_numbers(sentence) in PAGE, "the page tells of this very law and campaign"
     for title in ("Along the loop", "By harmonic", "Along cycles", "By condition", "All runs"):
         assert f"<h2>{title}</h2>" in page
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from cantilever import cantilever, shaken
 
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
 MEASUREMENT = '[[probes]]\nname = "midspan"\nunit = "mm"\n[[responses]]\nfile = "sines.csv"\n'

@@ -1,4 +1,4 @@
-"""An effect of a user's own, from its declaration in the README to a law that travels alone, and its FMU."""
+"""An effect of a user's own, from its declaration on its page to a law that travels alone, and its FMU."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ import fmpy
 import numpy as np
 import pytest
 
-from pipeclamp.bundled import open_law
-from pipeclamp.parameter_file import law_of
-from pipeclamp.response import law_response, sinusoids
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "own-effect.md").read_text(encoding="utf-8")
 PLAN = ("--amplitudes", "0.3,0.6,1", "--frequencies", "1,4", "--temperatures", "20,250", "--rate", "400")
 Run = Callable[..., object]
 
 
 @pytest.fixture(scope="module")
 def folder(pipeclamp: Run, law: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The README's declaration, a campaign of a clamp that has this effect, and a law without it."""
+    """The page's declaration, a campaign of a clamp that has this effect, and a law without it."""
     folder = tmp_path_factory.mktemp("declared")
-    text = next(text for text in re.findall(r"```toml\n(.*?)```", README, re.S) if text.startswith("id ="))
+    text = next(text for text in re.findall(r"```toml\n(.*?)```", PAGE, re.S) if text.startswith("id ="))
     (folder / "bracket.toml").write_text(text, encoding="utf-8")
     values = ("--set", "k_b=150,y_b=0.45")
     pipeclamp("rig", law, "-o", "bracketed", "--effects", "bracket.toml", *values, *PLAN, cwd=folder)
@@ -72,7 +73,7 @@ def test_its_fmu_steps_in_fmpy_and_rolls_back(pipeclamp: Run, with_bracket: Path
     law = law_of(open_law(str(with_bracket)))
     A, f, T = 0.8, 3.0, 400.0
     motion = sinusoids([A], [f], [T], samples=256)
-    expected = law_response(law, motion).force[0]
+    expected = force_of_law(law, motion).force[0]
     description = fmpy.read_model_description(str(fmu))
     place = {variable.name: variable.valueReference for variable in description.modelVariables}
     instance = fmpy.instantiate_fmu(fmpy.extract(str(fmu), str(fmu.with_suffix(""))), description)
@@ -101,6 +102,9 @@ def test_its_fmu_steps_in_fmpy_and_rolls_back(pipeclamp: Run, with_bracket: Path
 def test_the_catalogue_shows_it(pipeclamp: Run, folder: Path):
     shown = pipeclamp("effects", "--declared", folder / "bracket.toml").stdout  # type: ignore[attr-defined]
     assert "bracket" in shown
+    whole = pipeclamp("effects", folder / "bracket.toml").stdout
+    assert "force added, N" in whole
+    assert "declared by a user" in whole
 
 
 def test_mistakes_in_a_declaration_are_one_message(refused: Callable[..., str], folder: Path, clamp_a: Path):

@@ -8,7 +8,7 @@ import shlex
 import pytest
 from typer.main import get_command
 
-from pipeclamp_identification.cli import app
+from pipeclamp.cli.app import app
 
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 
@@ -23,6 +23,12 @@ def test_help_names_every_command(pipeclamp):
     for name in COMMANDS:
         assert re.search(rf"\b{name}\b", text)
     assert "Example: pipeclamp" in text
+
+
+def test_help_tells_each_commands_whole_sentence(pipeclamp):
+    told = " ".join(pipeclamp("--help").stdout.split())
+    for command in COMMANDS.values():
+        assert " ".join(command.help.removesuffix(".").split()) in told
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from pipeclamp_identification.cli import app
+from pipeclamp.cli.app import app
 
 EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
 
@@ -245,10 +245,13 @@ def test_an_effect_that_is_there_already(refused, small, tmp_path):
 
 
 def test_a_value_that_no_input_could_make_sense_of_is_usage(refused, law, small, tmp_path):
-    """Status 2, in CONTRACT.md's words; what depends on a law or on tests is 1."""
+    """Status 2, a mistake in the call; what depends on a law or on tests is 1."""
     for words, expected in (
         (("diagnose", law, small, "--limits", "A=2..1,f=1..2,T=20..30"), "lower end first"),
         (("diagnose", law, small, "--limits", "wide"), "expected A=0.1..2"),
+        (("diagnose", law, small, "--drive", tmp_path / "drive.txt"), "ends in .csv or .parquet"),
+        (("rig", law, "-o", tmp_path / "x", "--drive", "drive.csv", "--riding", "0.2"), "got --riding as well"),
+        (("rig", law, "-o", tmp_path / "x", "--repeats", "0"), "0 repeats"),
         (("rig", law, "-o", tmp_path / "x", "--amplitudes", "0,3;1"), "--amplitudes"),
         (("rig", law, "-o", tmp_path / "x", "--set", "c1"), "name=value"),
         (("build-fmu", law, "-o", tmp_path / "x.fmu", "--fmi", "3"), "--kind native"),
@@ -309,7 +312,9 @@ def test_a_test_plan_that_cannot_be_run(refused, tmp_path, words, expected):
     [
         (("--amplitudes", "1e300"), "no finite force"),
         (("--set", "k99=1"), "k99"),
-        (("--effects", "viscous"), "give c1 with --set"),
+        (("--effects", "memory", "--set", "k_S=1"), "did you mean 'k_s'? it has"),
+        (("--effects", "density"), "state a value for each: --set density_g_cm3="),
+        (("--effects", "viscous", "--set", "c1=-1"), "c1 = -1 N s/mm (viscous coefficient); expected at least 0"),
     ],
 )
 def test_a_test_plan_that_cannot_be_run_with_this_law(refused, tmp_path, words, expected):

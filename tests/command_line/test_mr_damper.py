@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from pipeclamp.parameter_file import read_law
+from pipeclamp_models.law.file import read_law
 
 FOLDER = Path(os.environ.get("PIPECLAMP_DATA", "no data")) / "mr_damper"
 
 
 @pytest.mark.skipif(not FOLDER.is_dir(), reason="PIPECLAMP_DATA has no mr_damper")
 def test_current_then_memory_are_found_and_the_error_falls(pipeclamp, tmp_path):
-    """SOURCE.md: independent fits err by 20.7 % with the current, 13.0 % with memory, 11.8 % with a third effect."""
+    """Independent fits err by 20.7 % with the current, 13.0 % with memory, 11.8 % with a third effect."""
     law, answer = tmp_path / "law0.json", tmp_path / "answer.json"
     identified = pipeclamp("identify", FOLDER, "-o", law)
     assert "moving average (displacement over 10.2% of the period, force over 10.2%" in identified.stderr
@@ -23,7 +23,7 @@ def test_current_then_memory_are_found_and_the_error_falls(pipeclamp, tmp_path):
         found = json.loads(answer.read_text(encoding="utf-8"))
         return found["verdict"], found["effects"]
 
-    for number, effect in enumerate(("condition:current_A", "memory"), 1):
+    for number, effect in enumerate(("condition:current_A", "memory:2"), 1):
         assert diagnosed() == ("missing", [effect])
         after = tmp_path / f"law{number}.json"
         pipeclamp("add", law, effect, FOLDER, "-o", after)

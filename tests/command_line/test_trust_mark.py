@@ -1,5 +1,6 @@
 """What isn't to be trusted says so in the file, on each picture and on stderr; what is says how much it errs."""
 
+import html
 import re
 import zipfile
 
@@ -8,8 +9,9 @@ import pytest
 from cantilever import cantilever
 from typer.testing import CliRunner
 
-from pipeclamp_identification import parallel_step
-from pipeclamp_identification.cli import app
+from pipeclamp.cli.app import app
+from pipeclamp.demo import co_simulated
+from pipeclamp_system.cosim import parallel_step
 
 FREQUENCY = 28.021
 """Hz, of the first resonance: the clamp is 85 times as stiff as the pipe."""
@@ -103,3 +105,34 @@ def test_where_the_step_would_take_too_long_to_find_it_is_foretold_or_none_is_na
     else:  # 1/1024 would do, as the test above finds: it may be foretold as half of it, but no longer
         assert len(held) == 1
         assert 1 / 2049 < held[0] < 1 / 1023
+
+
+@pytest.mark.parametrize(("parts", "marked"), [(256, True), (1024, False)])
+def test_a_page_of_the_demo_and_its_lines_bear_the_same_marks(shaken, parts, marked):
+    folder, told = shaken("sequential", parts), []
+    page = co_simulated(folder / "system.toml", folder / "page.html", "20 degC", told.append)
+    on_page = re.findall(r'<p class="doubt">(.*)</p>', page.read_text(encoding="utf-8"))
+    assert bool(on_page) == marked
+    assert [html.unescape(mark) for mark in on_page] == [line.strip() for line in told if "NOT TO BE" in line]
+    assert all("NOT TO BE TRUSTED" in title for title in titles(page)) == marked
+    assert re.search(r"displacement errs by \d+\.\d+% for its steps", told[0]), told
+
+
+@pytest.mark.parametrize(("parts", "marked"), [(256, True), (1024, False)])
+def test_co_simulated_cases_of_a_study_that_are_not_to_be_trusted_are_marked(pipeclamp, shaken, parts, marked):
+    folder = shaken("sequential", parts)
+    vary = '[vary]\n"system.excitation.acceleration_m_s2" = [4.0, 5.0]\n'
+    (folder / "study.toml").write_text(f'system = "system.toml"\nmeasure = "cosim"\n{vary}', encoding="utf-8")
+    options = ("-o", "study.parquet", "--report", "study.html", "--jobs", "1")
+    done = pipeclamp("sweep", "study.toml", *options, cwd=folder)
+    assert "NOT TO BE TRUSTED" not in done.stdout
+    said = re.findall(r"^NOT TO BE TRUSTED: .*the displacement errs by .*$", done.stderr, re.MULTILINE)
+    page = (folder / "study.html").read_text(encoding="utf-8")
+    assert [html.unescape(mark) for mark in re.findall(r'<p class="doubt">(.*)</p>', page)] == said
+    assert bool(said) == marked
+    drawn = re.findall(r'"text":"([^"]*: amplitude[^"]*)"', page)
+    assert len(drawn) == 1
+    assert ("NOT TO BE TRUSTED" in drawn[0]) == marked
+    frame = pl.read_parquet(folder / "study.parquet")
+    assert frame["trusted"].to_list() == [not marked] * 2
+    assert all(bool(why) == marked for why in frame["doubts"])

@@ -14,16 +14,17 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from pipeclamp import symbols
-from pipeclamp.catalogue import entries, find_effect
-from pipeclamp.declaration import read_declaration
-from pipeclamp.effect import Effect, Family
-from pipeclamp.law import BASES, Law, Structure, compose
-from pipeclamp.realise.arrays import realise
-from pipeclamp.realise.c import c_source
-from pipeclamp.realise.scalar import python_source
-from pipeclamp.realise.stepping import conditions_of, parameter_values, stepping
-from pipeclamp.response import Motion, respond, sinusoids
+from pipeclamp_models.equations import literature, symbols
+from pipeclamp_models.equations.effect import Effect, Family
+from pipeclamp_models.law.catalogue import entries, find_effect, listed
+from pipeclamp_models.law.declaration import read_declaration
+from pipeclamp_models.law.law import BASES, Law, Structure
+from pipeclamp_models.realise.arrays import realise
+from pipeclamp_models.realise.c import c_source
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import Motion, sinusoids
+from pipeclamp_models.realise.scalar import python_source
+from pipeclamp_models.realise.stepping import conditions_of, parameter_values, stepping
 
 ARGUMENTS = {"condition": "condition:current_A"}
 DECLARED = tuple(read_declaration(path) for path in sorted((Path(__file__).parent / "declared").glob("*.toml")))
@@ -33,6 +34,7 @@ FURTHER = {"rho": 2.5, "N": 40.0, "u_current_A": 0.6}
 ON_A_BASE = [name for name in NAMES if WITH_DECLARED.effect(name).part != "base"]
 STRUCTURES = [Structure(base) for base in BASES] + [replace(WITH_DECLARED, effects=(name,)) for name in ON_A_BASE]
 COPIES = [declaration.id for declaration in DECLARED if declaration.id.endswith("_copy")]
+PUBLICATIONS = [text for name, text in vars(literature).items() if name.isupper()]
 SMOOTHING = (0.0126, 0.002)
 SCALES = {
     symbols.A_typical: 0.6, symbols.A_highest: 1.0, symbols.F_typical: 1500.0, symbols.f_typical: 3.0,
@@ -46,7 +48,7 @@ def sound_values(structure, seed=0):
     """Values near each parameter's start, moved at random so that nothing sits at a neutral point."""
     rng = random.Random(seed)
     values = {}
-    for parameter in compose(structure).parameters:
+    for parameter in structure.equations.parameters:
         start = float(sp.sympify(parameter.starts[-1]).subs(SCALES))
         lower, upper = (float(sp.sympify(bound).subs(SCALES)) for bound in (parameter.lower, parameter.upper))
         step = 0.1 * abs(start) or 0.02 * min(1.0, upper - lower)
@@ -108,8 +110,8 @@ def test_an_effect_states_itself(name):
     effect = WITH_DECLARED.effect(name)
     assert isinstance(effect, Effect)
     assert re.fullmatch(r"[a-z_]+", effect.id)
-    for text in (effect.source, effect.looks_like, effect.told_apart_by):
-        assert len(text) >= len("EFFECTS.md")
+    for text in (effect.does, effect.looks_like, effect.told_apart_by):
+        assert len(text) > 8
     for parameter in effect.parameters:
         assert parameter.unit
         assert len(parameter.meaning) > 3
@@ -118,6 +120,37 @@ def test_an_effect_states_itself(name):
             assert lower <= float(sp.sympify(start).subs(SCALES)) <= upper
         if parameter.follows:
             assert parameter.neutral is not None, "what may be undetermined needs a value that changes nothing"
+
+
+@pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.id)
+def test_an_effect_names_a_publication(effect):
+    """Author, title, place and year; no file, and nothing that only its author knows."""
+    assert any(publication in effect.source for publication in PUBLICATIONS)
+    assert re.match(r"[A-Z][a-zü]+(, | and |:| \(eds\.\))", effect.source)
+    assert re.search(r"\((19|20)\d\d\)", effect.source)
+    assert not re.search(r"\.\w{2,4}\b(?<!doi)", re.sub(r"doi \S+|eds\.|Eq\.|Fig\.", "", effect.source))
+
+
+def test_publications_are_cited_whole_and_used():
+    sources = " ".join(effect.source for effect in listed())
+    for publication in PUBLICATIONS:
+        assert re.match(r"[A-Z][^:]+: .{10,}, .+ \((19|20)\d\d\)", publication), publication
+        assert publication in sources, publication
+    assert len(set(PUBLICATIONS)) == len(PUBLICATIONS)
+
+
+@pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.id)
+def test_an_effect_is_imitated_by_effects(effect):
+    assert set(effect.imitated_by) <= set(entries())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_typical_sizes_lie_within_bounds(name):
+    for parameter in WITH_DECLARED.effect(name).parameters:
+        lower, size, upper = (
+            float(sp.sympify(value).subs(SCALES)) for value in (parameter.lower, parameter.size, parameter.upper)
+        )
+        assert lower <= size <= upper
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -142,9 +175,9 @@ def test_neutral_parameters_change_nothing(structure):
         pytest.skip("the effect is a force of its own, which vanishes at no value in the middle of its range")
     motion = sines([0.2, 1.0], [1.0, 5.0], [293.15, 550.0])
     values = sound_values(structure) | {parameter.name: parameter.neutral for parameter in effect.parameters}
-    with_effect, without = compose(structure), compose(Structure(structure.base))
-    ours = respond(with_effect, [values[name] for name in with_effect.names], SMOOTHING, motion).force
-    theirs = respond(without, [values[name] for name in without.names], SMOOTHING, motion).force
+    with_effect, without = structure.equations, Structure(structure.base).equations
+    ours = force_of_equations(with_effect, [values[name] for name in with_effect.names], SMOOTHING, motion).force
+    theirs = force_of_equations(without, [values[name] for name in without.names], SMOOTHING, motion).force
     np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-9)
 
 
@@ -152,7 +185,7 @@ def test_neutral_parameters_change_nothing(structure):
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
 def test_realisations_agree(structure):
     """Arrays and scalar source give the same force, energy and states to 1e-12, over random states."""
-    equations = compose(structure, ("base", "clamp"))
+    equations = structure.equations_without_rig
     law = Law(structure, sound_values(structure), *SMOOTHING)
     realised = executed(law)
     compiled = realise(equations)
@@ -177,7 +210,7 @@ def test_realisations_agree(structure):
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
 def test_c_agrees_with_the_scalar_source(structure, tmp_path):
     """C gives the same force, energy and states to 1e-12, over random states, and the derivatives of these."""
-    equations = compose(structure, ("base", "clamp"))
+    equations = structure.equations_without_rig
     law = Law(structure, sound_values(structure), *SMOOTHING)
     call = compiled_c(structure, tmp_path)
     scalar = executed(law)
@@ -214,11 +247,11 @@ def test_c_agrees_with_the_scalar_source(structure, tmp_path):
 
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
 def test_derivatives_are_exact(structure):
-    equations = compose(structure)
+    equations = structure.equations
     base = sound_values(structure)
     vector = np.array([base[name] for name in equations.names])
     motion = sines([0.2, 0.5, 1.0], [1.0, 3.0, 5.0], [300.0, 450.0, 570.0], samples=64)
-    response = respond(equations, vector, SMOOTHING, motion, derivatives=True)
+    response = force_of_equations(equations, vector, SMOOTHING, motion, derivatives=True)
     steady, exact = response.force, response.jacobian
     assert exact is not None
     for index, name in enumerate(equations.names):
@@ -227,7 +260,8 @@ def test_derivatives_are_exact(structure):
         above[index] += width
         below[index] -= width
         numeric = (
-            respond(equations, above, SMOOTHING, motion).force - respond(equations, below, SMOOTHING, motion).force
+            force_of_equations(equations, above, SMOOTHING, motion).force
+            - force_of_equations(equations, below, SMOOTHING, motion).force
         ) / (2 * width)
         rounding = 1e-15 * np.max(np.abs(steady)) / width
         assert np.max(np.abs(exact[index] - numeric)) < 2e-5 * np.max(np.abs(numeric)) + rounding, name
@@ -258,7 +292,7 @@ def test_stored_energy_is_the_forces_own(structure):
 def test_force_and_energy_have_values_at_the_bounds(structure):
     """A fit may come to rest on a bound."""
     values = sound_values(structure)
-    for parameter in compose(structure, ("base", "clamp")).parameters:
+    for parameter in structure.equations_without_rig.parameters:
         for bound in (parameter.lower, parameter.upper):
             at_bound = float(sp.sympify(bound).subs(SCALES))
             if not math.isfinite(at_bound) or parameter.name in structure.held():
@@ -274,15 +308,15 @@ def test_force_and_energy_have_values_at_the_bounds(structure):
 def test_a_record_becomes_its_steady_cycle(structure):
     """Marching a record from rest ends in the periodic response that is found directly, but for the samples at
     reversals, which stand for the mean over their interval in a cycle."""
-    equations = compose(structure)
+    equations = structure.equations
     values = sound_values(structure)
     vector = [values[name] for name in equations.names]
     one = sines([0.8], [3.0], [450.0], samples=128)
     cycles = 30
     slow = dict(one.slow)
     many = Motion(*(np.tile(signal, cycles) for signal in (one.y, one.v, one.a)), slow, one.h, periodic=False)
-    steady = respond(equations, vector, SMOOTHING, one).force
-    record = respond(equations, vector, SMOOTHING, many).force[:, -128:]
+    steady = force_of_equations(equations, vector, SMOOTHING, one).force
+    record = force_of_equations(equations, vector, SMOOTHING, many).force[:, -128:]
     moving = np.abs(one.v) > 1e-6
     np.testing.assert_allclose(record[moving], steady[moving], rtol=1e-9, atol=1e-6)
 
@@ -295,8 +329,10 @@ def test_a_declared_copy_is_the_catalogues_effect(name):
     motion = sines([0.2, 0.5, 1.0], [1.0, 3.0, 5.0], [300.0, 450.0, 570.0], samples=64)
     values = sound_values(ours)
     both = [
-        respond(equations, [values[parameter] for parameter in equations.names], SMOOTHING, motion, derivatives=True)
-        for equations in (compose(ours), compose(theirs))
+        force_of_equations(
+            equations, [values[parameter] for parameter in equations.names], SMOOTHING, motion, derivatives=True
+        )
+        for equations in (ours.equations, theirs.equations)
     ]
     scale = np.max(np.abs(both[0].force))
     np.testing.assert_allclose(both[0].force, both[1].force, rtol=1e-12, atol=1e-12 * scale)

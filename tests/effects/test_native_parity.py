@@ -11,17 +11,18 @@ from hypothesis import strategies as st
 from native_driver import INTERFACES, NativeDriver
 from test_effect_contract import SMOOTHING, STRUCTURES, name_of, sound_values
 
-from pipeclamp.bundled import open_law
-from pipeclamp.law import Structure, compose
-from pipeclamp.parameter_file import CoefficientEntry, Interval
-from pipeclamp.response import Motion, respond
 from pipeclamp_fmu.build import clamp_model, native_clamp_content
-from pipeclamp_fmu.clamp import clamp_module, clamp_variables, quantities
-from pipeclamp_fmu.compile import default_platforms
-from pipeclamp_fmu.native_fmu import write_native_fmu
-from pipeclamp_fmu.packing import instance_of
-from pipeclamp_fmu.values_file import values_text
-from pipeclamp_fmu.variables import numbers_of
+from pipeclamp_fmu.contents.clamp import clamp_module, clamp_variables, quantities
+from pipeclamp_fmu.describe.variables import numbers_of
+from pipeclamp_fmu.native.compiler import default_platforms
+from pipeclamp_fmu.native.packing import write_native_fmu
+from pipeclamp_fmu.slaves.loading import instance_of
+from pipeclamp_fmu.slaves.values_file import values_text
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import CoefficientEntry, Interval
+from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import Motion
 
 CLAMP = ("base", "clamp")
 IN_AN_FMU = [
@@ -45,7 +46,7 @@ SAME = {"rtol": 1e-10, "atol": 1e-9}
 
 def law_file(structure, values):
     """A law as a parameter file, over the usual range."""
-    names = compose(structure, CLAMP).names
+    names = structure.equations_without_rig.names
     return open_law("emwm2").model_copy(
         update={
             "name": name_of(structure),
@@ -70,13 +71,13 @@ def wandering(seed, count=60):
 
 def by_arrays(structure, values, y, v):
     """Force from the vectorised realisation."""
-    equations = compose(structure, CLAMP)
+    equations = structure.equations_without_rig
     slow = {name: np.array([[value]]) for name, value in (CONDITIONS | FURTHER).items()}
     # Load cycles when each step began, four amplitudes of way each.
     way = np.concatenate([[0.0], np.abs(np.diff(y, prepend=0.0))[:-1]])
     slow["N"] = FURTHER["N"] + np.cumsum(way)[None] / (4 * CONDITIONS["A"])
     motion = Motion(y[None], v[None], 0 * y[None], slow, np.array([[H]]), periodic=False)
-    return respond(equations, [values[name] for name in equations.names], SMOOTHING, motion).force[0]
+    return force_of_equations(equations, [values[name] for name in equations.names], SMOOTHING, motion).force[0]
 
 
 def by_scalars(model, y, v):
@@ -182,7 +183,7 @@ def test_every_realisation_gives_the_same(structure, tmp_path):
     file = law_file(structure, values)
     y, v = wandering(seed=len(name_of(structure)))
     model = clamp_model(file)
-    states = [str(state.symbol) for state in compose(structure, CLAMP).states]
+    states = [str(state.symbol) for state in structure.equations_without_rig.states]
     expected = by_scalars(model, y, v)
     np.testing.assert_allclose(by_arrays(structure, values, y, v), expected[:, 0], **SAME)
     np.testing.assert_allclose(by_slave(SlaveDriver(model, native_start(model)), y, v), expected[:, :2], **SAME)
@@ -210,7 +211,7 @@ def test_random_laws_and_motions_give_the_same(composed, seed, shares):
         name: share * entry.value for (name, entry), share in zip(file.coefficients.items(), shares, strict=False)
     }
     y, v = wandering(seed)
-    states = [str(state.symbol) for state in compose(structure, CLAMP).states]
+    states = [str(state.symbol) for state in structure.equations_without_rig.states]
     expected = by_scalars(clamp_model(law_file(structure, values)), y, v)
     start = native_start(**{f"law.{name}": value for name, value in values.items()})
     np.testing.assert_allclose(by_slave(SlaveDriver(clamp_model(file), start), y, v), expected[:, :2], **SAME)

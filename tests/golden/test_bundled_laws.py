@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from pipeclamp.bundled import bundled_laws, open_law
-from pipeclamp.parameter_file import law_text
-from pipeclamp_identification.published_tables import bundled_files
+from pipeclamp_identification.metrics_only.published import bundled_files
+from pipeclamp_models.law.bundled import bundled_laws, open_law
+from pipeclamp_models.law.file import law_text
 
 
 def numbers(value, path=""):

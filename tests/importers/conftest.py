@@ -17,16 +17,16 @@ import pytest
 import stand_in as stand_in_numbers
 from fmpy.fmi1 import FMICallException
 
-from pipeclamp.bundled import open_law
-from pipeclamp.parameter_file import CoefficientEntry, Interval, LawFile
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_native_pipe, build_pipe
-from pipeclamp_fmu.clamp import ClampModel, Entry, clamp_content
-from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_fmu.one_module import body_of, source_text
-from pipeclamp_fmu.packing import write_fmu
-from pipeclamp_identification.importer import LoadedFmu, opened
+from pipeclamp_fmu.contents.clamp import ClampModel, Entry, clamp_content
+from pipeclamp_fmu.native.compiler import system_compiler
+from pipeclamp_fmu.python.packing import write_fmu
+from pipeclamp_fmu.slaves.one_module import body_of, source_text
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import CoefficientEntry, Interval, LawFile
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.fmus.participant import LoadedFmu, opened
 
 PIPE = """
 name = "bench"

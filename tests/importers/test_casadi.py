@@ -6,25 +6,29 @@ import pytest
 from native_driver import NativeDriver
 from test_pipe_fmu import PIPES, modal_system
 
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
+from pipeclamp_fmu.build import build_native_clamp
+from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
 
 casadi = pytest.importorskip("casadi", reason="CasADi isn't installed: pip install casadi")
 
 INPUTS = ("flange.s", "flange.v", "T_in")
-OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated")
+OUTPUTS = ("flange.f", "A_used", "f_used", "T_used", "energyDissipated", "forceDeviation")
 MOTION = (1e-4, 0.02, 400.0)
 
 
-def test_outputs_and_jacobian_are_ours(native_fmus, tmp_path):
-    fmpy.extract(str(native_fmus[2]), unzipdir=str(tmp_path / "casadi"))
+def test_outputs_and_jacobian_are_ours(law_with_memory, native_fmus, tmp_path):
+    fmu = tmp_path / "clamp.fmu"
+    build_native_clamp(law_with_memory, fmu, told=Start(connected_temperature=True))
+    fmpy.extract(str(fmu), unzipdir=str(tmp_path / "casadi"))
     builder = casadi.DaeBuilder("clamp", str(tmp_path / "casadi"))
     builder.set_y(list(OUTPUTS))  # CasADi 3.8 reads Boolean outputs as Real ones
     imported = builder.create("imported", ["u"], ["y"])
     theirs = np.array(imported(MOTION)).ravel()
     their_jacobian = np.array(imported.jacobian()(MOTION, theirs))
 
-    own = NativeDriver(native_fmus[2], tmp_path / "own", "ModelExchange", {})
+    own = NativeDriver(fmu, tmp_path / "own", "ModelExchange", {})
     own.place(0.0, *MOTION[:2])
     own.set({"T_in": MOTION[2]})
     np.testing.assert_allclose(theirs, own.get(*OUTPUTS), rtol=1e-12)

@@ -11,8 +11,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from pipeclamp_fmu.build import build_clamp, clamp_model
-from pipeclamp_fmu.clamp import clamp_content
-from pipeclamp_fmu.packing import write_fmu
+from pipeclamp_fmu.contents.clamp import clamp_content
+from pipeclamp_fmu.python.packing import write_fmu
 
 H = 1e-3
 

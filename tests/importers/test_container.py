@@ -10,8 +10,8 @@ import fmpy
 import numpy as np
 import pytest
 
-from pipeclamp_identification.coupling import Explicit, System, march
-from pipeclamp_identification.importer import FmuParticipant, opened
+from pipeclamp_system.coupling.march import Explicit, System, march
+from pipeclamp_system.fmus.participant import FmuParticipant, opened
 
 H, STEPS = 2e-5, 1500
 WIRING = """rule;from_fmu;from_port;to_fmu;to_port

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from masters import assert_the_same, told_by
 
-from pipeclamp_identification.coupling import Explicit, System, march
-from pipeclamp_identification.importer import FmuParticipant, opened
+from pipeclamp_system.coupling.march import Explicit, System, march
+from pipeclamp_system.fmus.participant import FmuParticipant, opened
 
 STEP_NS, STEPS = 20_000, 3000
 

@@ -8,9 +8,9 @@ import fmpy
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from pipeclamp.errors import UserError
-from pipeclamp_fmu.compile import FLAGS, PLATFORMS, host_platform, system_compiler
-from pipeclamp_identification.importer import FmuParticipant, opened
+from pipeclamp_fmu.native.compiler import FLAGS, PLATFORMS, host_platform, system_compiler
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_system.fmus.participant import FmuParticipant, opened
 
 REFUSED_STEP = 3
 NAMES = ("flange.s", "flange.v", "flange.f")

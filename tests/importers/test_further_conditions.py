@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import write_law
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model
-from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_identification.cosim import run_system
-from pipeclamp_identification.coupled_variables import clamp_parameters
-from pipeclamp_identification.fmu_variables import read_description, variables_of
-from pipeclamp_identification.frequency_response import steady_clamp
-from pipeclamp_identification.system import read_system
+from pipeclamp_fmu.native.compiler import system_compiler
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import write_law
+from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.cosim.variables import clamp_parameters
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.fmus.variables import read_description, variables_of
+from pipeclamp_system.steady.described import steady_clamp
 
 H = 1e-3
 SECOND_CLAMP = '[[clamps]]\nname = "clamp2"\nposition_m = 5.0\n'

@@ -13,9 +13,9 @@ from fmpy.fmi2 import fmi2LastSuccessfulTime, fmi2Terminated
 from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
-from pipeclamp.errors import UserError
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
-from pipeclamp_fmu.compile import compile_sources
+from pipeclamp_fmu.native.compiler import compile_sources
+from pipeclamp_models.base.errors import UserError
 
 H = 1e-3
 DISCARD, ERROR = 2, 3
@@ -291,7 +291,7 @@ def test_an_unknown_platform_is_named(law_with_memory, tmp_path):
 
 def test_a_compiler_s_message_in_another_encoding_is_told(monkeypatch):
     says = "import sys; sys.stderr.buffer.write(b'fmu.c:1: error: ung\\xfcltig\\n'); sys.exit(1)"
-    monkeypatch.setattr("pipeclamp_fmu.compile._compiler", lambda name: [sys.executable, "-c", says])
+    monkeypatch.setattr("pipeclamp_fmu.native.compiler._compiler", lambda name: [sys.executable, "-c", says])
     with pytest.raises(UserError, match=r"failed for linux64: fmu\.c:1: error: ung.ltig"):
         compile_sources({"fmu.c": ""}, ["linux64"])
 

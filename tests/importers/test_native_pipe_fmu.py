@@ -10,10 +10,10 @@ from native_driver import NativeDriver
 from scipy.signal import lsim
 from test_pipe_fmu import PIPES, modal_system
 
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_native_excitation, build_native_pipe
-from pipeclamp_fmu.excitation import Samples
+from pipeclamp_fmu.contents.excitation import Samples
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
 
 ARRAYS = {2: lambda *values: (fmi2Real * len(values))(*values), 3: lambda *values: (fmi3Float64 * len(values))(*values)}
 CLAMPED = [f"clamp{index}.{kind}" for kind in "sv" for index in (1, 2)]

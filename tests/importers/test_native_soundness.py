@@ -10,7 +10,7 @@ import fmpy
 import pytest
 from native_driver import NativeDriver
 
-from pipeclamp_fmu.compile import system_compiler
+from pipeclamp_fmu.native.compiler import system_compiler
 
 HERE = Path(__file__).parent
 HOST = HERE.parents[1] / "build_scripts" / "c_host" / "host.c"

@@ -8,8 +8,8 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.signal import StateSpace, lsim
 
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
 
 H = 2e-3
 STEPS = 400

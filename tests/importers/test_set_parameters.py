@@ -7,9 +7,9 @@ import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 
-from pipeclamp.errors import UserError
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
 from pipeclamp_fmu.set_parameters import set_parameters
+from pipeclamp_models.base.errors import UserError
 
 
 @pytest.fixture

@@ -8,12 +8,13 @@ import pytest
 from fmpy.validation import validate_fmu
 from masters import assert_the_same, told_by
 
-from pipeclamp.bundled import open_law
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import write_law
-from pipeclamp_fmu.compile import system_compiler
-from pipeclamp_identification.cosim import NATIVE, PYTHON, run_system
-from pipeclamp_identification.system_ssp import write_system
+from pipeclamp_fmu.native.compiler import system_compiler
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import write_law
+from pipeclamp_system.cosim.building import NATIVE, PYTHON
+from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.cosim.ssp import write_system
 
 STEP_NS, STEPS = 20_000, 1500
 SYSTEM = """

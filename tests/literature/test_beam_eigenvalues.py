@@ -9,8 +9,8 @@ import pytest
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from pipeclamp.pipe import ReducedPipe, beam_of, finite_elements, reduce
-from pipeclamp.pipe_description import PipeDescription, parse_pipe
+from pipeclamp_models.pipe.description import PipeDescription, parse_pipe
+from pipeclamp_models.pipe.modes import ReducedPipe, beam_of, finite_elements, reduce
 
 PIPE = """
 name = "beam"

@@ -10,9 +10,9 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from pipeclamp.pipe import ReducedPipe, reduce
-from pipeclamp.pipe_description import PipeDescription, parse_pipe
-from pipeclamp.pipe_section import beam_of
+from pipeclamp_models.pipe.description import PipeDescription, parse_pipe
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
+from pipeclamp_models.pipe.section import beam_of
 
 PIPE = """
 name = "flow"

@@ -1,12 +1,12 @@
 """The bundled campaign of metrics holds the paper's own numbers."""
 
-from pipeclamp_identification.bundled_campaigns import bundled_campaign
-from pipeclamp_identification.metric_campaign import read_tests
-from pipeclamp_identification.published_rows import published_rows
+from pipeclamp_identification.campaign.bundled import bundled_campaign
+from pipeclamp_identification.loops.published_rows import published_rows
+from pipeclamp_identification.workflow.reading import read_tests
 
 
 def test_the_published_tables_campaign_is_the_tables():
-    tests = read_tests(bundled_campaign("emwm2_tables"))
+    tests = read_tests(bundled_campaign("emwm2_tables")).metrics()
     ours = {
         (run.amplitude_mm, run.frequency_Hz, run.temperature_C): (run.dissipated_energy_J, run.max_elastic_energy_J)
         for run in tests.runs

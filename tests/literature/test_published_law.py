@@ -1,4 +1,4 @@
-"""The paper's tables and what PUBLISHED_LAW.md says of them, at the tolerance that the source supports."""
+"""The paper's tables and what can be read of its printed law, at the tolerance that the source supports."""
 
 import math
 
@@ -6,19 +6,20 @@ import numpy as np
 import pytest
 from scipy.special import gamma
 
-from pipeclamp.bundled import open_law
-from pipeclamp.law import Law, Structure, smoothing
-from pipeclamp.parameter_file import law_of
-from pipeclamp.response import law_response, sinusoids
-from pipeclamp_identification.metric_observations import loop_energies
-from pipeclamp_identification.published_rows import published_rows
-from pipeclamp_identification.published_tables import (
+from pipeclamp_identification.loops.published_rows import published_rows
+from pipeclamp_identification.metrics_only.observations import loop_energies
+from pipeclamp_identification.metrics_only.published import (
     READINGS,
     emwm2_observations,
     metric_errors,
     reading_law,
     way,
 )
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
+from pipeclamp_models.law.law import Law, Structure, smoothing
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +77,7 @@ def test_dissipated_energy_of_power_damping(alpha, A, f):
     values = {"k10": 0, "k1_A": 0, "k1_T": 0, "k30": 0, "k3_A": 0, "k3_T": 0, "c0": 50.0, "c_A": 0, "c_f": 0}
     law = Law(Structure("power"), {**values, "alpha0": alpha, "alpha_A": 0, "alpha_f": 0}, v_r, y_r)
     motion = sinusoids([A], [f], [293.15], samples=4096)
-    dissipated, _ = loop_energies(motion, law_response(law, motion).force)
+    dissipated, _ = loop_energies(motion, force_of_law(law, motion).force)
     G = 2 * math.sqrt(math.pi) * gamma(alpha / 2 + 1) / gamma(alpha / 2 + 1.5)
     assert dissipated[0] == pytest.approx(G * 50.0 * (2 * math.pi * f * A) ** alpha * A / 1e3, rel=1e-3)
 
@@ -85,6 +86,6 @@ def test_a_loop_reaches_beyond_the_force_at_its_amplitude():
     """Fmax lies 20, 14, 9, 6 % above F(y = A) at 0.2, 0.5, 0.8, 1.0 mm, in a law that fits the tables."""
     law = law_of(open_law("emwm2"))
     motion = sinusoids([0.2, 0.5, 0.8, 1.0], [3.0] * 4, [293.15] * 4)
-    force = law_response(law, motion).force
+    force = force_of_law(law, motion).force
     beyond = force.max(axis=1) / force[:, 0] - 1
     np.testing.assert_allclose(beyond, [0.20, 0.14, 0.09, 0.06], atol=0.03)

@@ -9,14 +9,15 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from pipeclamp.law import Law, Structure, compose, smoothing
-from pipeclamp.response import law_response, sinusoids
-from pipeclamp_identification.campaign import Campaign, Run
-from pipeclamp_identification.cycles import find_cycles
-from pipeclamp_identification.identify import identify
-from pipeclamp_identification.misfit import overall_nrmse
-from pipeclamp_identification.records import check_samples
-from pipeclamp_identification.rig import TestPlan, virtual_runs
+from pipeclamp_identification.campaign.cycles import find_cycles
+from pipeclamp_identification.campaign.reading import Campaign, Run
+from pipeclamp_identification.campaign.records import check_samples
+from pipeclamp_identification.campaign.rig import TestPlan, virtual_runs
+from pipeclamp_identification.fitting.identify import identify
+from pipeclamp_identification.fitting.misfit import overall_nrmse
+from pipeclamp_models.law.law import Law, Structure, smoothing
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
 
 TestPlan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
 CAMPAIGNS = 20
@@ -69,7 +70,7 @@ def truth_of(seed: int, base: str = "power", further: dict[str, float] | None = 
     random = np.random.default_rng(seed)
     values = {name: float(random.uniform(*bounds)) for name, bounds in BOUNDS.items()}
     values = {**values, **structure.held(), **(further or {})}
-    return Law(structure, {name: values[name] for name in compose(structure).names}, *smoothing(0.2, 1.0))
+    return Law(structure, {name: values[name] for name in structure.equations.names}, *smoothing(0.2, 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +111,7 @@ def test_without_noise_the_force_comes_back_within_a_thousandth(law, distortion,
     found = identify(tests)
     A, f, T = np.array([(A, f, T) for A in (0.2, 0.35, 1.0) for f in (1.0, 2.0, 5.0) for T in (20, 80, 300)]).T
     motion = sinusoids(A, f, T + 273.15)
-    truth, ours = law_response(law, motion).force, law_response(found.fit.law, motion).force
+    truth, ours = force_of_law(law, motion).force, force_of_law(found.fit.law, motion).force
     assert np.sqrt(np.sum((ours - truth) ** 2) / np.sum(truth**2)) < 1e-3
     assert overall_nrmse(found.misfits) < 1e-3
 

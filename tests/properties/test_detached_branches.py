@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from cantilever import cantilever
 
-from pipeclamp.law import Law
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_identification.detached_branches import detached_branches
-from pipeclamp_identification.frequency_response import Curve, FrequencyResponse
-from pipeclamp_identification.harmonic_balance import SteadySystem, half_range
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.response_report import response_picture
-from pipeclamp_identification.steady_clamp import SteadyClamp
+from pipeclamp.pages.response import response_picture
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.steady.balance import SteadySystem, half_range
+from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.detached import detached_branches
+from pipeclamp_system.steady.response import Curve, FrequencyResponse
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 FIRST, LAST = 3.0, 12.0
 ACCELERATION = 0.2

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeclamp_identification import breakdown
-from pipeclamp_identification.error_sums import error_sums
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.misfit import overall_noise, overall_nrmse
+from pipeclamp_identification.comparison import breakdown
+from pipeclamp_identification.comparison.sums import error_sums
+from pipeclamp_identification.fitting.misfit import overall_noise, overall_nrmse
+from pipeclamp_identification.loops.loops import loops_of
 
 RUN = st.fixed_dictionaries(
     {

@@ -9,9 +9,9 @@ import sympy as sp
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pipeclamp.errors import UserError
-from pipeclamp.expression import DEEPEST, FUNCTIONS, LONGEST, WHERE, parse_expression
-from pipeclamp.realise.scalar import ScalarPrinter
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.expression import DEEPEST, FUNCTIONS, LONGEST, WHERE, parse_expression
+from pipeclamp_models.realise.scalar import ScalarPrinter
 
 NAMES = {name: sp.Symbol(name, real=True) for name in ("y", "v", "p_1")}
 POINTS = {"y": np.array([-1.625, -0.375, 0.0, 0.75, 2.5]), "v": np.linspace(-3, 4, 5), "p_1": np.full(5, 0.8125)}
@@ -61,7 +61,7 @@ def test_an_expression_has_numpys_values(text):
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(expressions)
 def test_an_expression_has_derivatives_that_numpy_can_work_out(text):
-    from pipeclamp.realise.arrays import _compile, _nonzero_slopes
+    from pipeclamp_models.realise.arrays import _compile, _nonzero_slopes
 
     try:
         expression = parse_expression(text, NAMES, "force")

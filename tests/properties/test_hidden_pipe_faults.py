@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeclamp_identification.pipe_attribution import attribute
-from pipeclamp_identification.pipe_compared import compare_measured
+from pipeclamp_identification.attribution.compared import compare_measured
+from pipeclamp_identification.attribution.verdict import attribute
 
 FOLDER = Path(__file__).parents[2] / "build_scripts" / "pipe_truth"
 

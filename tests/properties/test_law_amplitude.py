@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp.parameter_file import law_of, read_law
 from pipeclamp_fmu.build import build_clamp
-from pipeclamp_identification import rig as virtual
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.campaign_writing import write_campaign
-from pipeclamp_identification.cosim import run_system
-from pipeclamp_identification.identify import identify, law_file
+from pipeclamp_identification.campaign import rig as virtual
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_system.cosim.run import run_system
 
 PLAN = virtual.TestPlan(
     (0.2, 0.35, 0.5, 0.7, 1.0), (1.0, 2.0, 3.0, 5.0), (20.0,), rate=500.0, force_noise=0.0, amplitude_error=0.0

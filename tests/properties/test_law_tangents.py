@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.realise.stepping import clamp_equations
-from pipeclamp.response import respond
-from pipeclamp_identification.steady_clamp import SteadyClamp
-from pipeclamp_identification.tangents import linearised
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.tangents import linearised
 
 PLAIN = {"k10": 4.0, "k30": 1.0, "c0": 0.05, "alpha0": 1.0, "k1_A": -0.3}
 LAWS = {
@@ -52,11 +51,13 @@ def test_changes_of_harmonics_and_frequency(tmp_path: Path, write_law: Callable[
 def test_one_motion_steps_as_it_does_among_others(tmp_path: Path, write_law: Callable[..., None], name: str) -> None:
     """In plain numbers, as many do in arrays; periodic and from rest."""
     clamp = clamp_of(tmp_path, write_law, name)
-    equations = clamp_equations(clamp.law.structure)
+    equations = clamp.law.structure.equations_without_rig
     cycles = clamp.cycle(np.array([MOTION, 2 * MOTION]), np.array([FREQUENCY, 2 * FREQUENCY]))
     for motions in (cycles, replace(cycles, periodic=False)):
-        whole = respond(equations, clamp.law.vector(equations), (0.05, 1e-3), motions)
+        whole = force_of_equations(equations, clamp.law.vector(equations), (0.05, 1e-3), motions)
         for row in range(2):
-            one = respond(equations, clamp.law.vector(equations), (0.05, 1e-3), motions.rows(np.array([row])))
+            one = force_of_equations(
+                equations, clamp.law.vector(equations), (0.05, 1e-3), motions.rows(np.array([row]))
+            )
             for alone, among in zip(one.states, whole.states, strict=True):
                 assert alone[0] == pytest.approx(among[row], rel=1e-12, abs=1e-12)

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from cantilever import cantilever
 
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.pipe import ReducedPipe, reduce
-from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_identification.detached_branches import detached_branches
-from pipeclamp_identification.harmonic_balance import SteadySystem
-from pipeclamp_identification.steady_clamp import SteadyClamp
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.detached import detached_branches
 
 RELAXING = {"k10": 4.0, "c0": 0.02, "alpha0": 1.0, "k_m": 6.0, "tau": 0.03}
 PLAIN = {"k10": 7.0, "c0": 0.005, "alpha0": 1.0}

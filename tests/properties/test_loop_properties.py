@@ -8,9 +8,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.metrics import metrics_of
-from pipeclamp_identification.records import Record
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.loops.metrics import metrics_of
 
 F = np.array([-30.0, 1500.0 + 300.0j, 10.0 + 5.0j, 80.0 + 60.0j, 0.0, -10.0 + 40.0j])
 

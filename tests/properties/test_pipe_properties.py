@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeclamp.beam import Attachment, Beam, assemble, mesh, modes
-from pipeclamp.pipe import ReducedPipe, reduce
-from pipeclamp.pipe_description import PipeDescription
+from pipeclamp_models.pipe.beam import Attachment, Beam, assemble, mesh, modes
+from pipeclamp_models.pipe.description import PipeDescription
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 
 LENGTH = 6.0
 positions = st.floats(0.05, LENGTH - 0.05).map(lambda x: round(x, 2))

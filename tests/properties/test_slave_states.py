@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stand_in import RANGES, VALUES
 
-from pipeclamp_fmu.clamp import ClampModel, Entry, clamp_variables
-from pipeclamp_fmu.clamp_slave import ClampSlave
-from pipeclamp_fmu.model_description import Quantity
-from pipeclamp_fmu.pipe_slave import PipeSlave
-from pipeclamp_fmu.values_file import FILE_NAME, values_text
-from pipeclamp_fmu.variables import numbers_of
+from pipeclamp_fmu.contents.clamp import ClampModel, Entry, clamp_variables
+from pipeclamp_fmu.describe.model_description import Quantity
+from pipeclamp_fmu.describe.variables import numbers_of
+from pipeclamp_fmu.slaves.clamp import ClampSlave
+from pipeclamp_fmu.slaves.pipe import PipeSlave
+from pipeclamp_fmu.slaves.values_file import FILE_NAME, values_text
 
 SLAVES = {"clamp": (ClampSlave, 3, 2, (1e-3, 0.05, 400.0)), "pipe": (PipeSlave, 2, 1, (5.0, 50.0))}
 

@@ -12,17 +12,17 @@ import pytest
 from cantilever import cantilever, shaken
 from scipy.signal import find_peaks
 
-from pipeclamp.bundled import open_law
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.pipe import ReducedPipe, reduce
-from pipeclamp.pipe_description import parse_pipe
+from pipeclamp.pages.response import response_picture
 from pipeclamp_fmu.build import build_clamp, build_pipe
-from pipeclamp_identification.cosim import run_system
-from pipeclamp_identification.frequency_response import Curve, FrequencyResponse
-from pipeclamp_identification.harmonic_balance import SteadySystem, half_range
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.response_report import response_picture
-from pipeclamp_identification.steady_clamp import SteadyClamp
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
+from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.steady.balance import SteadySystem, half_range
+from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.response import Curve, FrequencyResponse
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 PIPE_STIFFNESS = 20.23
 """N/mm, static, at clamp1."""

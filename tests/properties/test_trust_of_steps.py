@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 from cantilever import cantilever
 
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import read_pipe
 from pipeclamp_fmu.build import build_clamp, build_pipe
-from pipeclamp_identification.cosim import run_system
-from pipeclamp_identification.cosim_result import CosimResult
-from pipeclamp_identification.excitation import excitation_signal
-from pipeclamp_identification.monolithic import MonolithicResult, clamp_equations, solve_monolithic
-from pipeclamp_identification.system import read_system
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.description import read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.description.excitation import excitation_signal
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.transient.monolithic import MonolithicResult, clamp_equations, solve_monolithic
 
 PROMISE, NEEDLESS = 1.5, 1 / 3
 """Shares of `trusted_share`: most error of what isn't marked, least error of what is marked for its step."""

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeclamp_identification import breakdown
-from pipeclamp_identification.concentration import (
+from pipeclamp_identification.comparison import breakdown
+from pipeclamp_identification.comparison.concentration import (
     cycles_sentence,
     drift_sentence,
     harmonic_sentence,
     region,
     region_sentence,
 )
-from pipeclamp_identification.error_sums import error_sums
-from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.comparison.sums import error_sums
+from pipeclamp_identification.loops.loops import loops_of
 
 
 def none(phase, cycle):

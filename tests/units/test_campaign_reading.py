@@ -1,4 +1,4 @@
-"""Campaigns as CAMPAIGN.md describes them, good and bad."""
+"""Campaigns as docs/reference/campaign.md describes them, good and bad."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 import polars as pl
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.records import Record
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.base.errors import UserError
 
 TABLE = "run,file,amplitude_mm,frequency_Hz,temperature_C\nA,runs/A.csv,0.8,3,20\n"
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.campaign_writing import WrittenRun, joined_runs, write_campaign
-from pipeclamp_identification.records import Record
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.writing import WrittenRun, joined_runs, write_campaign
+from pipeclamp_models.base.errors import UserError
 
 
 def _row(name):

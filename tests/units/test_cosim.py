@@ -20,21 +20,22 @@ import polars as pl
 import pytest
 from cantilever import cantilever
 
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import read_pipe
+from pipeclamp.pages.cosim import cosim_sections
 from pipeclamp_fmu.build import build_clamp, build_excitation, build_native_clamp, build_pipe
-from pipeclamp_fmu.excitation import Samples
+from pipeclamp_fmu.contents.excitation import Samples
 from pipeclamp_fmu.ssp import NAMESPACES, Component, SystemStructure, write_ssp
-from pipeclamp_identification import system_ssp
-from pipeclamp_identification.cosim import PYTHON, run_system
-from pipeclamp_identification.cosim_report import cosim_sections
-from pipeclamp_identification.cosim_result import CosimResult, write_result
-from pipeclamp_identification.divergence import IMPOSSIBLE
-from pipeclamp_identification.excitation import excitation_signal
-from pipeclamp_identification.monolithic import MonolithicResult, clamp_equations, solve_monolithic
-from pipeclamp_identification.system import read_system
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.description import read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.cosim import ssp as system_ssp
+from pipeclamp_system.cosim.building import PYTHON
+from pipeclamp_system.cosim.divergence import IMPOSSIBLE
+from pipeclamp_system.cosim.result import CosimResult, write_result
+from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.description.excitation import excitation_signal
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.transient.monolithic import MonolithicResult, clamp_equations, solve_monolithic
 
 SSD = f"{{{NAMESPACES['ssd']}}}"
 
@@ -289,7 +290,8 @@ def test_what_has_not_settled_is_said(bench: Path, tmp_path: Path) -> None:
         assert ("not settled: the amplitude at tip changes by" in result.summary()) == (settled == 0.0)
         write_result(result, tmp_path / "result.csv")
         assert set(pl.read_csv(tmp_path / "result.csv")[column]) == {settled}
-    assert replace(result, steady=False).unsettled == {}
+    swept = result.system.excitation.model_copy(update={"kind": "sweep", "from_Hz": 1.0, "to_Hz": 9.0})
+    assert replace(result, system=result.system.model_copy(update={"excitation": swept})).unsettled == {}
 
 
 def test_the_advice_about_another_amplitude_is_none_that_was_followed(bench: Path) -> None:
@@ -302,7 +304,9 @@ def test_the_advice_about_another_amplitude_is_none_that_was_followed(bench: Pat
         ("solved", (), 0.1, elsewhere[1]),
         ("solved", (), 0.0, ends),
     ):
-        summary = replace(result, modes=(mode,), out_of_range=beyond, unsolved=unsolved).summary()
+        clamp = result.system.clamps[0].model_copy(update={"track": mode == "tracked", "solve": mode == "solved"})
+        system = result.system.model_copy(update={"clamps": (clamp,)})
+        summary = replace(result, system=system, out_of_range=beyond, unsolved=unsolved).summary()
         assert f"mm: {said}" in summary
         assert "track = true" not in summary
 
@@ -570,3 +574,19 @@ def test_what_cannot_be_coupled_is_refused(bench: Path, change: tuple[str, str],
     with pytest.raises(UserError) as refused:
         run_system(file)
     assert all(word in str(refused.value) for word in words), refused.value
+
+
+def test_a_force_that_is_off_for_its_motion_is_said_once_in_the_result_s_words(
+    bench: Path, write_law: Callable[..., None]
+) -> None:
+    """And not again in the FMU's own."""
+    write_law(bench / "falling.json", {**SMOOTH, "k1_A": -0.3}, "power", ())
+    laws = {"clamp1": 'law = "falling.json"'}
+    result = run_system(write_system(bench, laws=laws, amplitude_mm=0.2, stop=1.0))
+    assert result.columns["clamp1.forceDeviation"][-1] > 0.05
+    assert result.warnings == ()
+    (said,) = re.findall(r"clamp1: .* its force is off by .*", result.summary())
+    assert "so that its force is off by" in said
+    assert "set amplitude_mm to that, or solve = true, or track = true" in said
+    followed = run_system(write_system(bench, laws={"clamp1": laws["clamp1"] + "\ntrack = true"}, stop=1.0))
+    assert "is off by" not in followed.summary()

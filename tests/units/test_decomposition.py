@@ -8,8 +8,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from pipeclamp_identification.decomposition import decompose
-from pipeclamp_identification.loops import loops_of
+from pipeclamp_identification.loops.decomposition import decompose
+from pipeclamp_identification.loops.loops import loops_of
 
 ELASTIC = {1: 1800.0, 3: 900.0}
 # vanishes at the reversals, so that no sample lies beside a jump

@@ -6,19 +6,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeclamp.declaration import read_declaration
-from pipeclamp.law import Law, Structure
-from pipeclamp.parameter_file import law_text
-from pipeclamp_identification import rig
-from pipeclamp_identification.auto import add_until_settled
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.campaign_writing import write_campaign
-from pipeclamp_identification.diagnose import diagnose
-from pipeclamp_identification.diagnosis_report import answer_for, answer_json, answer_sections
-from pipeclamp_identification.identify import identify, law_file
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.next_test import next_test, parse_limits
-from pipeclamp_identification.report import render
+from pipeclamp.pages.page import render
+from pipeclamp.pages.sections import sections_of
+from pipeclamp.show.diagnosis_views import diagnosis_view
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.diagnosis.diagnosed import diagnosed
+from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
+from pipeclamp_identification.diagnosis.next_test import next_test
+from pipeclamp_identification.diagnosis.verdict import diagnose
+from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_identification.workflow.auto import add_until_settled
+from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.law.declaration import read_declaration
+from pipeclamp_models.law.file import law_text
+from pipeclamp_models.law.law import Law, Structure
 
 BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
@@ -42,7 +46,7 @@ def campaign(tmp_path_factory):
 
 
 def test_scatter_alone_is_complete(campaign):
-    diagnosis = diagnose(Structure("power"), loops_of(campaign()))
+    diagnosis = diagnose(Structure("power"), campaign())
     assert (diagnosis.verdict, diagnosis.effects) == ("complete", ())
 
 
@@ -57,9 +61,10 @@ def test_scatter_alone_is_complete(campaign):
     ],
 )
 def test_a_missing_effect_is_named(campaign, effect, values):
-    diagnosis = diagnose(Structure("power"), loops_of(campaign((effect,), **values)))
-    assert (diagnosis.verdict, diagnosis.effects) == ("missing", (effect.partition(":")[0],))
+    diagnosis = diagnose(Structure("power"), campaign((effect,), **values))
+    assert (diagnosis.verdict, diagnosis.effects) == ("missing", (effect,))
     best = diagnosis.candidates[0]
+    assert best.effects == diagnosis.effects
     assert best.squares < diagnosis.law.squares
     assert best.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
 
@@ -81,41 +86,58 @@ def test_what_is_not_in_the_catalogue_gets_no_name(campaign, tmp_path):
     """Over frequency it rises and falls: relaxation and inertia fit it against each other, and neither alone."""
     (tmp_path / "bump.toml").write_text(BUMP)
     tests = campaign(("bump",), declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
-    diagnosis = diagnose(Structure("power"), loops_of(tests))
+    diagnosis = diagnose(Structure("power"), tests)
     assert (diagnosis.verdict, diagnosis.effects) == ("unknown", ())
 
 
 def test_what_no_rig_scatters_is_not_called_complete(campaign):
     """Four runs are followed by any trend: its size tells that it is physics."""
     four = replace(PLAN, amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0,))
-    diagnosis = diagnose(Structure("power"), loops_of(campaign(("stiffness_frequency",), plan=four, k_f=-0.04)))
+    diagnosis = diagnose(Structure("power"), campaign(("stiffness_frequency",), plan=four, k_f=-0.04))
     assert diagnosis.verdict in ("missing", "ambiguous")
     assert "stiffness_frequency" in diagnosis.effects
+
+
+def test_what_is_locked_to_time_is_no_scatter_whoever_asks(campaign):
+    """One place decides: the verdict of `diagnose` is the command's, and the sentence says at which frequency."""
+    tests = campaign()
+    hum = {run.name: 6.0 * np.sin(2 * np.pi * 37.3 * run.record.time_s) for run in tests.runs}
+    noisy = replace(
+        tests,
+        runs=tuple(
+            replace(run, record=replace(run.record, force_N=run.record.force_N + hum[run.name])) for run in tests.runs
+        ),
+    )
+    assert diagnose(Structure("power"), noisy).verdict == "unknown"
+    file = law_file(identify(noisy), noisy, name="law", command="test", date=None)
+    answer = diagnosed(file, noisy)
+    assert answer.verdict == "unknown"
+    assert any("37.3" in line for line in answer.words())
 
 
 def test_answer_and_report(campaign):
     tests = campaign(("asymmetry",), k2=20.0)
     found = identify(tests)
     file = law_file(found, tests, name="law", command="test", date=None)
-    answer = answer_for(file, tests)
-    content = json.loads(json.dumps(answer_json(answer), allow_nan=False))
+    answer = diagnosed(file, tests)
+    content = json.loads(diagnosis_view(answer, (), "pipeclamp add").answer.json_text())
     assert content.keys() >= ANSWER_FIELDS
     assert content["verdict"] == "missing"
     assert content["effects"] == ["asymmetry"]
     assert content["candidates"][0]["effect"] == "asymmetry"
     assert content["nrmse"]["noise"] < content["nrmse"]["best"] < content["nrmse"]["law"]
-    page = render("t", "s", answer_sections(answer))
+    page = render("t", "s", sections_of(answer))
     assert "asymmetry" in page
-    settled = add_until_settled(file, tests, command="test")
-    assert settled.answer.verdict == "complete"
-    assert (answer.left_over(), settled.answer.left_over()) == ((), ())  # asymmetry leaves scatter alone
+    settled = add_until_settled(file, RecordTests(tests), command="test")
+    assert settled.found.verdict == "complete"
+    assert (answer.left_over(), settled.found.left_over()) == ((), ())  # asymmetry leaves scatter alone
     assert settled.file.effects == ("asymmetry",)
     assert [step.step for step in settled.file.history][-1] == "+ asymmetry"
     assert law_text(settled.file)
 
 
 def test_no_next_test_without_rivals(campaign):
-    diagnosis = diagnose(Structure("power"), loops_of(campaign()))
+    diagnosis = diagnose(Structure("power"), campaign())
     assert next_test(diagnosis) is None
 
 
@@ -123,6 +145,36 @@ def test_no_next_test_without_rivals(campaign):
 def test_limits_that_cant_serve(text):
     with pytest.raises(Exception, match="--limits"):
         parse_limits(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "correction"),
+    [
+        ("A=1", "write A=..1"),
+        ("A=0.1-2", "write A=0.1..2"),
+        ("A=0.1..2 mm", "write A=0.1..2"),
+        ("f=20..0.5", "the lower end first; write f=0.5..20"),
+        ("A=0..1", "above 0 mm; write A=..1"),
+        ("T=-300..30", "above -273.15 degC; write T=..30"),
+        ("v=5..300", "the largest velocity alone; write v=..300"),
+        ("F=300", "write F=..300"),
+        ("a=1..2", "expected A=0.1..2,f=0.5..20"),
+        ("f=1..2,f=3..4", "f twice"),
+        ("A=..", "write A=..2"),
+    ],
+)
+def test_the_message_has_the_limits_to_write(text, correction):
+    with pytest.raises(UsageError) as refused:
+        parse_limits(text)
+    assert correction in str(refused.value)
+    if "write " in correction:
+        parse_limits(correction.split("write ")[1])
+
+
+def test_limits_with_open_ends():
+    limits = parse_limits("A=..1.1,v=..300,F=..5000")
+    assert (limits.amplitude, limits.velocity, limits.force) == ((0.0, 1.1), 300.0, 5000.0)
+    assert limits.frequency == Limits().frequency
 
 
 def test_limits():

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from pipeclamp.law import Structure, compose
-from pipeclamp.realise.text import equation_lines
+from pipeclamp_models.law.catalogue import find_effect, listed
+from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.text import effect_statements, equation_lines, symbols_of
 
 
 def lines(*effects):
-    return equation_lines(compose(Structure("power", effects)))
+    return equation_lines(Structure("power", effects).equations)
 
 
 def test_a_state_that_slips_is_told_in_words():
@@ -31,3 +32,23 @@ def test_nothing_is_written_as_a_program_writes_it(effect):
     for word in ("**", "*", "Piecewise", "cases", "Abs", "Max", "Min", "sign(", "True"):
         assert word not in text
     assert "k1 = k10 (A/A_0)^k1_A" in text
+
+
+@pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.id)
+def test_an_effect_is_stated_whole(effect):
+    """Every symbol of its equations is its own or explained beside them."""
+    statements = effect_statements(effect)
+    explained = {signal.symbol for signal in symbols_of(effect)}
+    explained |= {one.symbol for one in (*effect.parameters, *effect.coefficients, *effect.states)}
+    assert set().union(*(one.expression.free_symbols for one in statements)) <= explained
+    for one in statements:
+        assert not any(word in one.plain + one.latex for word in ("**", "Piecewise", "sign"))
+
+
+def test_statements_say_what_they_are():
+    said = [(one.words, one.plain) for one in effect_statements(find_effect("memory"))]
+    assert said[0] == ("force added, N", "z")
+    assert said[-1] == ("energy stored, N mm", "z^2/(2 k_s)")
+    (growth,) = effect_statements(find_effect("contact_growth"))
+    assert growth.words == "factor on every stiffness"
+    assert growth.latex == r"\text{stiffness} \times \left(\beta \max\left(0, T - T_{c}\right) + 1\right)"

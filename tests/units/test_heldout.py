@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from pipeclamp.bundled import open_law
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import law_of
-from pipeclamp_identification import rig
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.campaign_writing import write_campaign
-from pipeclamp_identification.heldout import condition_groups, folds, heldout_nrmse
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.observations import loop_observations
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.fitting.heldout import condition_groups, folds, heldout_nrmse
+from pipeclamp_identification.fitting.observations import loop_observations
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
 
 
 def _loops(tmp_path, plan):

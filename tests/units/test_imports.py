@@ -1,4 +1,4 @@
-"""The rooms: nothing imports to the right of pipeclamp <- pipeclamp_fmu <- pipeclamp_identification."""
+"""The rooms of the house: each package imports only those that stand before it, and what else it may know."""
 
 import ast
 from pathlib import Path
@@ -6,16 +6,39 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+ROOTS = {
+    "pipeclamp_models": "models",
+    "pipeclamp_fmu": "fmu_src",
+    "pipeclamp_system": "fmu_src",
+    "pipeclamp_identification": "identification",
+    "pipeclamp": "identification",
+}
+"""Packages in the order in which they may import each other, and their folders."""
 ROOMS = {
-    "pipeclamp": ROOT / "models" / "pipeclamp",
-    "pipeclamp_fmu": ROOT / "fmu_src" / "pipeclamp_fmu",
-    "pipeclamp_identification": ROOT / "identification" / "pipeclamp_identification",
+    "pipeclamp_models": ("base", "equations", "effects", "law", "realise", "pipe"),
+    "pipeclamp_fmu": ("slaves", "describe", "contents", "python", "native"),
+    "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "study"),
+    "pipeclamp_identification": (
+        "signals", "campaign", "loops", "fitting", "comparison", "diagnosis", "metrics_only", "on_pipe", "attribution",
+        "workflow",
+    ),
+    "pipeclamp": ("show", "pages", "api", "cli"),
+}  # fmt: skip
+"""The packages inside, in the same order; what stands beside them in the root may import them all."""
+NEVER = {
+    "pipeclamp_models": {"fmpy", "pythonfmu", "plotly", "typer", "rich", "jinja2"},
+    "pipeclamp_fmu": {"polars", "plotly", "typer", "rich"},
+    "pipeclamp_system": {"plotly", "typer", "rich", "jinja2"},
+    "pipeclamp_identification": {"plotly", "typer", "rich", "jinja2"},
 }
-ORDER = list(ROOMS)
-HEAVY = {
-    "pipeclamp": {"fmpy", "pythonfmu", "polars", "plotly", "typer", "rich", "jinja2"},
-    "pipeclamp_fmu": {"polars", "plotly", "typer"},
-}
+"""Libraries that a package doesn't know."""
+MOST_MODULES = 20
+REGISTRIES = {"pipeclamp_models/effects"}
+"""Folders whose every file is one entry of a list."""
+
+
+def folder(package):
+    return ROOT / ROOTS[package] / package
 
 
 def imported(file):
@@ -29,34 +52,57 @@ def imported(file):
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-@pytest.mark.parametrize("room", ORDER)
-def test_nothing_imports_to_the_right(room):
-    right = set(ORDER[ORDER.index(room) + 1 :]) | HEAVY.get(room, set())
-    for file in ROOMS[room].rglob("*.py"):
+@pytest.mark.parametrize("package", ROOTS)
+def test_nothing_imports_to_the_right(package):
+    order = list(ROOTS)
+    right = set(order[order.index(package) + 1 :]) | NEVER.get(package, set())
+    for file in folder(package).rglob("*.py"):
         for name in imported(file):
             assert name.split(".")[0] not in right, f"{file} imports {name}"
 
 
+@pytest.mark.parametrize("package", ROOMS)
+def test_rooms_inside_import_one_way(package):
+    rooms = ROOMS[package]
+    found = {file.parent.name for file in folder(package).glob("*/__init__.py")}
+    assert found == set(rooms)
+    for place, room in enumerate(rooms):
+        right = {f"{package}.{later}" for later in rooms[place + 1 :]}
+        for file in (folder(package) / room).rglob("*.py"):
+            for name in imported(file):
+                assert ".".join(name.split(".")[:2]) not in right, f"{file} imports {name}"
+
+
+@pytest.mark.parametrize("package", ROOTS)
+def test_rooms_are_small_and_say_what_they_are_for(package):
+    for entrance in folder(package).rglob("__init__.py"):
+        room = entrance.parent.relative_to(folder(package).parent).as_posix()
+        modules = list(entrance.parent.glob("*.py"))
+        assert len(modules) - 1 <= MOST_MODULES or room in REGISTRIES, f"{room} holds {len(modules) - 1} modules"
+        words = ast.get_docstring(ast.parse(entrance.read_text(encoding="utf-8"))) or ""
+        assert len(words.splitlines()) >= 3, f"{room}: three lines should say what it is for"
+
+
 def test_polars_is_imported_in_one_place():
     """There Ctrl-C is given back to Python."""
-    files = ROOMS["pipeclamp_identification"].rglob("*.py")
+    files = [file for package in ROOTS for file in folder(package).rglob("*.py")]
     assert [file.name for file in files if "polars" in set(imported(file))] == ["tables.py"]
 
 
-def test_no_cycles_within_a_room():
-    """Modules of a room can be put in an order in which each imports only what stands before it."""
-    for room, folder in ROOMS.items():
-        modules = {
-            ".".join([room, *file.relative_to(folder).with_suffix("").parts]).removesuffix(".__init__"): file
-            for file in folder.rglob("*.py")
-        }
-        left = {
-            name: {target for target in imported(file) if target in modules and target != name}
-            for name, file in modules.items()
-        }
-        while ready := [name for name, needs in left.items() if not needs]:
-            for name in ready:
-                del left[name]
-            for needs in left.values():
-                needs -= set(ready)
-        assert not left, f"cycle among {sorted(left)}"
+@pytest.mark.parametrize("package", ROOTS)
+def test_no_cycles_within_a_package(package):
+    """Modules of a package can be put in an order in which each imports only what stands before it."""
+    modules = {
+        ".".join([package, *file.relative_to(folder(package)).with_suffix("").parts]).removesuffix(".__init__"): file
+        for file in folder(package).rglob("*.py")
+    }
+    left = {
+        name: {target for target in imported(file) if target in modules and target != name}
+        for name, file in modules.items()
+    }
+    while ready := [name for name, needs in left.items() if not needs]:
+        for name in ready:
+            del left[name]
+        for needs in left.values():
+            needs -= set(ready)
+    assert not left, f"cycle among {sorted(left)}"

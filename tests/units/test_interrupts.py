@@ -10,14 +10,14 @@ import sys
 import pytest
 from cantilever import cantilever
 
-from pipeclamp_identification.cosim import run_system
-from pipeclamp_identification.importer import FmuParticipant
-from pipeclamp_identification.interrupts import held_back
+from pipeclamp_system.cosim.interrupts import held_back
+from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.fmus.participant import FmuParticipant
 
 PROGRAM = """
 import io, os, signal, threading, time
 import numpy as np
-from pipeclamp_identification.tables import pl
+from pipeclamp_models.base.tables import pl
 
 count = 0
 table = pl.DataFrame({"a": np.random.default_rng(1).random(3_000_000)})

@@ -4,12 +4,12 @@ import re
 
 import pytest
 
-from pipeclamp.bundled import open_law
-from pipeclamp.parameter_file import FitQuality, HistoryStep, RunQuality
 from pipeclamp_fmu.build import clamp_model
-from pipeclamp_fmu.clamp import clamp_documentation, quantities
-from pipeclamp_fmu.documentation import page
-from pipeclamp_fmu.history import HEADING, history_section
+from pipeclamp_fmu.contents.clamp import clamp_documentation, quantities
+from pipeclamp_fmu.describe.documentation import page
+from pipeclamp_fmu.describe.history import HEADING, history_section
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import FitQuality, HistoryStep, RunQuality
 
 FIT = FitQuality(
     method="joint",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp_identification.levels import CLASSES, name_levels, number_levels
+from pipeclamp_identification.signals.levels import CLASSES, name_levels, number_levels
 
 
 def labels(levels):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from pipeclamp_identification.lockstep import Evaluated, Problem, fit_together
+from pipeclamp_identification.attribution.lockstep import Evaluated, LeastSquares, fit_together
 
 T = np.linspace(0.0, 2.0, 30)
 
@@ -35,7 +35,7 @@ def fitted(truths, begins, lower=(0.0, 0.0), upper=(10.0, 10.0), most=50):
         ]
 
     bounds = np.array(lower), np.array(upper)
-    problems = [Problem(np.array(begin), *bounds, np.array([0.5, 0.5]), None, most) for begin in begins]
+    problems = [LeastSquares(np.array(begin), *bounds, np.array([0.5, 0.5]), None, most) for begin in begins]
     return fit_together(problems, evaluate, 1e-9), calls
 
 

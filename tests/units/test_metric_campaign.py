@@ -4,12 +4,14 @@ import math
 
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp.files import write_folder
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.metric_campaign import MetricCampaign, metric_observations, read_tests
-from pipeclamp_identification.metric_writing import as_metrics, metric_files
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.metrics_only.campaign import metric_observations
+from pipeclamp_identification.metrics_only.writing import as_metrics, metric_files
+from pipeclamp_identification.workflow.on_metrics import MetricTests
+from pipeclamp_identification.workflow.reading import read_tests
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import write_folder
 
 HEADER = "run,amplitude_mm,frequency_Hz,temperature_C,dissipated_energy_J,max_elastic_energy_J\n"
 ROW = "A,0.8,3,20,0.9696,0.6318\n"
@@ -18,14 +20,15 @@ ROW = "A,0.8,3,20,0.9696,0.6318\n"
 @pytest.fixture
 def tests_of(campaign_folder):
     def read(table, strict=False):
-        return read_tests(campaign_folder(table=table, records={}), strict)
+        tests = read_tests(campaign_folder(table=table, records={}), strict)
+        assert isinstance(tests, MetricTests)
+        return tests.campaign
 
     return read
 
 
 def test_a_row_without_a_record_is_known_by_its_metrics(tests_of):
     tests = tests_of(HEADER + ROW)
-    assert isinstance(tests, MetricCampaign)
     run = tests.runs[0]
     assert (run.dissipated_energy_J, run.max_elastic_energy_J) == (0.9696, 0.6318)
     assert run.loss_factor == pytest.approx(0.2442, abs=1e-4)
@@ -116,7 +119,7 @@ def test_written_metrics_are_read_back(run_of, campaign_of, harmonic_record, tmp
     tests = campaign_of(run_of(harmonic_record(), "A", temperature_C=20.0, conditions={"current_A": 1.5}))
     bare = as_metrics(tests, loops_of(tests))
     write_folder(tmp_path / "bare", metric_files(bare))
-    again = read_tests(tmp_path / "bare")
+    again = read_tests(tmp_path / "bare").metrics()
     assert again.condition_columns == ("current_A",)
     one, other = bare.runs[0], again.runs[0]
     for name in ("amplitude_mm", "frequency_Hz", "temperature_C", "dissipated_energy_J", "max_elastic_energy_J"):

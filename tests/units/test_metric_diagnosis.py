@@ -1,17 +1,22 @@
 """Diagnosis on metrics alone: virtual campaigns whose truth is known, and the parts it is made of."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from pipeclamp.law import Law, Structure
-from pipeclamp.response import law_response, sinusoids
-from pipeclamp_identification.metric_campaign import MetricCampaign, MetricRun, metric_observations
-from pipeclamp_identification.metric_diagnosis import diagnose_metrics
-from pipeclamp_identification.metric_diagnosis_report import MetricAnswer
-from pipeclamp_identification.metric_evidence import judge_metrics, scatter_of
-from pipeclamp_identification.metric_law import MetricComparison
-from pipeclamp_identification.metric_observations import loop_energies
-from pipeclamp_identification.metric_screen import look
+from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
+from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
+from pipeclamp_identification.metrics_only.evidence import judge_metrics, scatter_of
+from pipeclamp_identification.metrics_only.law import MetricComparison
+from pipeclamp_identification.metrics_only.next_test import next_metric_test
+from pipeclamp_identification.metrics_only.observations import loop_energies
+from pipeclamp_identification.metrics_only.screen import look
+from pipeclamp_identification.metrics_only.verdict import diagnose_metrics
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
 
 BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
@@ -27,7 +32,7 @@ def metrics(effects=(), scatter=0.003, seed=0, **values):
     motion = sinusoids(A, f, T + 273.15)
     law = Law(Structure("power", effects), {**BASE, **values}, 0.0126, 0.002)
     random = np.random.default_rng(seed)
-    energies = np.stack(loop_energies(motion, law_response(law, motion).force), axis=1)
+    energies = np.stack(loop_energies(motion, force_of_law(law, motion).force), axis=1)
     energies *= np.exp(scatter * random.standard_normal(energies.shape))
     runs = tuple(
         MetricRun(f"r{row}", None, *condition, None, 0.0, {}, *(float(f"{one:.4f}") for one in pair), (1e-4, 1e-4))
@@ -53,7 +58,7 @@ def test_a_missing_effect_is_named_with_its_caution():
     diagnosis = diagnose_metrics(Structure("power"), tests)
     assert (diagnosis.verdict, diagnosis.effects) == ("missing", ("damping_temperature",))
     assert diagnosis.tested_once == ("T",)
-    answer = MetricAnswer(diagnosis, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None)
+    answer = MetricDiagnosed(diagnosis, tests, MetricComparison(tests, np.zeros((len(CROSS), 2)), {}), None)
     assert any("rests on one row" in caution for caution in answer.cautions())
 
 
@@ -84,12 +89,12 @@ def test_the_scatter_lies_between_what_was_expected_and_what_is_left(quiet):
 def test_slopes_of_the_metrics_match_differences(quiet):
     law, observations = quiet
     result = law.result
-    slopes = observations.residual_slopes(result.response, result.places)
+    slopes = observations.residual_slopes(result.law_force, result.places)
     for place, name in enumerate(result.fitted):
         step = 1e-5 * max(abs(result.law.values[name]), 0.1)
         moved = [
             observations.residual(
-                law_response(
+                force_of_law(
                     Law(result.law.structure, {**result.law.values, name: result.law.values[name] + way * step},
                         result.law.v_r, result.law.y_r), observations.motion,
                 )
@@ -98,3 +103,31 @@ def test_slopes_of_the_metrics_match_differences(quiet):
         ]  # fmt: skip
         difference = (moved[0] - moved[1]) / (2 * step)
         assert np.allclose(slopes[place], difference, atol=2e-2 * np.abs(difference).max())
+
+
+@pytest.fixture(scope="module")
+def rivals():
+    """A diagnosis in which memory counts as a rival of what is hidden."""
+    diagnosis = diagnose_metrics(Structure("power"), metrics(("damping_temperature",), c_T1=-0.15, c_T2=0.05, c_T3=0.0))
+    memory = judge_metrics(("memory",), Structure("power", ("memory",)), {}, diagnosis.observations)
+    return replace(
+        diagnosis, verdict="ambiguous", effects=("damping_temperature", "memory"),
+        candidates=(*diagnosis.candidates, memory),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("stated", ["A=0.1..0.9,f=1..4,T=20..300", "A=..1.1,v=..12,T=100..310", "f=..6,F=..3000"])
+def test_a_proposed_sine_keeps_the_rigs_limits(rivals, stated):
+    limits = parse_limits(stated)
+    proposal = next_metric_test(rivals, limits)
+    drive = proposal.plan.signal()
+    assert np.max(np.abs(drive.displacement_mm)) <= limits.amplitude[1] * (1 + 1e-6)
+    assert np.max(np.abs(np.gradient(drive.displacement_mm, drive.time_s))) <= limits.velocity * (1 + 1e-6)
+    assert limits.frequency[0] <= proposal.frequency_Hz <= limits.frequency[1]
+    assert limits.temperature[0] <= proposal.temperature_C <= limits.temperature[1]
+
+
+def test_no_sine_within_the_limits_is_said(rivals):
+    told = [next_metric_test(rivals, parse_limits(stated)).words for stated in ("A=2..3,f=5..6,v=..10", "F=..5")]
+    assert all("no sine keeps all of" in words for words in told)
+    assert "it would take F=.." in told[1]

@@ -9,9 +9,9 @@ import math
 import numpy as np
 import pytest
 
-from pipeclamp_identification.loops import loops_of, per_cycle
-from pipeclamp_identification.metrics import metrics_of, scatter_of
-from pipeclamp_identification.metrics_summary import metrics_json
+from pipeclamp_identification.loops.answer import metrics_answer
+from pipeclamp_identification.loops.loops import loops_of, per_cycle
+from pipeclamp_identification.loops.metrics import metrics_of, scatter_of
 
 A, f = 0.8, 3.0
 OMEGA = 2 * math.pi * f
@@ -97,7 +97,7 @@ def test_the_json_has_the_contracts_fields_and_plain_values(harmonic_record, run
         run_of(harmonic_record(), "long", specimen="S1", temperature_C=20.0, conditions={"current_A": 0.5}),
     ]
     campaign = campaign_of(*runs)
-    answer = json.loads(json.dumps(metrics_json(campaign, loops_of(campaign)), allow_nan=False))
+    answer = json.loads(metrics_answer(campaign, loops_of(campaign)).json_text())
     short, long = answer["runs"]
     needed = ("dissipated_energy_J", "max_elastic_energy_J", "loss_factor", "stiffness_N_mm", "amplitude_mm")
     for run in (short, long):

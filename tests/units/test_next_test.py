@@ -1,19 +1,25 @@
 """The next test: rivals that a narrow campaign can't tell apart, and the test that does."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pipeclamp.bundled import open_law
-from pipeclamp.parameter_file import law_of
-from pipeclamp_identification import rig
-from pipeclamp_identification.campaign import read_campaign
-from pipeclamp_identification.campaign_writing import joined_runs, write_campaign
-from pipeclamp_identification.diagnosis_report import answer_for, answer_sections
-from pipeclamp_identification.identify import identify, law_file
-from pipeclamp_identification.next_test import RIDDEN, RIDING, RIDING_ORDER, next_test, parse_limits
-from pipeclamp_identification.report import render
+from pipeclamp.pages.page import render
+from pipeclamp.pages.sections import sections_of
+from pipeclamp.show.diagnosis import next_test_lines
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, drive_content, read_drive
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.writing import joined_runs, write_campaign
+from pipeclamp_identification.diagnosis.diagnosed import diagnosed
+from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
+from pipeclamp_identification.diagnosis.outlook import REPEATS, RIDDEN
+from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
 
 NARROW = rig.TestPlan((0.3, 0.6, 1.0), (3.0, 4.0), (20.0,), cycles=3.0, rate=240.0, force_noise=8.0)
 """Two neighbouring frequencies: the stiffness that follows f could as well be inertia."""
@@ -44,21 +50,17 @@ def law(narrow):
 
 @pytest.fixture(scope="module")
 def answer(narrow, law):
-    return answer_for(law, narrow, limits=parse_limits("A=0.1..1.5,f=0.5..20,T=20..20"))
+    return diagnosed(law, narrow, limits=parse_limits("A=0.1..1.5,f=0.5..20,T=20..20"))
 
 
 def test_the_proposed_test_settles_it(virtual, narrow, law, answer, tmp_path):
     assert answer.verdict == "ambiguous"
     assert set(answer.diagnosis.effects) == {"stiffness_frequency", "inertia"}
-    proposal = answer.proposal
-    plan = replace(
-        NARROW, amplitudes=(proposal.amplitude_mm,), frequencies=(proposal.frequency_Hz,),
-        temperatures=(proposal.temperature_C,), riding=RIDING if proposal.profile == RIDDEN else 0.0,
-        riding_order=RIDING_ORDER, rate=max(240.0, 160 * proposal.frequency_Hz),
-    )  # fmt: skip
-    campaigns = [narrow, *(virtual(plan, seed) for seed in (1, 2, 3))]
-    write_campaign(tmp_path / "all", joined_runs(campaigns), name="all", notes="")
-    settled = answer_for(law, read_campaign(tmp_path / "all")).diagnosis
+    path = tmp_path / "drive.csv"
+    path.write_bytes(drive_content(answer.proposal.plan.signal(), path))
+    plan = rig.driven(replace(NARROW, rate=1000.0, repeats=REPEATS), read_drive(path))
+    write_campaign(tmp_path / "all", joined_runs([narrow, virtual(plan, 1)]), name="all", notes="")
+    settled = diagnosed(law, read_campaign(tmp_path / "all")).diagnosis
     assert (settled.verdict, settled.effects) == ("missing", ("stiffness_frequency",))
 
 
@@ -67,27 +69,84 @@ def test_each_rivals_loop_is_drawn(answer):
     assert proposal.rivals == answer.diagnosis.effects
     assert proposal.forces.shape == (2, proposal.motion.y.shape[1])
     assert proposal.separation > 1.0
-    page = render("t", "s", answer_sections(answer))
+    page = render("t", "s", sections_of(answer))
     assert all(f"if it is {name}" in page for name in proposal.rivals)
 
 
-@pytest.mark.parametrize("stated", ["A=0.2..0.4,f=5..6,T=20..20", "A=2..3,f=0.5..1,T=100..200"])
+def kept(proposal, limits):
+    """Hold limits against the whole motion of a proposed test: what its signal does, and what its rivals foretell."""
+    drive = proposal.plan.signal()
+    y, time = drive.displacement_mm, drive.time_s
+    hair = 1e-6
+    assert np.max(np.abs(y)) <= limits.amplitude[1] * (1 + hair)
+    assert np.max(np.abs(np.diff(y) / np.diff(time))) <= limits.velocity * (1 + hair)
+    # the tones, at full amplitude: whole cycles have their lines alone
+    profile = proposal.plan.profile
+    begin, end = (cycles * profile.samples_per_cycle for cycles in (RAMP_CYCLES, RAMP_CYCLES + FULL_CYCLES))
+    lines = np.abs(np.fft.rfft(y[begin:end]))
+    tones = np.flatnonzero(lines > 1e-3 * lines.max()) * proposal.frequency_Hz / FULL_CYCLES
+    assert limits.frequency[0] * (1 - hair) <= tones.min()
+    assert tones.max() <= limits.frequency[1] * (1 + hair)
+    assert proposal.amplitude_mm >= limits.amplitude[0] * (1 - hair)
+    assert limits.temperature[0] - hair <= proposal.temperature_C <= limits.temperature[1] + hair
+    assert np.max(np.abs(proposal.forces)) <= limits.force * (1 + hair)
+    return tones
+
+
+@pytest.mark.parametrize("stated", ["A=0.2..0.4,f=5..6,T=20..20", "A=1..1.2,f=0.5..1,T=15..25"])
 def test_a_proposal_stays_within_the_rigs_limits(answer, stated):
-    limits = parse_limits(stated)
-    proposal = next_test(answer.diagnosis, limits)
-    for value, (low, high) in (
-        (proposal.amplitude_mm, limits.amplitude),
-        (proposal.frequency_Hz, limits.frequency),
-        (proposal.temperature_C, limits.temperature),
-    ):
-        assert low * (1 - 1e-9) <= value <= high * (1 + 1e-9)
+    proposal = next_test(answer.diagnosis, parse_limits(stated))
+    kept(proposal, parse_limits(stated))
     assert np.isfinite(proposal.separation)
+
+
+def test_cycles_that_ride_stay_within_the_limits_too(answer):
+    """It had proposed 1 mm at 3 Hz with a ripple at 21 Hz, which peaks at 1.25 mm."""
+    limits = parse_limits("A=0.1..1.1,f=0.5..8,T=20..20")
+    proposal = next_test(answer.diagnosis, limits)
+    tones = kept(proposal, limits)
+    assert proposal.profile == RIDDEN
+    assert tones.max() == pytest.approx(7 * proposal.frequency_Hz)
+
+
+def test_the_velocity_bounds_the_test(answer):
+    free = next_test(answer.diagnosis, parse_limits("A=0.1..1.5,f=0.5..20"))
+    assert free.plan.peak_velocity > 3.0
+    slow = parse_limits("A=0.1..1.5,f=0.5..20,v=..3")
+    kept(next_test(answer.diagnosis, slow), slow)
+
+
+def test_where_no_test_tells_it_is_said_which_limit_would_have_to_give(answer):
+    told = next_test(answer.diagnosis, parse_limits("A=0.3..0.31,f=3.4..3.6,T=20..20"))
+    assert isinstance(told, NoTest)
+    assert "tells stiffness_frequency and inertia apart" in told.words
+    lowest = re.search(r"it would take .*f=([\d.]+)\.\.", told.words)
+    assert isinstance(next_test(answer.diagnosis, parse_limits(f"A=0.3..0.31,f={lowest[1]}..3.6,T=20..20")), Proposal)
+
+
+def test_limits_that_no_motion_keeps(answer):
+    told = next_test(answer.diagnosis, parse_limits("A=1..1.5,f=3..8,v=..10"))
+    assert "no motion keeps all of A=1..1.5,f=3..8,T=20..20,v=..10; it would take" in told.words
+    assert float(re.search(r"take .*v=\.\.([\d.]+)", told.words)[1]) > 2 * np.pi * 1.0 * 3.0
+    assert "F=.." in next_test(answer.diagnosis, parse_limits("F=..100")).words
+
+
+def test_the_drive_is_drawn_and_named(answer, tmp_path):
+    (section,) = [section for section in sections_of(answer) if section.title == "Next test"]
+    assert "6 at full amplitude" in " ".join(section.paragraphs)
+    lines = next_test_lines(answer, tmp_path / "drive.csv")
+    assert "drive.csv holds its drive signal" in lines[1]
+    assert "--drive DRIVE.csv writes" in next_test_lines(answer, None)[1]
+    none = replace(answer, proposal=None, no_test="none tells")
+    assert next_test_lines(none, tmp_path / "drive.csv") == [
+        "No next test: none tells", f"{tmp_path / 'drive.csv'} isn't written: no test is proposed",
+    ]  # fmt: skip
 
 
 def test_no_temperature_is_made_up_where_the_tests_have_none(narrow, law, answer):
     """Not the assumed one, and not one within the rig's limits either; else it is the same proposal."""
     bare = replace(narrow, runs=tuple(replace(run, temperature_C=None) for run in narrow.runs))
-    diagnosis = answer_for(law, bare, limits=parse_limits("A=0.1..1.5,f=0.5..20,T=100..200")).diagnosis
+    diagnosis = diagnosed(law, bare, limits=parse_limits("A=0.1..1.5,f=0.5..20,T=100..200")).diagnosis
     for limits in (None, parse_limits("A=0.1..1.5,f=0.5..20,T=100..200")):
         proposal = next_test(diagnosis, limits)
         assert proposal.temperature_C is None

@@ -9,13 +9,13 @@ from xml.etree import ElementTree
 import pytest
 from fmpy import read_model_description
 
-from pipeclamp.bundled import open_law
-from pipeclamp.errors import UserError
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
 from pipeclamp_fmu.build import build_clamp, build_pipe
-from pipeclamp_fmu.model_description import ModelText, completed
-from pipeclamp_fmu.one_module import body_of, content_hash, with_inlined
+from pipeclamp_fmu.describe.model_description import ModelText, completed
+from pipeclamp_fmu.slaves.one_module import body_of, content_hash, with_inlined
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
 
 PIPE = """
 name = "short"

@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeclamp.bundled import bundled_laws, open_law
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import LawFile, law_of, law_text, parse_law, read_law, schema_text, write_law
+from pipeclamp_identification.workflow.schemas import schema_text
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.bundled import bundled_laws, open_law
+from pipeclamp_models.law.file import LawFile, law_of, law_text, parse_law, read_law, write_law
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -46,7 +47,7 @@ def test_the_text_is_whole_lines_in_one_order():
 
 
 def test_the_schema_says_what_is_needed():
-    schema = json.loads(schema_text())
+    schema = json.loads(schema_text("law"))
     assert {"schema", "base", "coefficients", "range", "data", "software", "command"} <= set(schema["required"])
     assert schema["additionalProperties"] is False
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp_fmu.passivity import CYCLES, balance, conditions, loaded, require_dissipation
+from pipeclamp_fmu.contents.passivity import CYCLES, balance, conditions, loaded, require_dissipation
+from pipeclamp_models.base.errors import UserError
 
 RANGE = ((0.2, 1.0), (1.0, 5.0), (293.15, 573.15))
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import PipeDescription, parse_pipe, read_pipe
-from pipeclamp.pipe_response import ModalModel, Reference
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.pipe.description import PipeDescription, parse_pipe, read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_models.pipe.truncation import ModalModel, Reference
 
 PIPE = """
 name = "bench"
@@ -118,7 +118,7 @@ def test_more_modes_are_kept_until_the_stated_error_is_met() -> None:
 
 
 def test_a_stated_error_that_is_not_reached_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("pipeclamp.pipe_response.MOST_MODES", 2)
+    monkeypatch.setattr("pipeclamp_models.pipe.truncation.MOST_MODES", 2)
     reduced = reduce(parse_pipe(PIPE.replace("up_to_Hz = 300", "up_to_Hz = 300\nerror = 1e-6")))
     assert max(reduced.errors.response, reduced.errors.static) > 1e-6
     assert f"modes.error = 1e-06 isn't reached: with {reduced.kept} modes" in reduced.summary()

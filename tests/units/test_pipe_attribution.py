@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 from cantilever import shaken
 
-from pipeclamp_identification.pipe_attribution import attribute
-from pipeclamp_identification.pipe_attribution_report import attribution_json, attribution_section, attribution_words
-from pipeclamp_identification.pipe_compared import Compared
-from pipeclamp_identification.pipe_comparison import compare_pipe
-from pipeclamp_identification.pipe_model import predict
-from pipeclamp_identification.pipe_next_test import propose
-from pipeclamp_identification.pipe_noise import noise_of
-from pipeclamp_identification.pipe_refit import changed
-from pipeclamp_identification.pipe_suspects import suspects_of, with_mounts
-from pipeclamp_identification.report import render
+from pipeclamp.pages.attribution import attribution_section
+from pipeclamp.pages.page import render
+from pipeclamp.show.on_pipe import attribution_words
+from pipeclamp_identification.attribution.answer import attribution_answer
+from pipeclamp_identification.attribution.compared import Compared
+from pipeclamp_identification.attribution.next_test import propose
+from pipeclamp_identification.attribution.noise import noise_of
+from pipeclamp_identification.attribution.refit import changed
+from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
+from pipeclamp_identification.attribution.verdict import attribute
+from pipeclamp_identification.on_pipe.model import predict
+from pipeclamp_identification.on_pipe.sines import compare_pipe
 
 PIPE = """
 name = "symmetric"
@@ -96,7 +98,7 @@ def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(bench):
     named = {suspect.id for suspect in found.suspects}
     assert {"left.stiffness", "right.stiffness"} <= named
     proposal = propose(found, Compared(comparison))
-    answer = attribution_json(found, proposal)
+    answer = attribution_answer(found, proposal).to_dict()
     assert "pipe" in answer["sides"]
     assert answer["nrmse"]["stated"] > 3 * min(entry["nrmse"] for entry in answer["candidates"])
     if named == {"left.stiffness", "right.stiffness"}:

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from cantilever import cantilever, shaken
 
-from pipeclamp.errors import UserError
-from pipeclamp_identification.pipe_comparison import PipeComparison, compare_pipe
-from pipeclamp_identification.pipe_comparison_report import pipe_comparison_sections
-from pipeclamp_identification.pipe_where import how_much, pipe_comparison_json, where_words
-from pipeclamp_identification.report import render
+from pipeclamp.pages.page import render
+from pipeclamp.pages.pipe import pipe_comparison_sections
+from pipeclamp_identification.on_pipe.answer import sines_answer
+from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
+from pipeclamp_identification.on_pipe.where import how_much, where_words
+from pipeclamp_models.base.errors import UserError
 
 MEASUREMENT = """
 name = "test"
@@ -88,7 +89,7 @@ def test_every_breakdown_adds_up_and_the_report_is_drawn(bench):
     folder = sweep(bench)
     (bench / "pipe.toml").write_text(cantilever(ratio=0.03, up_to_Hz=100), encoding="utf-8")
     found = compared(bench, folder)
-    answer = pipe_comparison_json(found)
+    answer = sines_answer(found).to_dict()
     assert answer["nrmse"] > 0.1
     parts = [answer["where"]["kinds"], answer["where"]["probes"], *answer["where"]["conditions"].values()]
     assert set(answer["where"]["conditions"]) == {"frequency_Hz", "acceleration_m_s2"}

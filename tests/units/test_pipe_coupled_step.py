@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from pipeclamp import pipe_coupled_step, pipe_step
+from pipeclamp_models.pipe import coupled_step as pipe_coupled_step
+from pipeclamp_models.pipe import step as pipe_step
 
 
 def rows_of(matrix: np.ndarray) -> tuple[tuple[float, ...], ...]:

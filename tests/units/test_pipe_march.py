@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from cantilever import cantilever
 
-from pipeclamp.law import Law, Structure, compose
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import parse_pipe
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.pipe_march import HeldLaw, Variant, march
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.transient.march import HeldLaw, Variant, march
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 pipe_text = partial(cantilever, ratio=0.03, up_to_Hz=50, clamps={"one": 1.2, "two": 2.0}, probes={"tip": 3.0})
 TIME = np.arange(201) / 200
@@ -26,7 +26,7 @@ def law(base: str, values: dict[str, float]) -> Law:
     structure = Structure(base)
     known = structure.held() | values
     return Law(
-        structure, {entry.name: known.get(entry.name, 0.0) for entry in compose(structure).parameters}, 1.0, 0.01
+        structure, {entry.name: known.get(entry.name, 0.0) for entry in structure.equations.parameters}, 1.0, 0.01
     )
 
 

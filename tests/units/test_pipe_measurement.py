@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp_identification.pipe_measurement import PipeMeasurement, read_measurement
+from pipeclamp_identification.on_pipe.measurement import PipeMeasurement, read_measurement
+from pipeclamp_models.base.errors import UserError
 
 PROBE = '[[probes]]\nname = "tip"\nposition_m = 2.0\nunit = "{unit}"\n'
 RESPONSE = '[[responses]]\nfile = "sines.csv"\n'

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp_identification.pipe_measurement import ProbeTable
-from pipeclamp_identification.pipe_noise import FLOOR, MODEL_ERROR
-from pipeclamp_identification.pipe_record_evidence import LINES, RecordEvidence, cells_of
-from pipeclamp_identification.pipe_record_files import MotionRecord
-from pipeclamp_identification.pipe_record_motion import RecordPrediction
+from pipeclamp_identification.attribution.noise import FLOOR, MODEL_ERROR
+from pipeclamp_identification.attribution.record_evidence import LINES, RecordEvidence, cells_of
+from pipeclamp_identification.on_pipe.measurement import ProbeTable
+from pipeclamp_identification.on_pipe.record_files import MotionRecord
+from pipeclamp_identification.on_pipe.record_motion import RecordPrediction
 
 TIME = np.arange(4000) / 200
 LOW, HIGH = 4.0, 16.0

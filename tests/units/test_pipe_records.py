@@ -10,18 +10,22 @@ import numpy as np
 import pytest
 from cantilever import cantilever, shaken
 
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import law_of, read_law
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import Place, parse_pipe
-from pipeclamp_identification.findings import compared_on_pipe
-from pipeclamp_identification.monolithic import clamp_equations, solve_monolithic
-from pipeclamp_identification.pipe_attribution import attribute
-from pipeclamp_identification.pipe_compared import Compared, compare_measured
-from pipeclamp_identification.pipe_comparison import compare_pipe
-from pipeclamp_identification.pipe_records import RecordsComparison, compare_records, records_json
-from pipeclamp_identification.pipe_records_report import records_sections
-from pipeclamp_identification.report import render
+from pipeclamp.pages.on_pipe import attributed_sections
+from pipeclamp.pages.page import render
+from pipeclamp.pages.pipe_records import records_sections
+from pipeclamp.show.on_pipe import attributed_view
+from pipeclamp_identification.attribution.answer import SystemComparisonAnswer
+from pipeclamp_identification.attribution.attributed import attributed
+from pipeclamp_identification.attribution.compared import Compared, compare_measured
+from pipeclamp_identification.attribution.verdict import attribute
+from pipeclamp_identification.on_pipe.answer import records_answer
+from pipeclamp_identification.on_pipe.records import RecordsComparison, compare_records
+from pipeclamp_identification.on_pipe.sines import compare_pipe
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.description import Place, parse_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 pipe_text = partial(cantilever, up_to_Hz=50, modes="error = 0.001")
 system_text = partial(shaken, amplitude_mm=0.5, frequency_Hz=8.0)
@@ -87,7 +91,7 @@ def test_what_is_added_is_found_at_its_probe_and_frequency(bench):
     region = found.region()
     assert region.words[0] == "at probe tip"
     assert region.share > 0.9
-    answer = records_json(found)
+    answer = records_answer(found).to_dict()
     for parts in (answer["where"]["probes"], answer["where"]["conditions"]["frequency_Hz"]):
         assert sum(part["share"] for part in parts) == pytest.approx(1.0)
     worst = max(answer["where"]["conditions"]["frequency_Hz"], key=lambda part: part["share"])
@@ -129,11 +133,17 @@ def test_sines_and_a_record_are_asked_together(bench):
     ]
     (bench / "sines.csv").write_text(head + "".join(lines), encoding="utf-8")
     held = compare_measured(bench / "system.toml", bench)
-    found = compared_on_pipe(held, with_report=True, progress=lambda what: None)
-    assert found.answer["attribution"]["verdict"] == "complete"
-    assert len(found.answer["sines"]) == 8
-    assert [record["file"] for record in found.answer["over_time"]["records"]] == ["sweep.csv"]
-    titles = [section.title for section in found.sections]
+    found = attributed(held, lambda what: None)
+    told = attributed_view(found).answer
+    answer = told.to_dict()
+    assert SystemComparisonAnswer.model_validate(answer) == told
+    assert list(answer) == ["nrmse", "noise_nrmse", "probes", "sines", "where", "over_time", "attribution"]
+    assert list(answer["sines"][0])[2] == "acceleration_m_s2"
+    assert not {"displacement_mm", "force_N"} & set(answer["sines"][0])
+    assert answer["attribution"]["verdict"] == "complete"
+    assert len(answer["sines"]) == 8
+    assert [record["file"] for record in answer["over_time"]["records"]] == ["sweep.csv"]
+    titles = [section.title for section in attributed_sections(found)]
     assert len(set(titles)) == len(titles)
 
 

@@ -6,11 +6,11 @@ from math import pi
 
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp.materials import MATERIALS, find_fluid, find_material
-from pipeclamp.pipe import reduce
-from pipeclamp.pipe_description import PipeDescription, parse_pipe
-from pipeclamp.pipe_section import beam_of, section_of
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.pipe.description import PipeDescription, parse_pipe
+from pipeclamp_models.pipe.materials import MATERIALS, find_fluid, find_material
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_models.pipe.section import beam_of, section_of
 
 PIPE = """
 name = "line"

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from pipeclamp import pipe_step
+from pipeclamp_models.pipe import step as pipe_step
 
 
 def exact(omega: float, damping: float, h: float) -> np.ndarray:

@@ -8,12 +8,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from pipeclamp.bundled import open_law
-from pipeclamp.errors import UserError
-from pipeclamp.parameter_file import FitQuality
-from pipeclamp_identification.error_pictures import ConditionsMap, conditions_picture
-from pipeclamp_identification.identify_report import doubts
-from pipeclamp_identification.pictures import (
+from pipeclamp.pages.error_pictures import ConditionsMap, conditions_picture
+from pipeclamp.pages.page import Section, render, write_report
+from pipeclamp.pages.pictures import (
     LoopPanel,
     curves_picture,
     loops_picture,
@@ -21,7 +18,11 @@ from pipeclamp_identification.pictures import (
     surface_picture,
     waterfall_picture,
 )
-from pipeclamp_identification.report import Section, Table, cell, render, write_report
+from pipeclamp.show.law import doubts
+from pipeclamp.show.table import Table, cell
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import FitQuality
 
 THETA = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 PANEL = LoopPanel("run", np.cos(THETA), np.sin(THETA), None)

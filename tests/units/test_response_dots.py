@@ -11,16 +11,17 @@ import polars as pl
 import pytest
 from typer.testing import CliRunner
 
-from pipeclamp_identification import response_dots
-from pipeclamp_identification.cli import app
-from pipeclamp_identification.cosim import finished, run_system
-from pipeclamp_identification.cosim_report import cosim_sections
-from pipeclamp_identification.cosim_result import write_result
-from pipeclamp_identification.frequency_response import run_response
-from pipeclamp_identification.hidden_motion import hidden_share
-from pipeclamp_identification.response_dots import CLOSE, Rest, co_simulated
-from pipeclamp_identification.response_report import response_picture
-from pipeclamp_identification.system import read_system
+from pipeclamp.cli.app import app
+from pipeclamp.pages.cosim import cosim_sections
+from pipeclamp.pages.response import response_picture
+from pipeclamp_system.cosim.building import finished
+from pipeclamp_system.cosim.hidden_motion import hidden_share
+from pipeclamp_system.cosim.result import write_result
+from pipeclamp_system.cosim.run import run_system
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.steady import dots as response_dots
+from pipeclamp_system.steady.dots import CLOSE, Rest, co_simulated
+from pipeclamp_system.steady.response import run_response
 
 MET = 3.18
 """Hz. 64 steps a cycle come at 203.5 Hz, where the example's second residual mode (205.7 Hz) rings with their corners;

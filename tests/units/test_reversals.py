@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from pipeclamp.law import Law, Structure
-from pipeclamp.response import law_response, sinusoids
-from pipeclamp_identification.loops import loops_of
-from pipeclamp_identification.observations import harmonics_of, loop_observations
-from pipeclamp_identification.records import Record
-from pipeclamp_identification.reversals import bridged
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.fitting.observations import harmonics_of, loop_observations
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.signals.reversals import bridged
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
 
 FRICTION = Law(
     Structure("power", ("coulomb",)),
@@ -28,7 +29,7 @@ def test_a_step_between_samples_has_the_harmonics_of_its_own_place(samples):
     late = type(cycle)(
         np.cos(phase)[None], -omega * np.sin(phase)[None], -(omega**2) * np.cos(phase)[None], cycle.slow, cycle.h
     )
-    found = harmonics_of(law_response(FRICTION, late).force, 3)[0]
+    found = harmonics_of(force_of_law(FRICTION, late).force, 3)[0]
     first = (1000.0 + 100.0 * 4j / np.pi) * np.exp(1j * shift)
     # A step that is taken for the middle between samples would be off by 0.13 of a step: 1 N at 64 samples.
     assert found[1] == pytest.approx(first.real, abs=0.03 * 64 / samples)
@@ -44,7 +45,7 @@ def test_the_sign_that_a_sample_at_the_reversal_happens_to_show_changes_nothing(
     sign[sign == 0] = flip
     loops = loops_of(campaign_of(run_of(Record(time, y, 1000.0 * y + 100.0 * sign), "locked")))
     observations = loop_observations(loops)
-    residual = observations.plain_residual(law_response(FRICTION, observations.motion))
+    residual = observations.plain_residual(force_of_law(FRICTION, observations.motion))
     # Taken as it is, the sample would be off by 100 N, and each harmonic by two of its shares in the sum.
     assert np.max(np.abs(residual[observations.seen])) < 0.2 * 2 * 100.0 / samples
     assert loops.noise_rms_N[0] < 0.05

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from pipeclamp.law import Law, Structure
-from pipeclamp.response import law_response, sinusoids
-from pipeclamp_identification.campaign import Campaign
-from pipeclamp_identification.identify import identify
-from pipeclamp_identification.misfit import overall_nrmse
-from pipeclamp_identification.records import Record
-from pipeclamp_identification.smoothing import averaged, find_smoothing, gain
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.smoothing import averaged, find_smoothing, gain
+from pipeclamp_identification.fitting.identify import identify
+from pipeclamp_identification.fitting.misfit import overall_nrmse
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
 
 RATE_PER_CYCLE = 500
 CYCLES = 6
@@ -33,7 +34,7 @@ def records(share, coloured=0.0):
     for A in (0.2, 0.5, 1.0, 2.0):
         for f in (1.0, 3.0, 8.0):
             motion = sinusoids(A, f, 293.15, RATE_PER_CYCLE)
-            force = np.tile(law_response(law, motion).force[0], CYCLES + 2)
+            force = np.tile(force_of_law(law, motion).force[0], CYCLES + 2)
             y = np.tile(motion.y[0], CYCLES + 2)
             white = random.normal(size=(2, len(y)))
             slow = signal.lfilter([1.0], [1.0, -0.97], random.normal(size=len(y)))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeclamp.bundled import open_law
-from pipeclamp.parameter_file import law_of
-from pipeclamp_identification.steady_clamp import SteadyClamp
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
+from pipeclamp_system.steady.clamp import SteadyClamp
 
 RANGES = {"range_A": (0.2, 1.0), "range_f": (1.0, 5.0), "ranges": {"T": (290.0, 575.0)}}
 

@@ -8,12 +8,26 @@ from math import inf, pi
 import numpy as np
 import pytest
 
-from pipeclamp_identification.cosim_result import CosimResult
-from pipeclamp_identification.coupling import ORDER, Scheme
-from pipeclamp_identification.energy import EnergyBalance
-from pipeclamp_identification.step_error import step_error
+from pipeclamp_system.cosim.energy import EnergyBalance
+from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.step_error import step_error
+from pipeclamp_system.description.scheme import ORDER, Scheme
+from pipeclamp_system.description.system import SystemDescription
 
 Motion = Callable[[np.ndarray], np.ndarray]
+
+
+def system_of(scheme: Scheme, step: float) -> SystemDescription:
+    """Give a system that runs for 20 s."""
+    clamp = {"at": "clamp1", "law": "emwm2", "temperature_C": 20.0, "amplitude_mm": 0.5}
+    return SystemDescription.model_validate(
+        {
+            "pipe": {"file": "pipe.toml"},
+            "clamps": (clamp,),
+            "excitation": {"kind": "sine", "acceleration_m_s2": 1.0, "frequency_Hz": 1.0},
+            "run": {"stop_s": 20.0, "step_s": step, "scheme": scheme},
+        }
+    )
 
 
 def result_of(scheme: Scheme, parts: float, clamp: Motion, probe: Motion | None = None) -> CosimResult:
@@ -22,18 +36,13 @@ def result_of(scheme: Scheme, parts: float, clamp: Motion, probe: Motion | None 
     columns = {"time": time, "clamp1.s": clamp(time), "tip.s": (probe or clamp)(time)}
     nothing = EnergyBalance(*(np.zeros_like(time) for _ in range(6)))
     return CosimResult(
-        name="made up",
-        scheme=scheme,
-        step=1 / parts,
-        clamp_names=("clamp1",),
+        system=system_of(scheme, 1 / parts),
         probe_names=("tip",),
         columns=columns,
         units={},
         energy=nothing,
         out_of_range=(),
         warnings=(),
-        modes=("given",),
-        trusted_share=0.02,
         hidden_share=0.0,
     )
 

@@ -14,12 +14,12 @@ from pathlib import Path
 import polars as pl
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp_identification.harmonic_balance import SteadySystem
-from pipeclamp_identification.study import read_study
-from pipeclamp_identification.study_case import evaluate
-from pipeclamp_identification.study_report import study_sections
-from pipeclamp_identification.study_run import journal_of, run_study
+from pipeclamp.pages.study import study_sections
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.study.case import evaluate
+from pipeclamp_system.study.description import read_study
+from pipeclamp_system.study.run import journal_of, run_study
 
 PIPE = """
 name = "pipe"
@@ -157,7 +157,7 @@ def test_every_file_decides_whether_a_study_goes_on(write, tmp_path: Path, monke
         (tmp_path / "r.csv").write_text(f"time_s,acceleration_m_s2\n0,0\n1,{last}\n", encoding="utf-8")
         prints.append(read_study(path).fingerprint)
     assert prints[0] == prints[1] != prints[2]
-    monkeypatch.setattr("pipeclamp_identification.study.version", lambda: "another")
+    monkeypatch.setattr("pipeclamp_system.study.description.version", lambda: "another")
     assert read_study(path).fingerprint not in prints
 
 
@@ -204,7 +204,7 @@ def test_the_table_is_written_and_the_journal_goes(write, tmp_path: Path) -> Non
 def test_a_killed_study_goes_on_with_nothing_lost_or_done_twice(write, tmp_path: Path) -> None:
     path = write('"pipe.clamps.c1.position_m" = { start = 1.0, stop = 2.0, points = 40 }')
     output = tmp_path / "study.parquet"
-    command = [sys.executable, "-m", "pipeclamp_identification", "sweep", str(path), "-o", str(output), "--jobs", "1"]
+    command = [sys.executable, "-m", "pipeclamp", "sweep", str(path), "-o", str(output), "--jobs", "1"]
     journal = journal_of(output)
     with subprocess.Popen(command, stdout=subprocess.DEVNULL) as running:
         until = time.monotonic() + 300
@@ -234,7 +234,7 @@ def test_a_journal_of_another_study_is_refused(write, tmp_path: Path) -> None:
 def test_an_interrupt_is_one_line_that_says_how_to_go_on(write, tmp_path: Path) -> None:
     write('"pipe.clamps.c1.position_m" = { start = 1.0, stop = 2.0, points = 300 }')
     output = tmp_path / "s.parquet"
-    words = (sys.executable, "-m", "pipeclamp_identification", "sweep", "study.toml", "-o", output.name, "--jobs", "2")
+    words = (sys.executable, "-m", "pipeclamp", "sweep", "study.toml", "-o", output.name, "--jobs", "2")
     pipe = subprocess.PIPE
     # A terminal sends Ctrl-C to all processes of a command.
     with subprocess.Popen(words, cwd=tmp_path, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as run:

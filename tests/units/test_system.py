@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeclamp.errors import UserError
-from pipeclamp.toml_file import parse_table
-from pipeclamp_identification.excitation import excitation_signal
-from pipeclamp_identification.system import ExcitationTable, SystemDescription, read_system
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.toml_file import parse_table
+from pipeclamp_system.description.excitation import excitation_signal
+from pipeclamp_system.description.system import ExcitationTable, SystemDescription, read_system
 
 SYSTEM = """
 name = "bench"

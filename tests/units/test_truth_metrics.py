@@ -103,7 +103,7 @@ def test_cases_have_names_of_their_own_and_the_cross_is_the_papers():
     from metric_cases import metric_cases
     from metric_loops import PLANS
 
-    from pipeclamp_identification.bundled_campaigns import bundled_campaign
+    from pipeclamp_identification.campaign.bundled import bundled_campaign
 
     cases = metric_cases()
     assert len({case.name for case in cases}) == len(cases)

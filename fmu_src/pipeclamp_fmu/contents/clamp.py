@@ -1,0 +1,419 @@
+"""What a clamp's FMU is made of, from a law's generated source."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from pipeclamp_fmu.contents.content import Content
+from pipeclamp_fmu.contents.passivity import Interval, ScalarLaw, loaded
+from pipeclamp_fmu.contents.reference import reference_files
+from pipeclamp_fmu.contents.steady_loop import SAMPLES, steady_loop
+from pipeclamp_fmu.describe.documentation import Section, page, variables_section
+from pipeclamp_fmu.describe.history import history_section
+from pipeclamp_fmu.describe.icon import loop_icon
+from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
+from pipeclamp_fmu.describe.variables import Range, Variable, Variables, numbers_of
+from pipeclamp_fmu.slaves import clamp as clamp_slave
+from pipeclamp_fmu.slaves import own_motion
+from pipeclamp_fmu.slaves.one_module import source_text, with_inlined
+from pipeclamp_fmu.slaves.values_file import values_text
+from pipeclamp_models.equations.symbols import REFERENCES, T_0
+from pipeclamp_models.law.file import FitQuality, HistoryStep
+
+MARGIN = 10.0
+"""min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
+
+TEMPERATURES = (1.0, 2000.0)
+"""min and max of temperatures, K: above absolute zero, and above what any steel stands."""
+
+STEPS_PER_CYCLE = 200
+"""Of the default experiment, at the highest frequency in range."""
+
+
+@dataclass(frozen=True)
+class FurtherCondition:
+    """A slow signal of the law besides A, f and T, as a parameter of the FMU.
+
+    Attributes:
+        name: of the parameter.
+        meaning: one phrase.
+        unit: the FMU's, "" where only the column's name tells it.
+        display_unit: the unit for people, "" for the same.
+        law_unit: the law's.
+        scale: a value in the law's unit over the one in the FMU's.
+        interval: what the law's data hold, in the law's unit.
+        positive: whether it must be above 0.
+        start: in the FMU's unit.
+        counted: whether the clamp's own load cycles are added to it.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    display_unit: str
+    law_unit: str
+    scale: float
+    interval: Interval
+    positive: bool
+    start: float
+    counted: bool = False
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A coefficient of the law or a state of its memory, with the coefficient's value."""
+
+    name: str
+    unit: str
+    meaning: str
+    value: float = 0.0
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a clamp FMU is told of its use when it is built; None for the middle of the law's range.
+
+    Attributes:
+        A: amplitude of the motion, m.
+        f: its frequency, Hz.
+        T: temperature of the clamp, K.
+        track: whether A and f are followed from the motion.
+        connected_temperature: whether T_in is an input, to be connected, and used.
+    """
+
+    A: float | None = None
+    f: float | None = None
+    T: float | None = None
+    track: bool = False
+    connected_temperature: bool = False
+
+
+USUAL = Start()
+"""Of a clamp that is told nothing."""
+
+
+@dataclass(frozen=True)
+class ClampModel:
+    """A law as the clamp FMU needs it.
+
+    Attributes:
+        name: the law's name.
+        source: its generated source, see `pipeclamp.realise.scalar.python_source`.
+        coefficients: in the order in which the source takes them.
+        range_A: amplitudes that its data hold, mm.
+        range_f: frequencies, Hz.
+        range_T: temperatures, K; None where they aren't known and the law is for any.
+        equations: for the documentation, one line each.
+        parameters: for the documentation: symbol, value, standard error, unit, meaning.
+        notes: for the documentation: what else to say of the law, its data and its quality.
+        further: conditions besides A, f and T, in the order in which the source takes them.
+        history, fit: for the documentation: the error step by step, and how well the law fits.
+        told: what the FMU starts with.
+    """
+
+    name: str
+    source: str
+    coefficients: tuple[Entry, ...]
+    range_A: Interval
+    range_f: Interval
+    range_T: Interval | None
+    equations: Sequence[str] = ()
+    parameters: Sequence[Sequence[str]] = ()
+    notes: Sequence[str] = ()
+    further: tuple[FurtherCondition, ...] = ()
+    history: Sequence[HistoryStep] = ()
+    fit: FitQuality | None = None
+    told: Start = USUAL
+
+    @property
+    def ranges(self) -> tuple[Range, ...]:
+        """The ranges of all conditions, in the law's units."""
+        return (
+            Range(*self.range_A, "mm"),
+            Range(*self.range_f, "Hz"),
+            Range(*self.temperatures, "K"),
+            *(Range(*entry.interval, entry.law_unit) for entry in self.further),
+        )
+
+    @property
+    def temperatures(self) -> Interval:
+        """The temperatures at which the law may be used, K: all, where it was identified without any."""
+        return self.range_T or TEMPERATURES
+
+    @property
+    def temperature(self) -> float:
+        """The temperature that the clamp has unless it is told another, K."""
+        return middle(self.range_T) if self.range_T else float(REFERENCES[T_0])
+
+    @property
+    def law(self) -> ScalarLaw:
+        """The law, ready to be called."""
+        return loaded(self.source, [entry.value for entry in self.coefficients])
+
+    @property
+    def condition_names(self) -> tuple[str, ...]:
+        """The names of the parameters that state conditions, in the order in which the source takes them."""
+        return ("A", "f", "T", *(entry.name for entry in self.further))
+
+    @property
+    def counted(self) -> int:
+        """The place of the load cycles among the further conditions, -1 for none."""
+        return next((place for place, entry in enumerate(self.further) if entry.counted), -1)
+
+
+def clamp_module(model: ClampModel) -> str:
+    """Give the slave's one module: equations and slave; no value of the law is in it."""
+    further = tuple((entry.name, entry.law_unit, entry.scale, entry.positive) for entry in model.further)
+    law = "\n".join(
+        [
+            f"FURTHER = {further!r}",
+            f"COUNTED = {model.counted}",
+            f"COEFFICIENTS = {tuple(entry.name for entry in model.coefficients)!r}",
+            "",
+            model.source,
+        ]
+    )
+    parts = {f"pipeclamp_fmu.slaves.{name}": source_text(name) for name in ("own_motion", "plain", "values_file")}
+    return with_inlined(source_text("clamp"), {**parts, "pipeclamp_fmu.slaves.stand_in_law": law})
+
+
+def middle(interval: Interval) -> float:
+    """Give the middle of a range."""
+    return (interval[0] + interval[1]) / 2
+
+
+def quantities(model: ClampModel) -> Mapping[str, Quantity]:
+    """Give what an importer should know of the clamp's variables."""
+    law = model.law
+    A, f, T = middle(model.range_A), middle(model.range_f), model.temperature
+    start = tuple(value for _, value in law.states)
+    middles = tuple(entry.scale * entry.start for entry in model.further)
+    force = usual(law.step(law.coefficients(A, f, T, *middles), start, 0.0, A, 0.0, 1 / (4 * f))[0])
+    farthest = MARGIN * model.range_A[1] / 1000
+    fastest = 2 * math.pi * MARGIN * model.range_f[1] * farthest
+    s = usual(A / 1000)
+    v = usual(2 * math.pi * f * A / 1000)
+
+    def amplitude(text: str) -> Quantity:
+        return Quantity(text, "m", "mm", model.range_A[0] / 1000 / MARGIN, farthest, s)
+
+    def frequency(text: str) -> Quantity:
+        return Quantity(text, "Hz", "", model.range_f[0] / MARGIN, MARGIN * model.range_f[1], usual(f))
+
+    def temperature(text: str) -> Quantity:
+        return Quantity(text, "K", "degC", *TEMPERATURES, usual(T))
+
+    def in_range(interval: Interval, unit: str) -> str:
+        return f"(law's range {interval[0]:g} to {interval[1]:g} {unit})"
+
+    range_A, range_f = in_range(model.range_A, "mm"), in_range(model.range_f, "Hz")
+    range_T = in_range(model.range_T, "K") if model.range_T else "(its law was identified without)"
+    return {
+        "flange.s": Quantity("displacement of the clamp at the end of the step", "m", "mm", -farthest, farthest, s),
+        "flange.v": Quantity("its velocity at the end of the step", "m/s", "mm/s", -fastest, fastest, v),
+        "T_in": temperature(f"temperature from outside, used where useTemperatureInput is true {range_T}"),
+        "A": amplitude(f"amplitude of the motion {range_A}"),
+        "f": frequency(f"frequency of the motion {range_f}"),
+        "T": temperature(f"temperature of the clamp {range_T}"),
+        **{entry.name: _further(entry) for entry in model.further},
+        "flange.f": Quantity("force into the clamp; a spring gives +c s", "N", "", -1e3 * force, 1e3 * force, force),
+        "A_used": amplitude("amplitude that the law is evaluated with"),
+        "f_used": frequency("frequency that the law is evaluated with"),
+        "T_used": temperature("temperature that the law is evaluated with"),
+        "energyDissipated": Quantity(
+            "work of flange.f on the clamp less what the clamp stores", "J", "", -1e6, 1e6, usual(force * s)
+        ),
+        "forceDeviation": Quantity(
+            "rms difference of the force for the A and f that were told from that for A and f of the motion, as a "
+            "share of the latter's rms; of the last cycle",
+            "1",
+            "",
+            0.0,
+            1e6,
+            own_motion.LIMIT,
+        ),
+        "useTemperatureInput": Quantity("take T_in in place of the parameter T"),
+        "track": Quantity("estimate amplitude and frequency from the motion, starting from A and f"),
+        "inRange": Quantity("A, f, T of the motion and the displacement lie inside the law's range"),
+    }
+
+
+def _further(entry: FurtherCondition) -> Quantity:
+    """Give what an importer should know of a further condition."""
+    low, high = (end / entry.scale for end in entry.interval)
+    room = (MARGIN - 1) * max(abs(low), abs(high), high - low)
+    lowest = low / MARGIN if entry.positive else 0.0 if entry.counted else low - room
+    text = f"{entry.meaning} (law's range {entry.interval[0]:g} to {entry.interval[1]:g} {entry.law_unit})"
+    return Quantity(
+        text.replace(" )", ")"), entry.unit, entry.display_unit, lowest, high + room, usual(entry.start or high)
+    )
+
+
+def clamp_text(model: ClampModel, version: str) -> ModelText:
+    """Give what the description says of the whole."""
+    return ModelText(
+        name=f"Pipe clamp, law {model.name}",
+        description="Hysteretic force of a pipe clamp from displacement, velocity and temperature",
+        version=version,
+        step_size=usual(1 / (STEPS_PER_CYCLE * model.range_f[1])),
+    )
+
+
+def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Variables:
+    """Give the clamp's variables, but for those that show its memory."""
+    told = model.told
+    options: dict[str, float | bool | None] = {"A": told.A, "f": told.f, "T": told.T, "track": told.track or None}
+    asked = {name: value for name, value in options.items() if value is not None}
+    temperature = model.temperature if told.T is None else told.T
+    starts: dict[str, float | bool] = {
+        "flange.s": 0.0,
+        "flange.v": 0.0,
+        "T_in": temperature,
+        "A": middle(model.range_A) / clamp_slave.MM,
+        "f": middle(model.range_f),
+        "T": temperature,
+        **{entry.name: entry.start for entry in model.further},
+        "useTemperatureInput": told.connected_temperature,
+        "track": False,
+        **asked,
+    }
+
+    def known(names: Iterable[str]) -> tuple[Variable, ...]:
+        return tuple(Variable(name, described[name], starts.get(name), name in asked) for name in names)
+
+    coefficients = [
+        Variable(
+            f"{clamp_slave.LAW}{entry.name}",
+            Quantity(f"coefficient of the law: {entry.meaning}", entry.unit.replace("-", "")),
+            entry.value,
+        )
+        for entry in model.coefficients
+    ]
+    return Variables(
+        inputs=known(clamp_slave.INPUTS),
+        parameters=known(model.condition_names),
+        outputs=known(clamp_slave.OUTPUTS),
+        locals=(),
+        fixed=tuple(coefficients),
+        boolean_parameters=known(clamp_slave.BOOLEAN_PARAMETERS),
+        boolean_outputs=known(clamp_slave.BOOLEAN_OUTPUTS),
+        signals=clamp_slave.T_IN,
+        unconnected=int(not told.connected_temperature),
+    )
+
+
+def clamp_extras(model: ClampModel, variables: Variables) -> tuple[bytes, dict[str, bytes]]:
+    """Give the clamp's icon and the reference results that travel inside its FMU."""
+    loop = steady_loop(clamp_module(model), values_text("", model.name, numbers_of(variables, model.ranges)))
+    return loop_icon(loop.s[SAMPLES:], loop.force[SAMPLES:]), reference_files(loop)
+
+
+def clamp_content(model: ClampModel, version: str) -> Content:
+    """Give all that goes into the clamp's Python FMU."""
+    described = quantities(model)
+    variables = clamp_variables(model, described)
+    icon, references = clamp_extras(model, variables)
+    return Content(
+        kind="clamp",
+        source=clamp_module(model),
+        class_name=clamp_slave.ClampSlave.__name__,
+        text=clamp_text(model, version),
+        quantities={variable.name: variable.quantity for variable in variables.all},
+        initial_inputs=tuple(variable.name for variable in variables.settable),
+        documentation=clamp_documentation(model, described, PYTHON_USE),
+        further={"model.png": icon, **references},
+        name=model.name,
+        numbers=numbers_of(variables, model.ranges),
+        tunable=tuple(entry.name for entry in variables.inputs if entry not in variables.connected),
+    )
+
+
+def clamp_documentation(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> str:
+    """Give the page that travels inside the FMU.
+
+    Args:
+        model: the law.
+        described: what is said of each variable.
+        use: how to use this kind of FMU.
+    """
+    text = clamp_text(model, "")
+    return page(text.name, (text.description + ".", *model.notes), _sections(model, described, use))
+
+
+def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[Section]:
+    return [
+        Section(
+            "Equations",
+            ("y in mm, v in mm/s, force F in N; A, f, T are amplitude (mm), frequency (Hz), temperature (K).",),
+            model.equations,
+        ),
+        *([history_section(model.history, model.fit)] if model.history or model.fit else ()),
+        Section("Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters),
+        Section(
+            "Range",
+            (
+                "Where the law's data lie. Outside, the clamp warns once and inRange is false; so it is for "
+                "displacements beyond the largest amplitude.",
+            ),
+            (),
+            ("quantity", "from", "to", "unit"),
+            [
+                (name, f"{entry.minimum:g}", f"{entry.maximum:g}", entry.unit)
+                for name, entry in zip(model.condition_names, model.ranges, strict=True)
+                if name != "T" or model.range_T
+            ],
+        ),
+        variables_section(described),
+        Section(
+            "Use",
+            (
+                *use,
+                "With track, amplitude and frequency come from averages of y, y^2 and v^2 over the last few cycles "
+                f"(two first-order filters in a row, time constant {clamp_slave.AVERAGING:g} periods each): "
+                "A = sqrt(2 var y), 2 pi f = sqrt(<v^2>/var y), held inside the range.",
+                FOLLOWED,
+                TEMPERATURE,
+                "energyDissipated is the work done on the clamp less the change of what it stores, at the "
+                "coefficients of the step; what a change of A, f or T does to the stored energy is not in it.",
+                *(COUNTING for entry in model.further if entry.counted),
+                "A step with a value that can't be (NaN or infinite; A, f or T not above 0; a step not above 0) is "
+                "discarded with a logged error, the state untouched.",
+            ),
+        ),
+    ]
+
+
+FOLLOWED = (
+    "Where track is false, the law is taken for the A and f that the clamp was told. It sees A and f of its own motion "
+    "all the same, cycle by cycle, from reversal to reversal, with the same formulas. forceDeviation is the rms "
+    "difference of the whole force along a sinusoid of the motion's A, f and mean, from rest through a second cycle, "
+    "between the told A and f and those of the motion (held inside the range), as a share of the latter's rms. Above "
+    f"{own_motion.LIMIT:.0%} it is logged once, with what to set: after two such cycles in a row of a motion whose A "
+    f"and f change by at most {own_motion.STEADY:.0%} from one to the next, or {own_motion.LASTING} of any other. "
+    f"Motions below {own_motion.REST:.0%} of the law's smallest amplitude pass for rest. "
+    "With track, and of a law that doesn't depend on A and f, it is 0."
+)
+
+TEMPERATURE = (
+    "T_in is a tunable parameter beside T, unless the FMU was built with --temperature-input: then it is an input, to "
+    "be connected, and useTemperatureInput starts as true."
+)
+
+COUNTING = (
+    "Load cycles: to firstCycle the clamp adds those that it makes itself, a cycle being a way of four amplitudes "
+    "A_used. A step is taken at the cycles that were seen when it began."
+)
+
+COEFFICIENTS = (
+    "The coefficients law.* are in the law's own units and can be set before and in initialization; "
+    "`pipeclamp set-parameters` puts another law's into the FMU."
+)
+
+PYTHON_USE = (
+    "flange.s and flange.v are the values at the end of a step; from the last communication point to them the motion "
+    "is straight. A master that steps all models in parallel therefore sees the force one step late.",
+    COEFFICIENTS,
+    "States are saved, restored and serialised exactly. Standard library of Python only.",
+)

@@ -1,0 +1,180 @@
+"""Whether a law dissipates over every closed cycle in its range, tried with the source that the FMU runs."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from pipeclamp_models.base.errors import UserError
+
+Interval = tuple[float, float]
+
+POINTS = {"A": 4, "f": 3, "T": 5}
+"""Points of the grid along each range, both ends included."""
+
+COARSE, FINE = 128, 2048
+"""Samples per cycle, and those of a second look where the coarse ones don't show dissipation clearly."""
+
+CLEAR = 1e-2
+"""Dissipation, as a share of the energy moved, that needs no second look."""
+
+RESOLVED = 1e-5
+"""Share of the energy moved below which the fine quadrature can't tell dissipation from none: kinks cost it 1e-6."""
+
+
+@dataclass(frozen=True)
+class ScalarLaw:
+    """A generated law with its values, ready to be called; see `pipeclamp.realise.scalar.python_source`."""
+
+    states: tuple[tuple[str, float], ...]
+    coefficients: Callable[..., Any]
+    step: Callable[..., tuple[float, float, tuple[float, ...]]]
+
+
+def loaded(source: str, values: Sequence[float]) -> ScalarLaw:
+    """Load a law's generated source with values for its parameters, as the FMU does."""
+    scope: dict[str, Any] = {"math": math}
+    exec(source, scope)
+    return ScalarLaw(scope["STATES"], partial(scope["coefficients"], tuple(values)), scope["step"])
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A closed motion y/A = offset + sum of a_n sin(n theta + phase_n); it stays within A.
+
+    Attributes:
+        name: for messages.
+        harmonics: (n, a_n, phase_n).
+        offset: mean displacement over A.
+    """
+
+    name: str
+    harmonics: tuple[tuple[int, float, float], ...]
+    offset: float = 0.0
+
+
+CYCLES = (
+    Cycle("a sinusoid", ((1, 1.0, 0.0),)),
+    Cycle("a tenth of a sinusoid", ((1, 0.1, 0.0),)),
+    Cycle("a small sinusoid on a large offset", ((1, 0.1, 0.0),), 0.9),
+    Cycle("a sinusoid with a third harmonic", ((1, 0.6, 0.0), (3, 0.4, 1.0))),
+    Cycle("a sinusoid with a second harmonic and an offset", ((1, 0.5, 0.0), (2, 0.2, 0.5)), -0.3),
+)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What a cycle did: dissipated energy and moved energy (integral of |F dy|), N mm."""
+
+    dissipated: float
+    moved: float
+
+    @property
+    def share(self) -> float:
+        """Dissipated over moved energy."""
+        return self.dissipated / self.moved if self.moved else 0.0
+
+
+def balance(law: ScalarLaw, cycle: Cycle, where: Sequence[float], samples: int) -> Balance:
+    """Run a cycle twice, so that memory has settled, and account for the second time round.
+
+    Args:
+        law: the law.
+        cycle: the motion.
+        where: amplitude (mm) and frequency (Hz) of the motion and of the law's coefficients, temperature (K), further
+            conditions in the law's units.
+        samples: per cycle.
+    """
+    A, f, *_ = where
+    k = law.coefficients(*where)
+    h = 1 / (f * samples)
+    angular = 2 * math.pi * f
+    motion = []
+    for index in range(samples):
+        theta = 2 * math.pi * index / samples
+        y = cycle.offset + sum(a * math.sin(n * theta + phase) for n, a, phase in cycle.harmonics)
+        v = sum(n * a * math.cos(n * theta + phase) for n, a, phase in cycle.harmonics)
+        motion.append((A * y, A * angular * v))
+    state = tuple(start for _, start in law.states)
+    y_previous = motion[0][0]
+    law.step(k, state, y_previous, y_previous, 0.0, 0.0)  # as where conditions change: it must have a value there
+    work = moved = before = energy = 0.0
+    for turn in range(2):
+        work = moved = 0.0
+        for y, v in motion:
+            force, energy, state = law.step(k, state, y_previous, y, v, h)
+            work += force * v * h
+            moved += abs(force * v) * h
+            y_previous = y
+        if turn == 0:
+            before = energy
+    return Balance(work - (energy - before), moved)
+
+
+def _points(interval: Interval, count: int) -> list[float]:
+    low, high = interval
+    shares = [index / (count - 1) for index in range(count)] if high > low else [0.0]
+    return [low * (1 - share) + high * share for share in shares]
+
+
+def conditions(
+    range_A: Interval, range_f: Interval, range_T: Interval, *further: Interval
+) -> Iterator[tuple[float, ...]]:
+    """Give the grid of A (mm), f (Hz), T (K) and the ends of further conditions on which cycles are tried."""
+    return itertools.product(
+        _points(range_A, POINTS["A"]),
+        _points(range_f, POINTS["f"]),
+        _points(range_T, POINTS["T"]),
+        *(_points(interval, 2) for interval in further),
+    )
+
+
+def require_dissipation(
+    name: str, law: ScalarLaw, range_A: Interval, range_f: Interval, range_T: Interval, *further: Interval
+) -> None:
+    """Refuse a law that gives energy over some closed cycle in its range.
+
+    Args:
+        name: the law's name, for the message.
+        law: the law.
+        range_A: mm.
+        range_f: Hz.
+        range_T: K.
+        further: of further conditions, in the law's units.
+
+    Raises:
+        UserError: a cycle dissipates less than nothing, or the law has no finite value on it.
+    """
+    worst: tuple[float, Cycle, tuple[float, ...], Balance] | None = None
+    for where in conditions(range_A, range_f, range_T, *further):
+        for cycle in CYCLES:
+            try:
+                result = balance(law, cycle, where, COARSE)
+                if result.share < CLEAR:
+                    result = balance(law, cycle, where, FINE)
+            except (ArithmeticError, ValueError, TypeError) as error:
+                raise UserError(f"law {name!r} has no value for {_at(cycle, where)} ({error}); {REMEDY}") from error
+            if not math.isfinite(result.dissipated):
+                raise UserError(f"law {name!r} has no finite force for {_at(cycle, where)}; {REMEDY}")
+            if worst is None or result.share < worst[0]:
+                worst = (result.share, cycle, where, result)
+    if worst is not None and worst[0] < -RESOLVED:
+        _, cycle, where, result = worst
+        raise UserError(
+            f"law {name!r} would create energy: {_at(cycle, where)} gives {-1e-3 * result.dissipated:.3g} J per cycle "
+            f"({-100 * worst[0]:.3g} % of the energy moved); expected dissipation above 0 over every closed cycle. "
+            f"{REMEDY}"
+        )
+
+
+REMEDY = "Identify the law again with other effects or bounds, or give it a narrower range"
+
+
+def _at(cycle: Cycle, where: tuple[float, ...]) -> str:
+    A, f, T, *further = where
+    more = f", further conditions {', '.join(f'{value:g}' for value in further)}" if further else ""
+    return f"{cycle.name} within A = {A:g} mm at f = {f:g} Hz, T = {T:g} K{more}"

@@ -1,0 +1,118 @@
+"""The variables of an FMU, in the order in which its program holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipeclamp_fmu.describe.model_description import Quantity
+from pipeclamp_fmu.slaves.values_file import TOLD
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a model.
+
+    Attributes:
+        name: as importers see it.
+        quantity: what a person and an importer should know of it.
+        start: value of an input or a parameter at the start; None for what is calculated.
+        told: whether that value was asked for, and isn't the usual one.
+    """
+
+    name: str
+    quantity: Quantity
+    start: float | bool | None = None
+    told: bool = False
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where a quantity lay in the data, in the law's unit."""
+
+    minimum: float
+    maximum: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Variables:
+    """All variables by what they are; value references count through them in this order.
+
+    Attributes:
+        inputs, parameters, outputs, locals, fixed: of type Real; `parameters` are tunable.
+        boolean_parameters, boolean_outputs: of type Boolean.
+        states: how many of the locals, the first, are continuous states; as many after them are their derivatives.
+        unconnected: how many of the inputs, the last, aren't to be connected, and are tunable parameters for importers.
+        signals: how many of the inputs may change with every step without unsettling the conditions.
+    """
+
+    inputs: tuple[Variable, ...]
+    parameters: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    locals: tuple[Variable, ...]
+    fixed: tuple[Variable, ...]
+    boolean_parameters: tuple[Variable, ...]
+    boolean_outputs: tuple[Variable, ...]
+    signals: int
+    states: int = 0
+    unconnected: int = 0
+
+    @property
+    def state_variables(self) -> tuple[Variable, ...]:
+        """The continuous states."""
+        return self.locals[: self.states]
+
+    @property
+    def connected(self) -> tuple[Variable, ...]:
+        """The inputs that are inputs for importers too."""
+        return self.inputs[: len(self.inputs) - self.unconnected]
+
+    @property
+    def derivatives(self) -> tuple[Variable, ...]:
+        """Their derivatives, in the same order."""
+        return self.locals[self.states : 2 * self.states]
+
+    @property
+    def reals(self) -> tuple[Variable, ...]:
+        """The variables of type Real."""
+        return (*self.inputs, *self.parameters, *self.outputs, *self.locals, *self.fixed)
+
+    @property
+    def booleans(self) -> tuple[Variable, ...]:
+        """The variables of type Boolean."""
+        return (*self.boolean_parameters, *self.boolean_outputs)
+
+    @property
+    def all(self) -> tuple[Variable, ...]:
+        """All variables; a variable's value reference is its place here."""
+        return (*self.reals, *self.booleans)
+
+    @property
+    def settable(self) -> tuple[Variable, ...]:
+        """The variables that outputs depend on at initialisation."""
+        return (*self.inputs, *self.parameters, *self.fixed, *self.boolean_parameters)
+
+    def causality(self, variable: Variable) -> tuple[str, str]:
+        """Give a variable's causality and variability."""
+        discrete = variable in self.booleans
+        groups: Sequence[tuple[tuple[Variable, ...], str, str]] = (
+            (self.connected, "input", "continuous"),
+            ((*self.inputs, *self.parameters, *self.boolean_parameters), "parameter", "tunable"),
+            ((*self.outputs, *self.boolean_outputs), "output", "discrete" if discrete else "continuous"),
+            (self.locals, "local", "continuous"),
+            (self.fixed, "parameter", "fixed"),
+        )
+        return next((causality, variability) for group, causality, variability in groups if variable in group)
+
+
+def numbers_of(variables: Variables, ranges: Sequence[Range]) -> list[tuple[str, float, str]]:
+    """Give what the file of values says: name, value and unit of each start value and each end of a range."""
+    started = (*variables.inputs, *variables.parameters, *variables.fixed, *variables.boolean_parameters)
+    numbers = [
+        (entry.name, float(entry.start or 0.0), f"{entry.quantity.unit} {TOLD if entry.told else ''}".strip())
+        for entry in started
+    ]
+    for entry in ranges:
+        numbers += [("minimum", entry.minimum, entry.unit), ("maximum", entry.maximum, entry.unit)]
+    return numbers

@@ -1,0 +1,108 @@
+"""What a clamp's native FMU is made of: the variables of the Python FMU, and those that show its memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from pipeclamp_fmu.contents.clamp import (
+    COEFFICIENTS,
+    ClampModel,
+    Entry,
+    clamp_documentation,
+    clamp_extras,
+    clamp_text,
+    clamp_variables,
+    quantities,
+)
+from pipeclamp_fmu.describe.model_description import Quantity
+from pipeclamp_fmu.describe.variables import Variable
+from pipeclamp_fmu.native.description import FLANGE, Terminal
+from pipeclamp_fmu.native.packing import NativeContent
+from pipeclamp_fmu.native.sources import NativeModel
+from pipeclamp_fmu.slaves import clamp as clamp_slave
+
+MEMORY = "memory."
+"""What the names of the variables begin with that hold the clamp's memory."""
+
+
+def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], version: str) -> NativeContent:
+    """Give all that goes into the clamp's native FMU.
+
+    Args:
+        model: the law.
+        source: the law in C, see `pipeclamp.realise.c.c_source`.
+        states: of its memory.
+        version: of this program.
+    """
+    described = quantities(model)
+    variables = clamp_variables(model, described)
+    icon, references = clamp_extras(model, variables)
+    return NativeContent(
+        kind="clamp",
+        text=clamp_text(model, version),
+        model=NativeModel(
+            model.name,
+            ("clamp.c", "clamp.h", "own_motion.c", "no_states.c"),
+            {"law.h": _header(model, source)},
+            replace(variables, locals=_memory(described, states)),
+            model.ranges,
+            f"{MEMORY}v" if states else "",
+        ),
+        terminals=(
+            Terminal(
+                "flange",
+                FLANGE,
+                {"s": ("flange.s", "signal"), "v": ("flange.v", "signal"), "f": ("flange.f", "inflow")},
+            ),
+        ),
+        documentation=clamp_documentation(model, described, NATIVE_USE),
+        icon=icon,
+        further=references,
+    )
+
+
+def _header(model: ClampModel, source: str) -> str:
+    """Give `law.h`: the law's equations, and how its conditions are to be taken."""
+    scales = ", ".join(repr(scale) for scale in (clamp_slave.MM, 1.0, 1.0, *(entry.scale for entry in model.further)))
+    positive = ", ".join(["1", "1", "1", *(str(int(entry.positive)) for entry in model.further)])
+    counted = len(model.ranges) - len(model.further) + model.counted if model.counted >= 0 else -1
+    return "\n".join(
+        [
+            "/* Generated: the law's equations. */",
+            "#include <math.h>",
+            "",
+            source,
+            "/* Conditions: the law's unit in the FMU's, whether they must be above 0, which counts load cycles. */",
+            f"static const double CONDITION_SCALES[] = {{{scales}}};",
+            f"static const int CONDITION_POSITIVE[] = {{{positive}}};",
+            f"enum {{ COUNTED = {counted} }};",
+            "",
+        ]
+    )
+
+
+def _memory(described: Mapping[str, Quantity], states: Sequence[Entry]) -> tuple[Variable, ...]:
+    """Give the variables that show the clamp's memory."""
+    s, v = (replace(described[f"flange.{letter}"], minimum=None, maximum=None) for letter in "sv")
+    kept = "at the end of the last step (model exchange: at the present time)"
+    return (
+        Variable(f"{MEMORY}s", replace(s, description=f"displacement {kept}")),
+        Variable(f"{MEMORY}v", replace(v, description=f"velocity {kept}; where it changes sign, memory turns round")),
+        *(Variable(f"{MEMORY}{state.name}", Quantity(f"{state.meaning} {kept}", state.unit)) for state in states),
+    )
+
+
+NATIVE_USE = (
+    "In co-simulation flange.s and flange.v are the values at the end of a step; from the last communication point to "
+    "them the motion is straight. A master that steps all models in parallel therefore sees the force one step late.",
+    "In model exchange the force is that of a straight move from the last completed integrator step to the present "
+    "inputs. There are no continuous states: memory moves on at completed integrator steps and events "
+    "(memory.s and the variables beside it show it), and a reversal of the motion is an event where the law has "
+    "memory. So slip is exact however long the integrator's steps are; a force that relaxes in time is exact for a "
+    "displacement that is linear over a step.",
+    "Directional derivatives of the outputs by inputs and tunable parameters are exact; with memory they are those of "
+    "going on in the last step's direction.",
+    COEFFICIENTS,
+    "States are saved, restored and serialised exactly. Standard C library only; the sources are inside.",
+)

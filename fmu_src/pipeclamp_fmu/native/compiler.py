@@ -1,0 +1,129 @@
+"""Compiling an FMU's C sources into shared libraries: the system's compiler for this platform, Zig's for all."""
+
+from __future__ import annotations
+
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from pipeclamp_models.base.errors import UsageError, UserError
+
+MAIN_SOURCE = "fmu.c"
+
+FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-shared",
+    "-fvisibility=hidden",
+    "-DFMU_SHARED_LIBRARY",
+    "-ffp-contract=off",  # so that every platform gives the same numbers but for the mathematics library's last digit
+    "-fno-math-errno",  # nobody asks for it, and the compiler can then work around the mathematics library's calls
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """A platform that FMUs are compiled for: its folders by FMI version, its libraries' ending, Zig's name for it."""
+
+    folder: Mapping[int, str]
+    ending: str
+    zig: str
+    flags: tuple[str, ...] = ()
+
+
+PLATFORMS: Mapping[str, Target] = {
+    # glibc 2.17 of 2013 runs on every Linux that is still in use.
+    "linux64": Target({2: "linux64", 3: "x86_64-linux"}, ".so", "x86_64-linux-gnu.2.17", ("-fPIC", "-lm")),
+    "win64": Target({2: "win64", 3: "x86_64-windows"}, ".dll", "x86_64-windows-gnu"),
+    "darwin64": Target({2: "darwin64", 3: "x86_64-darwin"}, ".dylib", "x86_64-macos", ("-fPIC",)),
+    "darwin-arm64": Target({3: "aarch64-darwin"}, ".dylib", "aarch64-macos", ("-fPIC",)),
+}
+"""Platforms by the names that FMI 2.0 gives them; it has none for Apple's ARM, which is for FMI 3.0 alone."""
+
+
+def host_platform() -> str | None:
+    """Give the platform that this program runs on, None where it is none of PLATFORMS."""
+    names = {
+        ("Linux", "x86_64"): "linux64",
+        ("Windows", "AMD64"): "win64",
+        ("Darwin", "x86_64"): "darwin64",
+        ("Darwin", "arm64"): "darwin-arm64",
+    }
+    return names.get((platform.system(), platform.machine()))
+
+
+def system_compiler() -> str | None:
+    """Give the C compiler on the path, None where there is none."""
+    return next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
+
+
+def default_platforms(fmi: int) -> tuple[str, ...]:
+    """Give what can be compiled here for a version of FMI: the host's platform, or none without a compiler."""
+    host = host_platform()
+    able = host is not None and fmi in PLATFORMS[host].folder and (system_compiler() or find_spec("ziglang"))
+    return (host,) if able and host is not None else ()
+
+
+def refuse_unknown_platforms(platforms: Sequence[str], fmi: int) -> None:
+    """Refuse platforms that there are no libraries for.
+
+    Raises:
+        UserError: with the platforms that there are.
+    """
+    known = [name for name, target in PLATFORMS.items() if fmi in target.folder]
+    for name in platforms:
+        if name not in known:
+            raise UsageError(f"platform {name!r} is not known for FMI {fmi}; expected some of {', '.join(known)}")
+
+
+def compile_sources(sources: Mapping[str, str], platforms: Sequence[str]) -> dict[str, bytes]:
+    """Compile sources, of which `fmu.c` includes the others, into a shared library for each platform.
+
+    Args:
+        sources: text by file name.
+        platforms: of PLATFORMS.
+
+    Raises:
+        UserError: there is no compiler for a platform, or it failed.
+    """
+    libraries: dict[str, bytes] = {}
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder:
+        for name, text in sources.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
+        for name in platforms:
+            output = Path(folder) / f"{name}{PLATFORMS[name].ending}"
+            command = [*_compiler(name), *FLAGS, MAIN_SOURCE, "-o", output.name, *PLATFORMS[name].flags]
+            run = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+            if run.returncode or not output.exists():
+                # In whatever encoding the compiler has: what it says must not hide that it failed.
+                said = run.stderr.decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
+                reason = next((line for line in said if "error" in line), said[-1])
+                raise UserError(
+                    f"the C compiler {command[0]} failed for {name}: {reason}; expected one that takes C99 and GCC's "
+                    "options (GCC, Clang, or `pip install 'pipeclamp[native]'`)"
+                )
+            libraries[name] = output.read_bytes()
+    return libraries
+
+
+def _compiler(name: str) -> list[str]:
+    """Give the command that compiles for a platform.
+
+    Raises:
+        UserError: there is none.
+    """
+    own = system_compiler()
+    if name == host_platform() and own is not None:
+        return [own]
+    if find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].zig, "-s"]
+    raise UserError(
+        f"there is no C compiler for {name}; expected Zig's, which compiles for all platforms: "
+        "pip install 'pipeclamp[native]'"
+    )

@@ -1,0 +1,238 @@
+"""The XML files of a native FMU: its model description in FMI 2.0 and 3.0, its terminals, how to build it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement
+
+from pipeclamp_fmu.describe.model_description import (
+    ModelText,
+    Quantity,
+    default_experiment,
+    number_attributes,
+    unit_definitions,
+    xml_bytes,
+)
+from pipeclamp_fmu.describe.variables import Variable, Variables
+from pipeclamp_fmu.native.compiler import MAIN_SOURCE
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "Messages of a warning",
+    "logStatusDiscard": "Messages of a discarded step",
+    "logStatusError": "Messages of an error",
+    "logStatusFatal": "Messages of a fatal error",
+    "logAll": "All messages",
+}
+
+TIME = Quantity("time", "s")
+"""FMI 3.0's independent variable."""
+
+FLANGE = "Modelica.Mechanics.Translational.Interfaces.Flange_a"
+"""The terminal kind of a translational flange."""
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Variables that belong to one connector: by member name, the variable and FMI's kind of member."""
+
+    name: str
+    kind: str
+    members: Mapping[str, tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Description:
+    """What the XML files of a native FMU say.
+
+    Attributes:
+        identifier: model identifier, the name of the libraries.
+        token: guid (FMI 2.0) or instantiation token (FMI 3.0).
+        text: what is said of the whole.
+        variables: all variables.
+        indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
+        terminals: connectors.
+        tool: program that wrote the FMU, with its version.
+    """
+
+    identifier: str
+    token: str
+    text: ModelText
+    variables: Variables
+    indicator: str
+    terminals: Sequence[Terminal]
+    tool: str
+
+    def dependencies(self) -> tuple[list[Variable], list[Variable]]:
+        """Give what outputs and derivatives depend on at any time, and at initialisation."""
+        return [*self.variables.connected, *self.variables.state_variables], list(self.variables.settable)
+
+
+def model_description(description: Description, fmi: int) -> bytes:
+    """Give `modelDescription.xml` in a version of FMI, 2 or 3."""
+    return _fmi2(description) if fmi == 2 else _fmi3(description)
+
+
+def _fmi2(description: Description) -> bytes:
+    variables = description.variables
+    root = Element("fmiModelDescription", {
+        "fmiVersion": "2.0",
+        "modelName": description.text.name,
+        "guid": description.token,
+        "description": description.text.description,
+        "version": description.text.version,
+        "generationTool": description.tool,
+        "variableNamingConvention": "structured",
+        "numberOfEventIndicators": str(int(bool(description.indicator))),
+    })  # fmt: skip
+    common = {
+        "modelIdentifier": description.identifier,
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    }
+    for kind, own in (
+        ("ModelExchange", {}),
+        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"}),
+    ):
+        files = SubElement(SubElement(root, kind, common | own), "SourceFiles")
+        SubElement(files, "File", {"name": MAIN_SOURCE})
+    _common_elements(root, description)
+    listed = SubElement(root, "ModelVariables")
+    places: dict[str, str] = {}
+    for reference, variable in enumerate(variables.all):
+        causality, variability = variables.causality(variable)
+        places[variable.name] = str(reference + 1)
+        element = SubElement(listed, "ScalarVariable", {
+            "name": variable.name,
+            "valueReference": str(reference),
+            "causality": causality,
+            "variability": variability,
+            "description": variable.quantity.description,
+        })  # fmt: skip
+        kind = "Boolean" if variable in variables.booleans else "Real"
+        derivative = _derived(variables, variable, 1)
+        SubElement(element, kind, number_attributes(variable.quantity) | _start(variable) | derivative)
+    always, initially = ([places[entry.name] for entry in group] for group in description.dependencies())
+    structure = SubElement(root, "ModelStructure")
+    outputs = (*variables.outputs, *variables.boolean_outputs)
+    for name, listed_variables, known in (
+        ("Outputs", outputs, always),
+        ("Derivatives", variables.derivatives, always),
+        ("InitialUnknowns", _in_order(variables, outputs), initially),
+    ):
+        unknowns = SubElement(structure, name) if listed_variables else structure
+        for variable in listed_variables:
+            SubElement(unknowns, "Unknown", {"index": places[variable.name], "dependencies": " ".join(known)})
+    return xml_bytes(root)
+
+
+def _fmi3(description: Description) -> bytes:
+    variables = description.variables
+    root = Element("fmiModelDescription", {
+        "fmiVersion": "3.0",
+        "modelName": description.text.name,
+        "instantiationToken": description.token,
+        "description": description.text.description,
+        "version": description.text.version,
+        "generationTool": description.tool,
+        "variableNamingConvention": "structured",
+    })  # fmt: skip
+    common = {
+        "modelIdentifier": description.identifier,
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": "true",
+        "providesAdjointDerivatives": "true",
+    }
+    SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
+    SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
+    _common_elements(root, description, TIME)
+    listed = SubElement(root, "ModelVariables")
+    places = {variable.name: str(reference) for reference, variable in enumerate(variables.all)}
+    for variable in variables.all:
+        causality, variability = variables.causality(variable)
+        SubElement(listed, "Boolean" if variable in variables.booleans else "Float64", {
+            "name": variable.name,
+            "valueReference": places[variable.name],
+            "causality": causality,
+            "variability": variability,
+            "description": variable.quantity.description,
+        } | number_attributes(variable.quantity) | _start(variable) | _derived(variables, variable, 0))  # fmt: skip
+    time = {"name": "time", "valueReference": str(len(places)), "causality": "independent", "variability": "continuous"}
+    SubElement(listed, "Float64", time | {"description": TIME.description} | number_attributes(TIME))
+    always, initially = (" ".join(places[entry.name] for entry in group) for group in description.dependencies())
+    structure = SubElement(root, "ModelStructure")
+    outputs = (*variables.outputs, *variables.boolean_outputs)
+    for name, listed_variables, known in (
+        ("Output", outputs, always),
+        ("ContinuousStateDerivative", variables.derivatives, always),
+        ("InitialUnknown", _in_order(variables, outputs), initially),
+    ):
+        for variable in listed_variables:
+            SubElement(structure, name, {"valueReference": places[variable.name], "dependencies": known})
+    if description.indicator:
+        SubElement(structure, "EventIndicator", {"valueReference": places[description.indicator]})
+    return xml_bytes(root)
+
+
+def _in_order(variables: Variables, outputs: Sequence[Variable]) -> list[Variable]:
+    """Give what is calculated at initialisation, outputs, states and derivatives, in the order of the variables."""
+    unknown = {variable.name for variable in (*outputs, *variables.state_variables, *variables.derivatives)}
+    return [variable for variable in variables.all if variable.name in unknown]
+
+
+def _derived(variables: Variables, variable: Variable, first: int) -> dict[str, str]:
+    """Give the attribute that tells whose derivative a variable is; places count from `first`."""
+    if variable not in variables.derivatives:
+        return {}
+    state = variables.state_variables[variables.derivatives.index(variable)]
+    return {"derivative": str(variables.all.index(state) + first)}
+
+
+def _common_elements(root: Element, description: Description, *further: Quantity) -> None:
+    """Add units, log categories and the default experiment, which both versions have in this order."""
+    quantities = [*further, *(variable.quantity for variable in description.variables.all)]
+    root.append(unit_definitions(quantities))
+    categories = SubElement(root, "LogCategories")
+    for name, meaning in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", {"name": name, "description": meaning})
+    root.append(default_experiment(description.text))
+
+
+def _start(variable: Variable) -> dict[str, str]:
+    if variable.start is None:
+        return {}
+    return {"start": _truth(variable.start) if isinstance(variable.start, bool) else repr(float(variable.start))}
+
+
+def _truth(value: bool) -> str:
+    return str(value).lower()
+
+
+def terminals_and_icons(description: Description) -> bytes:
+    """Give FMI 3.0's `terminalsAndIcons/terminalsAndIcons.xml`."""
+    root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
+    corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+    picture = SubElement(root, "GraphicalRepresentation")
+    SubElement(picture, "CoordinateSystem", corners | {"suggestedScalingFactorTo_mm": "0.1"})
+    SubElement(picture, "Icon", corners)
+    listed = SubElement(root, "Terminals") if description.terminals else root
+    for terminal in description.terminals:
+        element = SubElement(
+            listed, "Terminal", {"name": terminal.name, "matchingRule": "plug", "terminalKind": terminal.kind}
+        )
+        for member, (variable, kind) in terminal.members.items():
+            attributes = {"variableName": variable, "memberName": member, "variableKind": kind}
+            SubElement(element, "TerminalMemberVariable", attributes)
+    return xml_bytes(root)
+
+
+def build_description(identifier: str, fmi: int) -> bytes:
+    """Give `sources/buildDescription.xml`: one C99 file, no options."""
+    root = Element("fmiBuildDescription", {"fmiVersion": f"{fmi}.0"})
+    configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": identifier})
+    files = SubElement(configuration, "SourceFileSet", {"language": "C99"})
+    SubElement(files, "SourceFile", {"name": MAIN_SOURCE})
+    return xml_bytes(root)

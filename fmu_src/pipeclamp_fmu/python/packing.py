@@ -1,0 +1,125 @@
+"""Packing a slave's source, its description and its documentation into an FMU, the same bytes for the same content."""
+
+from __future__ import annotations
+
+import io
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from pythonfmu import FmuBuilder
+
+from pipeclamp_fmu.contents.content import Content
+from pipeclamp_fmu.describe.model_description import completed, xml_bytes
+from pipeclamp_fmu.slaves.loading import instance_of
+from pipeclamp_fmu.slaves.one_module import content_hash
+from pipeclamp_fmu.slaves.values_file import FILE_NAME, values_text
+from pipeclamp_models.base.files import write_whole
+
+OPTIONS = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
+"""What the slaves can do; needsExecutionTool would make some importers refuse them."""
+
+NO_DATE = (1980, 1, 1, 0, 0, 0)
+"""The earliest date that a zip file can hold."""
+
+
+def write_fmu(content: Content, output: Path) -> str:
+    """Write an FMU, whole or not at all.
+
+    Returns:
+        its model identifier, which is unique for its program.
+
+    Raises:
+        UserError: the file can't be written.
+    """
+    write_whole(output, zipped(_packed_by_pythonfmu(content) | python_files(content)))
+    return content.identifier
+
+
+def module_file(content: Content) -> str:
+    """Give the name of the slave's module inside its FMU."""
+    return f"resources/{content.identifier}.py"
+
+
+def python_files(content: Content) -> dict[str, bytes]:
+    """Give the files that depend on values, not on the program alone."""
+    named = values_text("", content.name, content.numbers)
+    token = content_hash(
+        content.identifier,
+        repr(content.text),
+        repr(sorted(content.quantities.items())),
+        repr(content.tunable),
+        content.documentation,
+        named,
+    )
+    files = {
+        "modelDescription.xml": xml_bytes(
+            completed(
+                _described(content),
+                token,
+                content.text,
+                content.quantities,
+                content.initial_inputs,
+                content.starts,
+                content.tunable,
+            )
+        ),
+        "documentation/index.html": content.documentation.encode("utf-8"),
+        **content.further,
+    }
+    if content.numbers:
+        files[f"resources/{FILE_NAME}"] = values_text(token, content.name, content.numbers).encode("utf-8")
+    return files
+
+
+def _described(content: Content) -> Element:
+    """Give the model description as pythonfmu writes it."""
+    slave = instance_of(content.module, content.identifier, values_text("", content.name, content.numbers))
+    description: Element = slave.to_xml(OPTIONS)
+    return description
+
+
+def _packed_by_pythonfmu(content: Content) -> dict[str, bytes]:
+    """Let pythonfmu make an FMU of the slave and give its files by name."""
+    name = content.identifier
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as folder, _restored_imports(name):
+        script, values = Path(folder) / f"{name}.py", Path(folder) / FILE_NAME
+        script.write_text(content.module, encoding="utf-8", newline="\n")
+        values.write_text(values_text("", content.name, content.numbers), encoding="utf-8", newline="\n")
+        beside = [values] if content.numbers else []
+        packed = FmuBuilder.build_FMU(script, Path(folder) / f"{name}.fmu", project_files=beside)
+        with zipfile.ZipFile(packed) as archive:
+            return {name: archive.read(name) for name in archive.namelist()}
+
+
+@contextmanager
+def _restored_imports(module: str) -> Iterator[None]:
+    """Undo what pythonfmu's builder leaves behind: an entry of `sys.path` and the imported slave."""
+    path = list(sys.path)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.modules.pop(module, None)
+
+
+def zipped(files: Mapping[str, bytes]) -> bytes:
+    """Give a zip file in a fixed order, without dates."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
+            entry = zipfile.ZipInfo(name, NO_DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, whatever the platform
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, files[name])
+    return stream.getvalue()

@@ -1,0 +1,269 @@
+"""The result of a co-simulation: its columns, its energy balance, and what a person should know of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+
+import numpy as np
+
+from pipeclamp_fmu.slaves.own_motion import LIMIT
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.tables import pl
+from pipeclamp_system.cosim.energy import EnergyBalance
+from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
+from pipeclamp_system.description.system import ClampSource, SystemDescription
+from pipeclamp_system.description.trust_mark import doubt
+
+FEWEST_STEPS = 10
+"""Of a period of the excitation: what is sampled more coarsely than that is no longer the same motion."""
+
+SETTLED = 0.01
+"""Share by which the amplitude may change from the last fifth but one of a run to the last, before it is said."""
+
+UNEVEN = 1e-6
+"""Share by which steps of one length may differ by rounding."""
+
+MARGIN = 0.95
+"""Of a step that is proposed: it is said in two digits."""
+
+MISMATCH = 0.2
+"""Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
+
+
+@dataclass(frozen=True, eq=False)
+class CosimResult:
+    """What a co-simulation gave.
+
+    Attributes:
+        system: as it was run: by which scheme, in which steps, with which A and f; its FMUs are gone.
+        probe_names: the pipe's probes.
+        columns: values by variable name, each (n,); SI units.
+        units: unit of each column.
+        energy: the balance, each (n,).
+        out_of_range: clamps whose law was used beyond its data.
+        warnings: what the FMUs warned of.
+        hidden_share: of a clamp's motion, that passes between the communication points.
+        runs: how many it took to solve A and f.
+        unsolved: by which share they still changed in the last run, where they were not solved.
+        step_error: of the displacement, owed to the macro step, as a share of it; infinite where no other step could
+            tell, None where none was asked.
+    """
+
+    system: SystemDescription
+    probe_names: tuple[str, ...]
+    columns: Mapping[str, Array]
+    units: Mapping[str, str]
+    energy: EnergyBalance
+    out_of_range: tuple[str, ...]
+    warnings: tuple[str, ...]
+    hidden_share: float
+    runs: int = 1
+    unsolved: float = 0.0
+    step_error: float | None = None
+
+    @property
+    def name(self) -> str:
+        """Of the system."""
+        return self.system.name
+
+    @property
+    def scheme(self) -> Scheme:
+        """How it was coupled."""
+        return self.system.run.scheme
+
+    @property
+    def step(self) -> float:
+        """Macro step, s; the longest where it follows the energy."""
+        return self.system.run.even_step_s
+
+    @property
+    def trusted_share(self) -> float:
+        """Share of the energy that the coupling may make, of the displacement that it may err by, and so on."""
+        return self.system.run.trusted_share
+
+    @property
+    def clamp_names(self) -> tuple[str, ...]:
+        """The clamps that have a law, in the system's order."""
+        return tuple(clamp.at for clamp in self.system.clamps)
+
+    @property
+    def time(self) -> Array:
+        """Communication points, s, (n,)."""
+        return self.columns["time"]
+
+    @property
+    def coupling_share(self) -> float:
+        """Energy that the coupling made or destroyed at most, as a share of what the excitation gave."""
+        return self.energy.coupling_share
+
+    @property
+    def steps_a_period(self) -> float:
+        """Macro steps in a period of the excitation, at its highest frequency and the longest step."""
+        frequency = self.system.excitation.highest_frequency
+        return float("inf") if frequency is None else 1 / (frequency * float(np.diff(self.time).max()))
+
+    @property
+    def trusted(self) -> bool:
+        """Whether steps are short, and neither energy made, nor error, nor hidden motion is beyond the stated share."""
+        return not self.doubts()
+
+    @property
+    def settles(self) -> bool:
+        """Whether the excitation is one sine, so that the motion settles."""
+        return self.system.excitation.kind == "sine"
+
+    @property
+    def unsettled(self) -> dict[str, float]:
+        """By which share the amplitude of each point still changes over the last two fifths, where it is too much."""
+        if not self.settles:
+            return {}
+        changes = {}
+        for name in (*self.clamp_names, *self.probe_names):
+            last, before = self.amplitude(f"{name}.s"), self.amplitude(f"{name}.s", 0.4, 0.2)
+            change = abs(last / before - 1) if before > 0 else 0.0
+            if change > SETTLED:
+                changes[name] = change
+        return changes
+
+    def doubts(self) -> list[tuple[str, str]]:
+        """Say why it isn't to be trusted: what is wrong, what was expected, and what helps."""
+        energy = f"the coupling itself made {self.coupling_share:.2%} of the energy"
+        heat = f"the clamps gave out {self.energy.clamps_share:.2%} of the energy, more than they ever took in"
+        motion = f"{self.hidden_share:.2%} of a clamp's motion passes between the steps"
+        most = f"expected at most {self.trusted_share:.2%}"
+        found = []
+        if self.steps_a_period < FEWEST_STEPS:
+            few = f"there are {self.steps_a_period:.2g} steps in a period of the excitation"
+            found.append((few, f"expected at least {FEWEST_STEPS}; use a smaller step_s"))
+        if self.coupling_share > self.trusted_share:
+            found.append((energy, f"{most}; use a smaller step_s, energy_tolerance, or scheme = 'implicit'"))
+        if self.energy.clamps_share > self.trusted_share:
+            found.append((heat, f"{most}; use a smaller step_s"))
+        if self.step_error is not None and self.step_error > self.trusted_share:
+            told = f"{most} in amplitude and phase; {self._shorter_step(self.step_error)}"
+            found.append((self._about_step(self.step_error), told))
+        if self.hidden_share > self.trusted_share:
+            remedy = "use another, smaller step_s: a mode of the pipe may ring at a multiple of 1/step_s"
+            found.append((motion, f"{most}; {remedy}"))
+        return found
+
+    def marks(self) -> list[str]:
+        """Give the lines that say so wherever the result is shown; none where it is to be trusted."""
+        return [doubt(f"{what}, {rest}") for what, rest in self.doubts()]
+
+    def _about_step(self, error: float) -> str:
+        """Say by how much the motion is off."""
+        if error == inf:
+            return "the displacement's error isn't known, as no run in other steps tells it"
+        return f"the displacement errs by {error:.2%} for its steps"
+
+    def _shorter_step(self, error: float) -> str:
+        """Say what would make the motion's error the expected one."""
+        better = "" if self.scheme in ROLLS_BACK else ", or scheme = 'implicit'"
+        if error == inf or np.ptp(np.diff(self.time)) > UNEVEN * self.step:
+            return f"use a smaller step_s or energy_tolerance{better}"
+        right = self.step * (self.trusted_share / error) ** (1 / ORDER[self.scheme])
+        return f"use step_s = {MARGIN * right:.2g} or less{better}"
+
+    def amplitude(self, column: str, share: float = 0.2, but: float = 0.0) -> float:
+        """Give half the peak-to-peak value of a column over the last share of the run, but for the very last one."""
+        last = int(np.searchsorted(self.time, (1 - but) * self.time[-1], side="right"))
+        first = min(int(np.searchsorted(self.time, (1 - share) * self.time[-1])), last - 2)
+        values = self.columns[column][max(first, 0) : last]
+        return float(values.max() - values.min()) / 2
+
+    def summary(self) -> str:
+        """Give amplitudes and the energy balance, for a person to read."""
+        trials = self.columns["trials"][1:]
+        lines = [
+            f"system {self.name!r}: {self.time.size - 1} {self.scheme} steps of {self._step_text()}, "
+            f"{trials.mean():.1f} trials a step (at most {trials.max():.0f})",
+            *self.marks(),
+        ]
+        lines += [
+            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm, "
+            f"force {self.amplitude(f'{name}.f'):.4g} N over the last fifth"
+            for name in self.clamp_names
+        ]
+        lines += [
+            f"{name}: amplitude {1e3 * self.amplitude(f'{name}.s'):.4g} mm over the last fifth"
+            for name in self.probe_names
+        ]
+        lines += [
+            f"not settled: the amplitude at {name} changes by {change:.1%} from the last fifth but one to the last, "
+            f"expected at most {SETTLED:.0%}; use a larger stop_s"
+            for name, change in self.unsettled.items()
+        ]
+        if self.step_error is not None and self.step_error <= self.trusted_share:
+            lines.append(
+                f"the displacement errs by {self.step_error:.2%} in amplitude and phase for its steps, "
+                "as a run in another step tells"
+            )
+        lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
+        for clamp in self.system.clamps:
+            name = clamp.at
+            found, assumed = self.amplitude(f"{name}.s"), self.columns[f"{name}.A_used"][-1]
+            off = self.columns[f"{name}.forceDeviation"][-1]
+            by = f"its force is off by {off:.1%}"
+            so = f", so that {by}"
+            if abs(found - assumed) > MISMATCH * assumed:
+                lines.append(
+                    f"{name}: its law is taken for an amplitude of {1e3 * assumed:.4g} mm, and it moves with "
+                    f"{1e3 * found:.4g} mm{so if off > LIMIT else ''}: {self._about_mismatch(clamp)}"
+                )
+            elif off > LIMIT:
+                lines.append(f"{name}: {by} for the A and f of its motion: {self._about_mismatch(clamp)}")
+        lines += [self._about_conditions(clamp) for clamp in self.system.clamps]
+        lines += [f"{name}: its law was used beyond the range of its data" for name in self.out_of_range]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        return "\n".join(lines)
+
+    def _about_mismatch(self, clamp: ClampSource) -> str:
+        """Say what helps where a law is taken for another amplitude than that of the motion."""
+        if clamp.mode == "given":
+            return "set amplitude_mm to that, or solve = true, or track = true"
+        if clamp.mode == "solved" and self.unsolved:
+            return "A and f are not solved"
+        if clamp.mode == "solved" or clamp.at in self.out_of_range:
+            return "the range of its data ends there"
+        return "its motion is no steady sine, or is still changing"
+
+    def _step_text(self) -> str:
+        """Give the macro steps' lengths."""
+        steps = np.diff(self.time)
+        if np.ptp(steps) < UNEVEN * steps.max():
+            return f"{self.step:g} s"
+        return f"{steps.min():.3g} to {steps.max():.3g} s"
+
+    def _about_conditions(self, clamp: ClampSource) -> str:
+        """Say where a law's A and f come from."""
+        name = clamp.at
+        amplitude, frequency = 1e3 * self.columns[f"{name}.A_used"][-1], self.columns[f"{name}.f_used"][-1]
+        if amplitude != amplitude:
+            return f"{name}: not one of our FMUs; it doesn't say what A and f its law was taken for"
+        used = f"A = {amplitude:.4g} mm, f = {frequency:.4g} Hz"
+        if clamp.mode == "solved" and self.unsolved:
+            return f"{name}: A and f NOT solved in {self.runs} runs, they still change by {self.unsolved:.1%}: {used}"
+        how = {"given": "as given", "solved": f"solved in {self.runs} runs", "tracked": "tracked, at the end"}[
+            clamp.mode
+        ]
+        return f"{name}: its law is taken for {used} ({how})"
+
+
+def write_result(result: CosimResult, path: Path) -> None:
+    """Write a result as CSV, whole or not at all: one row per communication point, "name [unit]" as header.
+
+    Raises:
+        UserError: the folder can't be written.
+    """
+    frame = pl.DataFrame({f"{name} [{result.units[name]}]": values for name, values in result.columns.items()})
+    trusted = pl.lit(float(result.trusted)).alias("trusted [1 yes, 0 no]")
+    settled = pl.lit(float(not result.unsettled) if result.settles else None, pl.Float64)
+    known = settled.alias("settled [1 yes, 0 no, empty where nothing settles]")
+    error = pl.lit(None if result.step_error in (None, inf) else result.step_error, pl.Float64)
+    told = error.alias("step_error [share of the displacement, empty where not known]")
+    write_whole(path, frame.with_columns(trusted, known, told).write_csv())

@@ -1,0 +1,202 @@
+"""Co-simulation of a pipe FMU with clamp FMUs: from SYSTEM.toml to a result with its energy balance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from pipeclamp_fmu.slaves.own_motion import OFF_BY
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_system.cosim.building import finished
+from pipeclamp_system.cosim.divergence import EnergyGuard
+from pipeclamp_system.cosim.interrupts import held_back
+from pipeclamp_system.cosim.law_conditions import SOLVED, Solving
+from pipeclamp_system.cosim.recording import CLAMP_UNITS, Recording, pipe_watched, recorded_result
+from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.step_error import step_error
+from pipeclamp_system.cosim.variables import PipeVariables, clamp_parameters, pipe_variables
+from pipeclamp_system.coupling.broyden import Tolerance
+from pipeclamp_system.coupling.march import Participant, Point, System, march
+from pipeclamp_system.coupling.schemes import advance_of, best_allowed
+from pipeclamp_system.coupling.step_control import march_controlled
+from pipeclamp_system.description.excitation import Signal, excitation_signal
+from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK
+from pipeclamp_system.description.system import RunTable, SystemDescription, read_system
+from pipeclamp_system.fmus.participant import FmuParticipant, HeldInputs, LoadedFmu, opened
+
+ShareDone = Callable[[float], None]
+"""Told the share of a run that is done, 0 to 1."""
+
+CHECK_SHARE = 1 / 3
+"""Of the work, that a run in twice the step is."""
+
+
+def run_system(path: Path, progress: ShareDone | None = None) -> CosimResult:
+    """Co-simulate the system that a file describes.
+
+    Args:
+        path: SYSTEM.toml; paths in it are relative to its folder.
+        progress: told the share done, 0 to 1, about every hundredth.
+
+    Raises:
+        UserError: the system can't be read or built, an FMU refuses, or the run diverges; the message names the place.
+    """
+    return run_described(read_system(path), path.parent, str(path), progress)
+
+
+def run_described(
+    description: SystemDescription,
+    folder: Path,
+    where: str,
+    progress: ShareDone | None = None,
+    *,
+    checked: bool = True,
+) -> CosimResult:
+    """Co-simulate a described system.
+
+    Args:
+        description: the system.
+        folder: what its paths are relative to.
+        where: named in errors.
+        progress: as of `run_system`.
+        checked: whether the error of its step is told, by another run in twice the step.
+
+    Raises:
+        UserError: as `run_system`.
+    """
+    tell, tell_check = _shared(progress, 1 - CHECK_SHARE if checked else 1.0)
+    with finished(description, folder) as ready:
+        solving = Solving.of(ready, folder)
+        for runs in range(1, solving.most_runs + 1):
+            result = _once(ready, folder, where, tell)
+            nearer, off = solving.nearer(ready, result, runs)
+            if off <= SOLVED:
+                break
+            ready = nearer
+        result = replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0)
+        return _checked(result, ready, folder, where, tell_check) if checked else result
+
+
+def _shared(progress: ShareDone | None, share: float) -> tuple[ShareDone | None, ShareDone | None]:
+    """Split a progress into that of a first part, which has a share of the work, and that of the rest."""
+    if progress is None:
+        return None, None
+    return lambda done: progress(share * done), lambda done: progress(share + (1 - share) * done)
+
+
+def _checked(
+    result: CosimResult, ready: SystemDescription, folder: Path, where: str, progress: ShareDone | None
+) -> CosimResult:
+    """Give the result with the error that it owes to its step: by a run in twice the step, or in half of it.
+
+    A run that fails, itself hides motion, or takes the same steps (there is none longer than the whole run) can't tell;
+    the half step is asked only where nothing else is in doubt.
+    """
+    doubtful = bool(result.doubts())
+    for factor in (2.0,) if doubtful else (2.0, 0.5):
+        try:
+            other = _once(_in_steps(ready, factor), folder, where, progress)
+        except UserError:
+            continue
+        if other.hidden_share <= result.trusted_share and other.time.size != result.time.size:
+            return replace(result, step_error=step_error(result, other))
+    return result if doubtful else replace(result, step_error=math.inf)
+
+
+def _in_steps(description: SystemDescription, factor: float) -> SystemDescription:
+    """Give a description with macro steps that are longer by a factor; of controlled ones their tolerance too."""
+    run = description.run
+    update = {"step_s": factor * run.even_step_s}
+    if run.energy_tolerance is not None:
+        update["energy_tolerance"] = factor ** ORDER[run.scheme] * run.energy_tolerance
+    return description.model_copy(update={"run": run.model_copy(update=update)})
+
+
+def _once(description: SystemDescription, folder: Path, where: str, progress: ShareDone | None) -> CosimResult:
+    """Run a description whose FMUs are finished."""
+    paths = [(folder / str(description.pipe.fmu), "pipe"), *((folder / str(c.fmu), c.at) for c in description.clamps)]
+    with held_back() as let_through, opened(paths) as (pipe, *clamps):
+        pipe.rename(description.pipe.variables)
+        for fmu, source in zip(clamps, description.clamps, strict=True):
+            fmu.rename(source.variables)
+        variables = pipe_variables(pipe.variables, pipe.path, description, where)
+        run = description.run
+        signal = excitation_signal(description.excitation, variables.kind, run.stop_s, folder, where)
+        stuck = [fmu.instance for fmu in (pipe, *clamps) if not fmu.can_roll_back]
+        scheme = best_allowed(run.scheme, not stuck)
+        description = description.model_copy(update={"run": run.model_copy(update={"scheme": scheme})})
+        start: dict[str, float | bool] = {variables.excitation: signal(0.0)}
+        if "inputsAtStepEnd" in pipe.variables:
+            start["inputsAtStepEnd"] = scheme in ROLLS_BACK
+        pipe.initialise(start)
+        for fmu, source in zip(clamps, description.clamps, strict=True):
+            fmu.initialise(clamp_parameters(source, description, fmu.variables))
+        result = _run(description, variables, signal, pipe, clamps, progress, let_through)
+        if scheme == run.scheme:
+            return result
+        word = f"{', '.join(stuck)} can't save and restore a state: coupled by {scheme!r} instead of {run.scheme!r}"
+        return replace(result, warnings=(word, *result.warnings))
+
+
+def _run(
+    description: SystemDescription,
+    variables: PipeVariables,
+    signal: Signal,
+    pipe: LoadedFmu,
+    clamps: Sequence[LoadedFmu],
+    progress: ShareDone | None,
+    between_steps: Callable[[], None],
+) -> CosimResult:
+    """March the initialised FMUs and keep what they say."""
+    names = [clamp.at for clamp in description.clamps]
+    run = description.run
+    pipe_participant = FmuParticipant(
+        pipe,
+        [variables.excitation, *(f"{name}.f" for name in names)],
+        [*(f"{name}.s" for name in names), *(f"{name}.v" for name in names)],
+        pipe_watched(variables),
+    )
+    clamp_participants = {
+        name: FmuParticipant(clamp, ["flange.s", "flange.v"], ["flange.f"], tuple(CLAMP_UNITS), ["inRange"])
+        for name, clamp in zip(names, clamps, strict=True)
+    }
+    coupled_pipe: Participant = pipe_participant
+    if run.scheme in ROLLS_BACK and "inputsAtStepEnd" not in pipe.variables:
+        forces = (clamp.outputs()[0] for clamp in clamp_participants.values())
+        coupled_pipe = HeldInputs(pipe_participant, (signal(0.0), *forces))
+    system = System(coupled_pipe, tuple(clamp_participants.values()), signal)
+    recording, guard = Recording(pipe_participant, clamp_participants), EnergyGuard()
+    taken, told = 0, -1
+    try:
+        for point in _marched(system, run):
+            between_steps()
+            recording.take(point)
+            guard.check(point, recording.last("energyPipe"), recording.last("workExcitation"))
+            taken += 1
+            percent = int(100 * point.time / run.stop_s + 1e-6)
+            if progress is not None and percent > told:
+                progress(percent / 100)
+                told = percent
+    except UserError as error:
+        of_steps = "" if run.energy_tolerance else f" of {run.steps}"
+        diverging = f"the coupling diverges from step {guard.since} on: " if guard.since else ""
+        remedy = "; use scheme = 'iterated' or a smaller step_s" if guard.since else ""
+        raise UserError(f"{diverging}{error}; the run was stopped in step {taken}{of_steps}{remedy}") from error
+    finally:
+        for participant in (pipe_participant, *clamp_participants.values()):
+            participant.release()
+    # That a force is off for the A and f of its motion, the result says in its own words, of the run's end.
+    warnings = [
+        f"{fmu.instance}: {text}" for fmu in (pipe, *clamps) for text in fmu.messages.warnings if OFF_BY not in text
+    ]
+    return recorded_result(description, variables, recording, warnings)
+
+
+def _marched(system: System, run: RunTable) -> Iterator[Point]:
+    """Step initialised participants as a run asks for."""
+    advance = advance_of(run.scheme, system, Tolerance(run.tolerance, run.max_iterations))
+    if run.energy_tolerance is None or run.scheme not in ROLLS_BACK:
+        return march(system, advance, run.even_step_s, run.steps)
+    return march_controlled(system, advance, run.step_s, run.stop_s, run.energy_tolerance)

@@ -1,0 +1,58 @@
+"""How far a co-simulation is off for its macro step, as the same run in another step tells.
+
+No balance of energy sees all of it: a force that is late or cut off is stiffness and mass too, and near a resonance the
+pipe magnifies what is missing, the more the less it is damped. Two runs in steps of h and r h, of a scheme of order p,
+differ by r^p - 1 times the error of the first (Richardson's extrapolation).
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from math import inf
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.description.scheme import ORDER
+
+LAST_SHARE = 0.2
+"""Last part of a run, which counts as much as the whole."""
+
+STILL = 1e-6
+"""What moves by less than this share of what moves most is not asked."""
+
+
+def step_error(result: CosimResult, other: CosimResult) -> float:
+    """Estimate the error that a result owes to its macro step.
+
+    Args:
+        result: the one that is judged.
+        other: the same run in longer or shorter steps.
+
+    Returns:
+        rms of the error of displacement over the rms of displacement: amplitude and phase, over the whole run or its
+        last fifth, at the clamp or probe where it is largest; infinite where the steps are the same.
+    """
+    ratio = (result.time.size - 1) / (other.time.size - 1)
+    if ratio == 1.0:
+        return inf
+    return _difference(result, other) / abs(ratio ** ORDER[result.scheme] - 1)
+
+
+def _difference(result: CosimResult, other: CosimResult) -> float:
+    """Give the largest rms difference of two runs, as a share of the motion."""
+    fine, coarse = sorted((result, other), key=lambda run: -run.time.size)
+    columns = [f"{name}.s" for name in (*result.clamp_names, *result.probe_names)]
+    if not columns:
+        return 0.0
+    seen = np.column_stack([coarse.columns[name] for name in columns])
+    truer = CubicSpline(fine.time, np.column_stack([fine.columns[name] for name in columns]))(coarse.time)
+    windows = (slice(None), slice(int(np.searchsorted(coarse.time, (1 - LAST_SHARE) * coarse.time[-1])), None))
+    least = STILL * float(truer.std(axis=0).max())
+    shares = [
+        float(np.sqrt(np.mean((seen[window, index] - truer[window, index]) ** 2)) / scale)
+        for window, index in product(windows, range(len(columns)))
+        if (scale := float(truer[window, index].std())) > least
+    ]
+    return max(shares, default=0.0)

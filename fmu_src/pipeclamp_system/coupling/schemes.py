@@ -1,0 +1,22 @@
+"""Coupling schemes by name, and what a participant that can't roll back leaves of them."""
+
+from __future__ import annotations
+
+from pipeclamp_system.coupling.broyden import Tolerance
+from pipeclamp_system.coupling.implicit import LinearlyImplicit
+from pipeclamp_system.coupling.march import Advance, Explicit, Iteration, System
+from pipeclamp_system.description.scheme import ROLLS_BACK, Scheme
+
+
+def advance_of(scheme: Scheme, system: System, tolerance: Tolerance) -> Advance:
+    """Give a scheme for a system; the tolerance is for the iterated one."""
+    if scheme == "iterated":
+        return Iteration(system, tolerance)
+    if scheme == "implicit":
+        return LinearlyImplicit(system)
+    return Explicit(system, sequential=scheme == "sequential")
+
+
+def best_allowed(scheme: Scheme, can_roll_back: bool) -> Scheme:
+    """Give the scheme, or the best one that works without roll-back."""
+    return "sequential" if scheme in ROLLS_BACK and not can_roll_back else scheme

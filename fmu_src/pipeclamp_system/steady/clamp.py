@@ -1,0 +1,139 @@
+"""A clamp in periodic motion: the harmonics of its force, with the law's A and f given or those of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp_fmu.slaves.clamp import within
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import Motion
+
+Complex = NDArray[np.complex128]
+Bounds = tuple[float, float]
+
+SAMPLES = 256
+"""Of a cycle, at which the law is evaluated."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyClamp:
+    """A law at its temperature.
+
+    Attributes:
+        law: the law.
+        temperature: K.
+        amplitude: mm, that the law is taken for; None for the motion's own.
+        frequency: Hz, that the law is taken for where the amplitude is given; None for that of the excitation.
+        range_A: mm, and range_f: Hz, inside which the motion's own A and f are held, as the clamp FMU holds them.
+        further: other conditions that the law follows, by name, in its units; load cycles stand still.
+        samples: of a cycle, at which the law is evaluated.
+        ranges: what the law's data hold of T (K) and of `further`, by name.
+    """
+
+    law: Law
+    temperature: float
+    amplitude: float | None
+    frequency: float | None
+    range_A: Bounds
+    range_f: Bounds
+    further: Mapping[str, float] = field(default_factory=dict)
+    samples: int = SAMPLES
+    ranges: Mapping[str, Bounds] = field(default_factory=dict)
+
+    def conditions(self, motion: Complex, frequency: Array) -> tuple[Array, Array]:
+        """Give A (mm) and f (Hz) that the law is taken for, each (rows,).
+
+        Of a motion they are A = sqrt(2 var y) and f = sqrt(var v/var y)/(2 pi), as the FMU's tracker has them.
+        """
+        if self.amplitude is not None:
+            given = self.frequency
+            return np.full(len(motion), self.amplitude), frequency if given is None else np.full(len(motion), given)
+        amplitude, own = self._own_conditions(motion, frequency)
+        return np.clip(amplitude, *self.range_A), np.clip(own, *self.range_f)
+
+    def beyond(self, motion: Complex, frequency: float, farthest: float) -> dict[str, float]:
+        """Give the conditions that lie beyond the law's data, by name; A, f, T and further ones as the FMU judges them.
+
+        Args:
+            motion: harmonics of y, mm, (h,).
+            frequency: of the fundamental, Hz.
+            farthest: displacement from the middle, mm; beyond the largest amplitude it counts as an amplitude.
+        """
+        at = np.array([frequency])
+        if self.amplitude is None:
+            amplitude, own = self._own_conditions(motion[None], at)
+        else:
+            amplitude, own = self.conditions(motion[None], at)
+        A = float(amplitude[0])
+        if not farthest <= self.range_A[1]:
+            A = max(A, farthest)
+        values = {"A": A, "f": float(own[0]), "T": self.temperature, **self.further}
+        ranges = {"A": self.range_A, "f": self.range_f, **self.ranges}
+        return {name: values[name] for name, interval in ranges.items() if not within(values[name], interval)}
+
+    @staticmethod
+    def _own_conditions(motion: Complex, frequency: Array) -> tuple[Array, Array]:
+        """Give A (mm) and f (Hz) of a motion, each (rows,)."""
+        squares = np.abs(motion[:, 1:]) ** 2
+        order = np.arange(1, motion.shape[1])
+        amplitude = np.sqrt(squares.sum(axis=1))
+        speed = np.sqrt((squares * order**2).sum(axis=1))
+        ratio = np.divide(speed, amplitude, out=np.ones_like(speed), where=amplitude > 0)
+        return amplitude, ratio * frequency
+
+    def cycle(self, motion: Complex, frequency: Array) -> Motion:
+        """Give a motion in samples, with the law's conditions; arguments as of `forces`."""
+        turn = 2j * pi * np.arange(motion.shape[1]) * frequency[:, None]
+        waves = _waves(motion.shape[1], self.samples)
+        amplitude, law_frequency = self.conditions(motion, frequency)
+        slow = {
+            "A": amplitude[:, None],
+            "f": law_frequency[:, None],
+            "T": np.full((len(motion), 1), self.temperature),
+            **{name: np.full((len(motion), 1), value) for name, value in self.further.items()},
+        }
+        return Motion(
+            (motion @ waves).real,
+            (motion * turn @ waves).real,
+            (motion * turn**2 @ waves).real,
+            slow,
+            1 / (frequency[:, None] * self.samples),
+        )
+
+    def forces(self, motion: Complex, frequency: Array) -> Complex:
+        """Give the harmonics of the force into the clamp in steady state.
+
+        Args:
+            motion: harmonics of y = Re sum of Y_h e^(i h omega t), mm, h from 0, (rows, h).
+            frequency: of the fundamental, Hz, (rows,).
+
+        Returns:
+            harmonics of the force in the same form, N, (rows, h).
+        """
+        cycle = self.cycle(motion, frequency)
+        equations = self.law.structure.equations_without_rig
+        values = self.law.vector(equations)
+        force = force_of_equations(equations, values, (self.law.v_r, self.law.y_r), cycle).force
+        return harmonics_of(force, motion.shape[1])
+
+
+def harmonics_of(signals: Array, count: int) -> Complex:
+    """Give the first harmonics, from 0, of cycles in samples (rows, samples): (rows, count)."""
+    samples = signals.shape[1]
+    harmonics = 2 / samples * (signals @ _waves(count, samples).conj().T)
+    harmonics[:, 0] /= 2
+    return np.asarray(harmonics, dtype=np.complex128)
+
+
+@lru_cache(maxsize=16)
+def _waves(count: int, samples: int) -> Complex:
+    """Give e^(i h omega t) of the first harmonics, from 0, at the samples of a cycle, (h, samples)."""
+    return np.asarray(np.exp(2j * pi * np.outer(np.arange(count), np.arange(samples)) / samples))

@@ -1,0 +1,114 @@
+"""A described system as harmonic balance needs it: the pipe's modes, the clamps' laws, the sine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeclamp_fmu.build import clamp_model, condition_parameter
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.toml_file import unknown
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.equations.symbols import condition_symbol
+from pipeclamp_models.law.file import Interval, LawFile, law_of
+from pipeclamp_models.pipe.modes import ReducedPipe
+from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
+from pipeclamp_system.cosim.building import law_in
+from pipeclamp_system.description.excitation import sine_amplitude
+from pipeclamp_system.description.system import ClampSource, ResponseTable, SystemDescription
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.clamp import SteadyClamp
+
+AROUND = 0.7
+"""Of the excitation's frequency: where the response begins unless told, and the inverse of where it ends."""
+
+
+def response_table(description: SystemDescription, where: str) -> ResponseTable:
+    """Give what a system says of its response, or what follows from its excitation; `where` is named in errors.
+
+    Raises:
+        UserError: the excitation is a record.
+    """
+    excitation = description.excitation
+    if excitation.kind == "record":
+        raise UserError(f"{where}: excitation: a record has no frequency response; expected kind = 'sine' or 'sweep'")
+    if description.response is not None:
+        return description.response
+    first, last = excitation.frequency_Hz or excitation.from_Hz, excitation.frequency_Hz or excitation.to_Hz
+    assert first is not None and last is not None, "the description holds this"
+    low, high = min(first, last), max(first, last)
+    return ResponseTable(from_Hz=AROUND * low, to_Hz=high / AROUND)
+
+
+def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, where: str) -> SteadyClamp:
+    """Give a clamp of a system as harmonic balance needs it; a temperature in degC stands in for its own.
+
+    Raises:
+        UserError: it is an FMU, whose equations can't be read, or is given a condition that its law doesn't follow.
+    """
+    if source.law is None:
+        raise UserError(f"{where}: clamp {source.at!r}: a response needs the law's equations; expected law, not an FMU")
+    file = law_in(folder, source.law)
+    given = source.mode == "given"
+    law = law_of(file)
+    model = clamp_model(file)
+    further = {entry.name: entry.scale * entry.start for entry in model.further}
+    scales = {entry.name: entry.scale for entry in model.further}
+    for column, value in source.conditions.items():
+        name, setting = condition_parameter(column, value)
+        if name not in further:
+            raise UserError(
+                f"{where}: clamp {source.at!r}: conditions: {column}: law {source.law} doesn't follow it; leave it out "
+                "or take a law with an effect that does"
+            )
+        further[name] = scales[name] * setting
+    named = conditions_of(law.structure.equations_without_rig)[len(CONDITIONS_FIRST) :]
+    return SteadyClamp(
+        law,
+        (source.temperature_C if temperature is None else temperature) + CELSIUS,
+        source.amplitude_mm if given else None,
+        source.frequency_Hz if given else None,
+        (file.range["A"].minimum, file.range["A"].maximum),
+        (file.range["f"].minimum, file.range["f"].maximum),
+        dict(zip(named, further.values(), strict=True)),
+        ranges={
+            name: (interval.minimum, interval.maximum)
+            for name, interval in ranges_of(file).items()
+            if name in ("T", *named)
+        },
+    )
+
+
+def ranges_of(file: LawFile) -> dict[str, Interval]:
+    """Give what a law's data hold, by the names that its equations give the conditions."""
+    own = ("A", "f", "T", "rho", "N")
+    return {name if name in own else str(condition_symbol(name)): interval for name, interval in file.range.items()}
+
+
+def steady_clamps(
+    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, where: str
+) -> list[tuple[int, SteadyClamp]]:
+    """Give the clamps of a system and which of the pipe's each is; arguments as of `steady_system`.
+
+    Raises:
+        UserError: a clamp is at no place of the pipe, or is an FMU.
+    """
+    clamps = []
+    for source in description.clamps:
+        if source.at not in pipe.clamp_names:
+            raise UserError(f"{where}: clamps: {unknown(source.at, list(pipe.clamp_names), 'clamp')}")
+        clamps.append((pipe.clamp_names.index(source.at), steady_clamp(source, folder, temperature, where)))
+    return clamps
+
+
+def steady_system(
+    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, level: float,
+    harmonics: int, where: str,
+) -> SteadySystem:  # fmt: skip
+    """Give a described system as harmonic balance needs it; `where` is named in errors.
+
+    Raises:
+        UserError: a clamp is at no place of the pipe, or is an FMU.
+    """
+    clamps = steady_clamps(description, pipe, folder, temperature, where)
+    excitation = description.excitation
+    return SteadySystem(pipe, clamps, lambda frequency: level * sine_amplitude(excitation, frequency), harmonics)

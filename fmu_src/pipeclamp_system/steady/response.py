@@ -1,0 +1,262 @@
+"""The frequency response of a coupled system: steady states by harmonic balance, co-simulations as dots on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.tables import pl
+from pipeclamp_models.law.file import Interval
+from pipeclamp_models.pipe.description import read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.cosim.building import finished, law_in
+from pipeclamp_system.description.excitation import require_kind
+from pipeclamp_system.description.system import ResponseTable, read_system
+from pipeclamp_system.description.trust_mark import doubt
+from pipeclamp_system.steady.balance import FollowedResponse, SteadyState, SteadySystem, half_range
+from pipeclamp_system.steady.described import ranges_of, response_table, steady_system
+from pipeclamp_system.steady.detached import detached_branches
+from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A frequency response at one temperature of the clamps and one level of the excitation.
+
+    Attributes:
+        temperature: degC; None where each clamp has its own.
+        level: factor on the excitation's amplitude.
+        followed: states along the curve, round its turning points.
+        detached: branches that nothing joins to it in its range.
+    """
+
+    temperature: float | None
+    level: float
+    followed: FollowedResponse
+    detached: tuple[tuple[SteadyState, ...], ...] = ()
+
+    @property
+    def pieces(self) -> tuple[tuple[SteadyState, ...], ...]:
+        """All pieces, the detached ones last."""
+        return (*self.followed.pieces, *self.detached)
+
+    @property
+    def states(self) -> tuple[SteadyState, ...]:
+        """The states of all pieces."""
+        return tuple(state for piece in self.pieces for state in piece)
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """All curves of a system and the co-simulations on them.
+
+    Attributes:
+        name: of the system.
+        clamp_names: those with a law; probe_names: of the pipe. `amplitudes` are in this order.
+        excitation: what shakes the pipe, in words.
+        curves, dots: what was found.
+        ranges: what each clamp's law holds data for, by condition, in the order of clamp_names.
+    """
+
+    name: str
+    clamp_names: tuple[str, ...]
+    probe_names: tuple[str, ...]
+    excitation: str
+    curves: tuple[Curve, ...]
+    dots: tuple[Dot, ...]
+    ranges: tuple[Mapping[str, Interval], ...]
+
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Names of all clamps and probes."""
+        return (*self.clamp_names, *self.probe_names)
+
+    def summary(self) -> str:
+        """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
+        lines = [f"system {self.name!r}, level 1: {self.excitation}"]
+        for curve in self.curves:
+            peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
+            peak_text = ", ".join(
+                f"{name} {peak:.4g} mm at {frequency:.4g} Hz"
+                for name, (peak, frequency) in zip(self.points, peaks, strict=True)
+            )
+            unstable = [state.frequency for state in curve.states if not state.stable]
+            branch = f"; unstable from {min(unstable):.4g} to {max(unstable):.4g} Hz" if unstable else ""
+            broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
+            apart = "".join(f"; {_about_detached(piece)}" for piece in curve.detached)
+            lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
+        lines += self.about_ranges()
+        lines += self._about_dots() if self.dots else []
+        return "\n".join(lines)
+
+    def about_ranges(self) -> list[str]:
+        """Say where a clamp's law is used beyond the range of its data."""
+        lines = []
+        states = [state for curve in self.curves for state in curve.states]
+        for index, (name, ranges) in enumerate(zip(self.clamp_names, self.ranges, strict=True)):
+            beyond = [state.beyond[index] for state in states if state.beyond[index]]
+            if not beyond:
+                continue
+            parts = []
+            for condition, interval in ranges.items():
+                values = [found[condition] for found in beyond if condition in found]
+                if values:
+                    low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+                    parts.append(
+                        f"{condition} = {low if low == high else f'{low} to {high}'} {interval.unit} "
+                        f"(data: {interval.minimum:.4g} to {interval.maximum:.4g})"
+                    )
+            share = f"{len(beyond) / len(states):.0%} of the curves' points"
+            lines.append(f"{name}: its law is used beyond the range of its data in {share}: {', '.join(parts)}")
+        return lines
+
+    def _about_dots(self) -> list[str]:
+        """Say how well the co-simulations agree, in which steps, and which of them aren't to be trusted."""
+        steps = [1e3 * dot.step for dot in self.dots]
+        good = [dot.difference for dot in self.dots if dot.settled and dot.trusted]
+        lines = [
+            f"{len(self.dots)} co-simulations in steps of {min(steps):.3g} to {max(steps):.3g} ms; those that settled "
+            f"and can be trusted ({len(good)}) differ by at most {max(good, default=0.0):.2%} from the stable branches"
+        ]
+        doubtful = [dot for dot in self.dots if not dot.trusted]
+        if doubtful:
+            places = "; ".join(f"{label(dot.temperature, dot.level)}, {dot.frequency:.4g} Hz" for dot in doubtful)
+            lines.append(
+                doubt(
+                    f"{len(doubtful)} co-simulations, drawn as crosses: 1/{2**MOST_HALVINGS} of step_s "
+                    f"is still too long a step for them; use a smaller step_s or scheme = 'implicit' ({places})"
+                )
+            )
+        return lines
+
+
+def _about_detached(branch: Sequence[SteadyState]) -> str:
+    """Say where a branch lies that nothing joins to the others."""
+    frequencies = [state.frequency for state in branch]
+    stable = "" if any(state.stable for state in branch) else " (all of it unstable)"
+    return f"a branch apart from {min(frequencies):.4g} to {max(frequencies):.4g} Hz{stable}"
+
+
+def label(temperature: float | None, level: float) -> str:
+    """Name a curve."""
+    return f"{'' if temperature is None else f'{temperature:g} °C, '}level {level:g}"
+
+
+def amplitudes_of(state: SteadyState) -> tuple[float, ...]:
+    """Give half the peak-to-peak displacement of each clamp and probe, mm."""
+    return tuple(half_range(np.vstack([state.clamps, state.probes])).tolist())
+
+
+def run_response(path: Path, progress: Progress | None = None) -> FrequencyResponse:
+    """Give the frequency response of the system that a file describes.
+
+    Args:
+        path: SYSTEM.toml; paths in it are relative to its folder.
+        progress: told what is being done.
+
+    Raises:
+        UserError: the system can't be read or built, has no sine, no law or nothing to show, or a co-simulation fails.
+    """
+    tell = progress or (lambda what: None)
+    description = read_system(path)
+    table = response_table(description, str(path))
+    if description.pipe.file is None:
+        raise UserError(f"{path}: pipe: a response needs the pipe's equations; expected file = 'PIPE.toml', not an FMU")
+    pipe = reduce(read_pipe(path.parent / description.pipe.file))
+    require_kind(description.excitation, pipe.excitation, str(path))
+    if not description.clamps and not pipe.probe_names:
+        raise UserError(
+            f"{path}: there is neither a clamp nor a probe whose motion could be shown; expected one of them"
+        )
+    # Refuses what can't serve before anything is built.
+    steady_system(description, pipe, path.parent, None, 1.0, table.harmonics, str(path))
+    curves: list[Curve] = []
+    dots: list[Dot] = []
+    with finished(description, path.parent) as ready:
+        for temperature in table.temperatures_C or (None,):
+            for level in table.levels:
+                tell(label(temperature, level))
+                place = str(path)
+                system = steady_system(description, pipe, path.parent, temperature, level, table.harmonics, place)
+                curve = _curve(system, table, temperature, level, place)
+                curves.append(curve)
+                for frequency in _dot_frequencies(table):
+                    tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
+                    passed = [state for piece in curve.pieces for state in system.crossings(piece, frequency)]
+                    stable = [Rest(amplitudes_of(state), -state.growth) for state in passed if state.stable]
+                    dots.append(co_simulated(ready, temperature, level, frequency, stable, path))
+    excitation = description.excitation
+    amount = excitation.model_dump(include={"acceleration_m_s2", "displacement_mm", "force_N"}, exclude_none=True)
+    return FrequencyResponse(
+        description.name,
+        tuple(clamp.at for clamp in description.clamps),
+        pipe.probe_names,
+        ", ".join(f"{name} = {value:g}" for name, value in amount.items()),
+        tuple(curves),
+        tuple(dots),
+        tuple(ranges_of(law_in(path.parent, str(clamp.law))) for clamp in description.clamps),
+    )
+
+
+def _curve(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
+    """Follow one curve, and seek what is detached from it.
+
+    Raises:
+        UserError: it is found at neither end.
+    """
+    followed = system.followed(table.from_Hz, table.to_Hz)
+    if not followed.pieces:
+        raise UserError(
+            f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
+            f"{table.to_Hz:g} Hz; try other ends of [response]"
+        )
+    detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
+    return Curve(temperature, level, followed, detached)
+
+
+def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
+    """Give frequencies inside the range, evenly spread."""
+    return np.linspace(table.from_Hz, table.to_Hz, table.dots + 2)[1:-1].tolist() if table.dots else ()
+
+
+def write_response(response: FrequencyResponse, path: Path) -> None:
+    """Write curves and dots as CSV, whole or not at all: a row each, "name [unit]" as header.
+
+    Raises:
+        UserError: the folder can't be written.
+    """
+    rows = []
+    for curve in response.curves:
+        for number, state in ((n, state) for n, piece in enumerate(curve.pieces, 1) for state in piece):
+            row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
+            row |= {"piece": number, "stable": float(state.stable), "growth [1/s]": state.growth}
+            for name, (amplitude, frequency), force, beyond in zip(
+                response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), state.beyond,
+                strict=True,
+            ):  # fmt: skip
+                row |= {f"{name}.A_used [mm]": amplitude, f"{name}.f_used [Hz]": frequency, f"{name}.f [N]": force}
+                row[f"{name}.inRange [1 yes, 0 no]"] = float(not beyond)
+            rows.append(row)
+    for dot in response.dots:
+        row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)
+        rows.append(row | {"settled": float(dot.settled), "trusted": float(dot.trusted), "step [s]": dot.step})
+    write_whole(path, pl.from_dicts(rows, infer_schema_length=None).write_csv())
+
+
+def _row(
+    kind: str, temperature: float | None, level: float, frequency: float, amplitudes: Sequence[float],
+    response: FrequencyResponse,
+) -> dict[str, float | str | None]:  # fmt: skip
+    row: dict[str, float | str | None] = {
+        "kind": kind,
+        "temperature [degC]": temperature,
+        "level": level,
+        "frequency [Hz]": frequency,
+    }
+    return row | {f"{name}.s [mm]": value for name, value in zip(response.points, amplitudes, strict=True)}

@@ -1,0 +1,146 @@
+"""How a clamp's law answers a small change of its steady motion: sample by sample, and over the whole cycle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.realise.arrays import realise
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.states import SETTLED, trail
+from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
+
+NUDGE = 1e-5
+"""By which share of its size an argument is moved for a derivative."""
+
+Y, V, BEFORE, STEP, AMPLITUDE, FREQUENCY = range(6)
+"""Arguments of a law's step but its states: y, v at a sample, y a sample before, the step h, A, f.
+
+No law that is carried to a pipe depends on acceleration: only what the rig adds does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tangents:
+    """A law's force on a cycle of n samples and the derivatives of its steps; mm, s, N.
+
+    Attributes:
+        force: at each sample, (n,).
+        by_argument: derivatives of the force and then of the states, by the six arguments, (1 + J, 6, n).
+        by_state: the same by the states a sample before, (1 + J, J, n).
+        follows: n times the change of A by that of y at each sample, (n,); 0 where the law's A is given or held.
+        adrift: whether states keep a constant for ever, which is neither stable nor unstable.
+    """
+
+    force: Array
+    by_argument: Array
+    by_state: Array
+    follows: Array
+    adrift: bool
+
+    @property
+    def memory(self) -> int:
+        """How many states there are."""
+        return len(self.by_state) - 1
+
+
+def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
+    """Linearise a clamp's law about a periodic motion.
+
+    Where the velocity turns, a derivative by it is that over the velocity's change in a step, as force itself is
+    averaged there.
+
+    Args:
+        clamp: the law with its conditions.
+        motion: harmonics of y, mm, (h,).
+        frequency: Hz.
+    """
+    return _along(clamp, clamp.cycle(motion[None], np.array([frequency])))
+
+
+def linearised(clamp: SteadyClamp, motions: Complex, frequencies: Array) -> tuple[Complex, Complex]:
+    """Give a clamp's force on a periodic motion, and what motions next to it change of the force to first order.
+
+    Args:
+        clamp: the law with its conditions.
+        motions: harmonics of y, mm, (rows, h): the motion, then those next to it.
+        frequencies: Hz, (rows,).
+
+    Returns:
+        harmonics of the force, N, (h,), and of its changes, (rows - 1, h).
+    """
+    cycles = clamp.cycle(motions, frequencies)
+    law = _along(clamp, cycles.rows(np.array([0])))
+    arguments = _arguments(cycles)
+    changes = arguments[:, 1:] - arguments[:, :1]
+    by_arguments = np.einsum("san,arn->srn", law.by_argument, changes)
+    force = by_arguments[0]
+    if law.memory:
+        # What keeps a constant for ever has it from its first move, which began where nothing had moved yet.
+        first = by_arguments[1:, :, -1] - law.by_argument[1:, BEFORE, -1:] * changes[BEFORE, :, -1]
+        states = _states_before(law.by_state[1:], by_arguments[1:], first)
+        force = force + np.einsum("jn,jrn->rn", law.by_state[0], states)
+    found = harmonics_of(np.concatenate([law.force[None], force]), motions.shape[1])
+    return found[0], found[1:]
+
+
+def _states_before(slopes: Array, inputs: Array, first: Array) -> Array:
+    """Give how the states a sample before change in a periodic motion, (J, rows, n).
+
+    Args:
+        slopes: of the states by those a sample before, (J, J, n).
+        inputs: changes of the states by all else, (J, rows, n).
+        first: changes of the states after a first move from rest to the cycle's last sample, (J, rows).
+    """
+    count, rows, samples = inputs.shape
+    # What the states at the cycle's begin make of a cycle goes along as further rows.
+    added = np.concatenate([inputs.transpose(2, 0, 1), np.zeros((samples, count, count))], axis=2)
+    start = np.hstack([first, np.eye(count)])
+    after = trail(start[None], np.ascontiguousarray(slopes.transpose(2, 0, 1))[None], added[None])[0]
+    before = np.concatenate([start[None], after[:-1]])
+    to_begin = np.linalg.pinv(np.eye(count) - after[-1, :, rows:], rcond=SETTLED)
+    begin = to_begin @ (after[-1, :, :rows] - first)
+    return np.asarray((before[:, :, :rows] + before[:, :, rows:] @ begin).transpose(1, 2, 0))
+
+
+def _arguments(cycles: Motion) -> Array:
+    """Give the arguments but the states of motions' steps, (6, rows, n)."""
+    still = (cycles.h, cycles.slow["A"], cycles.slow["f"])
+    shape = cycles.y.shape
+    return np.stack([cycles.y, cycles.v, np.roll(cycles.y, 1, axis=1), *(np.broadcast_to(one, shape) for one in still)])
+
+
+def _along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
+    """Linearise a clamp's law along one cycle."""
+    equations = clamp.law.structure.equations_without_rig
+    values, smoothing = clamp.law.vector(equations), (clamp.law.v_r, clamp.law.y_r)
+    compiled = realise(equations)
+    along_cycle = force_of_equations(equations, values, smoothing, cycle)
+    y, a, h, A = cycle.y[0], cycle.a[0], cycle.h[0, 0], cycle.slow["A"][0, 0]
+
+    arguments = _arguments(cycle)[:, 0]
+    own = len(arguments)
+    at = np.stack([*arguments, *(np.roll(state[0], 1) for state in along_cycle.states)])
+    nudges = NUDGE * np.maximum(np.abs(at).max(axis=1, keepdims=True), np.finfo(float).tiny) * np.ones_like(at)
+    nudges[V] = np.maximum(nudges[V], np.abs(a) * h / 2)
+    each = np.eye(len(at))[:, :, None] * nudges
+    moved = np.concatenate([at + each, at - each]).swapaxes(0, 1)  # (arguments, rows, n)
+    slow = {**cycle.slow, "A": moved[AMPLITUDE, :, :1], "f": moved[FREQUENCY, :, :1]}
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
+        coefficients = compiled.coefficients(*(slow[name] for name in compiled.slow), *values, *smoothing)
+        held = [*coefficients, *values, *smoothing]
+        fast = [moved[Y], moved[V], a, moved[BEFORE], moved[STEP]]
+        after = compiled.update(*fast, *moved[own:], *held) if along_cycle.states else []
+        results = [*compiled.force(*fast, *after, *held), *after]
+    found = np.stack([np.broadcast_to(result, moved[Y].shape) for result in results])
+    above, below = np.split(found, 2, axis=1)
+    slopes = (above - below) / (2 * nudges)
+    if along_cycle.steps is not None:  # exact, so that what a state keeps for ever is told from what it nearly keeps
+        slopes[1:, own:] = along_cycle.steps[0].transpose(1, 2, 0)
+
+    follows = np.zeros_like(y)
+    if clamp.amplitude is None and clamp.range_A[0] < A < clamp.range_A[1]:
+        follows = 2 * (y - y.mean()) / A
+    return Tangents(along_cycle.force[0], slopes[:, :own], slopes[:, own:], follows, bool(along_cycle.adrift[0]))

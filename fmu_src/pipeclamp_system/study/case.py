@@ -1,0 +1,109 @@
+"""One case of a study: what the system's pipe does there."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeclamp_fmu.build import build_pipe
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.pipe.description import PipeDescription
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
+from pipeclamp_system.cosim.run import run_described
+from pipeclamp_system.description.excitation import require_kind
+from pipeclamp_system.description.system import PipeSource, SystemDescription
+from pipeclamp_system.steady.described import response_table, steady_system
+from pipeclamp_system.steady.response import amplitudes_of
+from pipeclamp_system.study.description import Study, Values
+
+Row = dict[str, Any]
+
+TRUSTED = "trusted"
+"""Column that says whether a co-simulated case is to be trusted."""
+
+IN_RANGE = ".inRange"
+"""How columns end that say whether a clamp's law was used inside the range of its data."""
+
+
+@lru_cache(maxsize=64)
+def _reduced(text: str) -> ReducedPipe:
+    return reduce(PipeDescription.model_validate_json(text))
+
+
+@one_thread()
+def evaluate(study: Study, number: int, values: Values) -> Row:
+    """Evaluate a case; what it can't be is said in its row, so that the others go on.
+
+    Args:
+        study: the study.
+        number: of the case.
+        values: what is varied, in this case.
+
+    Returns:
+        its number, values, amplitudes (mm) and frequency (Hz) by point, whether each clamp's law has data for that
+        motion, whether all of it is stable (of "cosim": whether it is to be trusted, and why not, or ""), the time it
+        took (s), and an error or "".
+    """
+    begin = time.perf_counter()
+    row: Row = {"case": number, **values, "error": ""}
+    try:
+        row |= _measured(study, *study.described(values))
+    except (UserError, ArithmeticError, np.linalg.LinAlgError) as error:
+        row["error"] = str(error)
+    return row | {"seconds": time.perf_counter() - begin}
+
+
+def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescription) -> Row:
+    """Give what the study asks for."""
+    where = study.description.name
+    if study.description.measure == "cosim":
+        return _cosimulated(study, pipe_table, system)
+    pipe = _reduced(pipe_table.model_dump_json())
+    require_kind(system.excitation, pipe.excitation, where)
+    table = response_table(system, where)
+    steady = steady_system(system, pipe, study.folder, None, 1.0, table.harmonics, where)
+    if study.description.measure == "peak":
+        followed = steady.followed(table.from_Hz, table.to_Hz)
+        states = list(followed.states)
+        if states and not followed.whole:
+            raise UserError(f"the response was {followed.reach()}; its peak isn't known: try other ends of [response]")
+    else:
+        frequency = system.excitation.frequency_Hz
+        if frequency is None:
+            raise UserError(f"{where}: measure = 'steady' needs an excitation of kind 'sine'; use 'peak' or 'cosim'")
+        state = steady.at(frequency)
+        states = [] if state is None else [state]
+    if not states:
+        raise UserError(f"{where}: no steady state was found")
+    amplitudes = np.array([amplitudes_of(state) for state in states])
+    row: Row = {
+        "stable": float(all(state.stable for state in states)),
+        "pipe_stable": float(pipe.stability.kind == "stable"),
+    }
+    for index, name in enumerate((*(clamp.at for clamp in system.clamps), *pipe.probe_names)):
+        highest = int(amplitudes[:, index].argmax())
+        row[f"{name}.s [mm]"] = float(amplitudes[highest, index])
+        row[f"{name}.frequency [Hz]"] = states[highest].frequency
+        if index < len(system.clamps):
+            row[f"{name}{IN_RANGE}"] = not states[highest].beyond[index]
+    return row
+
+
+def _cosimulated(study: Study, pipe_table: PipeDescription, system: SystemDescription) -> Row:
+    """Co-simulate a case; amplitudes are those of the last fifth."""
+    with tempfile.TemporaryDirectory(prefix="pipeclamp_") as name:
+        file = Path(name) / "pipe.fmu"
+        build_pipe(_reduced(pipe_table.model_dump_json()), file)
+        ready = system.model_copy(update={"pipe": PipeSource(fmu=str(file))})
+        result = run_described(ready, study.folder, study.description.name)
+    row: Row = {TRUSTED: result.trusted, "doubts": "; ".join(what for what, _ in result.doubts())}
+    row |= {f"{name}{IN_RANGE}": name not in result.out_of_range for name in result.clamp_names}
+    return row | {
+        f"{point}.s [mm]": 1e3 * result.amplitude(f"{point}.s") for point in (*result.clamp_names, *result.probe_names)
+    }

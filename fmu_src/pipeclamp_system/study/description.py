@@ -1,0 +1,197 @@
+"""STUDY.toml: a system, what is varied in it, and what is asked of each case."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import itertools
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from pipeclamp_fmu.build import version
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown, validated
+from pipeclamp_models.pipe.description import PipeDescription
+from pipeclamp_system.description.system import SystemDescription
+
+MOST_CASES = 1_000_000
+"""More than these are a mistake, or want a study of another kind."""
+
+NUMBER = "system.clamps.number"
+"""The varied quantity that keeps only so many of the system's clamps, in their order."""
+
+Values = Mapping[str, float]
+
+
+class Range(Table):
+    """Evenly spaced values, both ends included."""
+
+    start: Number
+    stop: Number
+    points: Annotated[int, Field(strict=True, ge=2, le=100_000)]
+
+
+Varied = Annotated[
+    Annotated[tuple[Number, ...], Tag("(list)")] | Annotated[Range, Tag("(table)")],
+    Discriminator(lambda values: "(list)" if isinstance(values, list | tuple) else "(table)"),
+]
+
+
+class StudyDescription(Table):
+    """A study: every combination of what is varied is one case.
+
+    Attributes:
+        name, notes: for people.
+        system: SYSTEM.toml, relative to the study's folder; its pipe is a PIPE.toml.
+        measure: "steady" (harmonic balance at the excitation's frequency), "peak" (the largest motion over the system's
+            [response] frequencies), or "cosim" (co-simulation, the end of the run).
+        vary: values by place: "pipe" or "system", then keys; an entry of a list by its name, its `at`, or * for all.
+    """
+
+    name: str = "study"
+    notes: str = ""
+    system: str
+    measure: Literal["steady", "peak", "cosim"] = "steady"
+    vary: Annotated[dict[str, Varied], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _not_too_many(self) -> Self:
+        for place, values in self.vary.items():
+            if not isinstance(values, Range) and not values:
+                raise ValueError(f"vary.{place!r} is empty; expected numbers, or start, stop and points")
+        if self.count > MOST_CASES:
+            raise ValueError(f"vary: {self.count} cases; expected at most {MOST_CASES}")
+        return self
+
+    @property
+    def axes(self) -> dict[str, tuple[float, ...]]:
+        """The values of each place."""
+        return {
+            place: tuple(np.linspace(values.start, values.stop, values.points).tolist())
+            if isinstance(values, Range)
+            else values
+            for place, values in self.vary.items()
+        }
+
+    @property
+    def count(self) -> int:
+        """How many cases there are."""
+        return prod(values.points if isinstance(values, Range) else len(values) for values in self.vary.values())
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study with what its files say.
+
+    Attributes:
+        description: of the study.
+        folder: of SYSTEM.toml, to which its paths are relative.
+        pipe, system: the tables of PIPE.toml and SYSTEM.toml.
+        fingerprint: of all files, and this program, that decide the results.
+    """
+
+    description: StudyDescription
+    folder: Path
+    pipe: Mapping[str, Any]
+    system: Mapping[str, Any]
+    fingerprint: str
+
+    def cases(self) -> Iterator[tuple[int, dict[str, float]]]:
+        """Give each case's number and values."""
+        axes = self.description.axes
+        for number, values in enumerate(itertools.product(*axes.values())):
+            yield number, dict(zip(axes, values, strict=True))
+
+    def described(self, values: Values) -> tuple[PipeDescription, SystemDescription]:
+        """Give pipe and system of a case.
+
+        Raises:
+            UserError: a place isn't there, or the case describes nothing that can be.
+        """
+        tables = {"pipe": copy.deepcopy(dict(self.pipe)), "system": copy.deepcopy(dict(self.system))}
+        for place, value in values.items():
+            if place == NUMBER:
+                tables["system"]["clamps"] = _first_clamps(tables["system"].get("clamps", []), value)
+            else:
+                _put(tables, place.split("."), value, place)
+        where = ", ".join(f"{place} = {value:g}" for place, value in values.items())
+        return validated(tables["pipe"], PipeDescription, where), validated(tables["system"], SystemDescription, where)
+
+
+def _first_clamps(clamps: list[Any], number: float) -> list[Any]:
+    """Give so many of a system's clamps.
+
+    Raises:
+        UserError: there aren't so many, or it is no whole number.
+    """
+    if number not in range(len(clamps) + 1):
+        raise UserError(
+            f"vary.{NUMBER!r}: got {number:g}; expected a whole number from 0 to {len(clamps)}, the clamps there are"
+        )
+    return clamps[: int(number)]
+
+
+def _put(table: Any, keys: list[str], value: float, place: str) -> None:
+    """Put a value at a place of nested tables.
+
+    Raises:
+        UserError: the place isn't there.
+    """
+    key, *rest = keys
+    if isinstance(table, list):
+        named = {str(entry.get("name", entry.get("at", index))): entry for index, entry in enumerate(table, 1)}
+        if key != "*" and key not in named:
+            raise UserError(f"vary.{place!r}: {unknown(key, list(named), 'entry')}")
+        for entry in table if key == "*" else [named[key]]:
+            _put(entry, rest, value, place)
+        return
+    if not isinstance(table, dict):
+        raise UserError(f"vary.{place!r}: {key!r} stands behind something that is no table")
+    if rest:
+        if key in ("pipe", "system", "flow", "axial", "excitation", "damping", "modes", "run") or key in table:
+            _put(table.setdefault(key, {}), rest, value, place)
+            return
+        raise UserError(f"vary.{place!r}: {unknown(key, list(table), 'table')}")
+    table[key] = value
+
+
+def read_study(path: Path) -> Study:
+    """Read a study with its system and its pipe, and check its first and its last case.
+
+    Raises:
+        UserError: a file can't be read, or a place isn't there; the message names it.
+    """
+    description = read_table(path, StudyDescription)
+    digest = hashlib.sha256(path.read_bytes())
+    system_path = path.parent / description.system
+    read_table(system_path, SystemDescription)
+    system = tomllib.loads(system_path.read_text(encoding="utf-8"))
+    file = system["pipe"].get("file")
+    if file is None:
+        raise UserError(f"{system_path}: pipe: a study needs file = 'PIPE.toml', not an FMU")
+    pipe_path = system_path.parent / file
+    read_table(pipe_path, PipeDescription)
+    pipe = tomllib.loads(pipe_path.read_text(encoding="utf-8"))
+    named = [clamp.get("law", clamp.get("fmu")) for clamp in system.get("clamps", [])]
+    named.append(system["excitation"].get("file"))
+    beside = [system_path.parent / name for name in named if name is not None]  # a bundled law's name is no file
+    for used in (system_path, pipe_path, *(path for path in beside if path.is_file())):
+        digest.update(used.read_bytes())
+    digest.update(version().encode())
+    study = Study(description, system_path.parent.resolve(), pipe, system, digest.hexdigest())
+    for place in description.vary:
+        if place != NUMBER and place.split(".")[0] not in ("pipe", "system"):
+            raise UserError(f"{path}: vary.{place!r}: expected pipe.… or system.…, for example pipe.flow.velocity_m_s")
+    try:
+        for pick in (0, -1):
+            study.described({place: values[pick] for place, values in description.axes.items()})
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
+    return study

@@ -1,0 +1,148 @@
+"""The coupled system solved as one set of equations, by SciPy: the reference for every co-simulation scheme."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from pipeclamp_fmu.contents.passivity import loaded
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.pipe.modes import ReducedPipe
+from pipeclamp_models.realise.scalar import python_source
+from pipeclamp_models.realise.stepping import parameter_values
+
+RATE_STEP = 1e-5
+"""Seconds over which a history state's update is turned into a rate: short beside any motion here, but no shorter.
+
+It is the time constant with which a slipping element reaches its limit; a stiffer one costs the integrator its digits.
+"""
+
+
+@dataclass(frozen=True)
+class ClampEquations:
+    """A clamp law at its amplitude, frequency and temperature, as plain functions; mm, N.
+
+    Attributes:
+        start: the history states at the start.
+        coefficients: what the law's step takes first.
+        step: the law's step, as `pipeclamp.realise.scalar` describes it.
+    """
+
+    start: tuple[float, ...]
+    coefficients: Any
+    step: Callable[..., tuple[float, float, tuple[float, ...]]]
+
+    def force(self, state: Sequence[float], y: float, v: float) -> float:
+        """Give the force in N at y (mm), v (mm/s) and the present history states."""
+        return self.step(self.coefficients, tuple(state), y, y, v, 0.0)[0]
+
+    def rates(self, state: Sequence[float], y: float, v: float) -> list[float]:
+        """Give the rates of the history states: the update over a step so short that it is one."""
+        after = self.step(self.coefficients, tuple(state), y - v * RATE_STEP, y, v, RATE_STEP)[2]
+        return [(new - old) / RATE_STEP for new, old in zip(after, state, strict=True)]
+
+
+def clamp_equations(law: Law, amplitude: float, frequency: float, temperature: float) -> ClampEquations:
+    """Give a law's equations at an amplitude (mm), frequency (Hz) and temperature (K): those that its FMU runs."""
+    scalar = loaded(python_source(law.structure), parameter_values(law))
+    start = tuple(float(value) for _, value in scalar.states)
+    return ClampEquations(start, scalar.coefficients(amplitude, frequency, temperature), scalar.step)
+
+
+@dataclass(frozen=True, eq=False)
+class MonolithicResult:
+    """The reference solution at the asked times.
+
+    Attributes:
+        time: s, (n,).
+        displacement: of each clamp, m, (n, clamps).
+        velocity: m/s, (n, clamps).
+        force: into each clamp, N, (n, clamps).
+        probes: displacement of each probe, m, (n, probes).
+        probe_velocity, probe_acceleration: relative to the base, m/s and m/s2, (n, probes).
+    """
+
+    time: Array
+    displacement: Array
+    velocity: Array
+    force: Array
+    probes: Array
+    probe_velocity: Array
+    probe_acceleration: Array
+
+
+def solve_monolithic(
+    pipe: ReducedPipe,
+    clamps: Sequence[ClampEquations],
+    excitation: Callable[[float], float],
+    time: Array,
+    relative_tolerance: float = 1e-8,
+) -> MonolithicResult:
+    """Solve pipe and clamps together, started from rest.
+
+    Args:
+        pipe: the reduced pipe.
+        clamps: the equations of each of its clamps, in its order.
+        excitation: m/s2 or N over s.
+        time: when the solution is asked for, s, ascending from 0, (n,).
+        relative_tolerance: of the integration.
+
+    Raises:
+        ArithmeticError: the integration fails.
+    """
+    stiffness, damping = pipe.stiffness_matrix, pipe.damping_matrix
+    participation = np.array(pipe.excitation_participation)
+    shapes = np.array(pipe.clamp_shapes).reshape(len(clamps), len(pipe.omega))
+    count = len(pipe.omega)
+    ends = 2 * count + np.cumsum([0] + [len(clamp.start) for clamp in clamps])
+
+    def clamp_forces(state: Array, y: Array, v: Array) -> list[float]:
+        return [
+            clamp.force(state[ends[i] : ends[i + 1]].tolist(), 1e3 * y[i], 1e3 * v[i]) for i, clamp in enumerate(clamps)
+        ]
+
+    def rates(t: float, state: Array) -> Array:
+        q, p = state[:count], state[count : 2 * count]
+        y, v = shapes @ q, shapes @ p
+        change = np.empty_like(state)
+        change[:count] = p
+        change[count : 2 * count] = participation * excitation(t) - damping @ p - stiffness @ q
+        change[count : 2 * count] -= clamp_forces(state, y, v) @ shapes
+        for i, clamp in enumerate(clamps):
+            own = slice(ends[i], ends[i + 1])
+            change[own] = clamp.rates(state[own].tolist(), 1e3 * y[i], 1e3 * v[i])
+        return change
+
+    start = np.concatenate([np.zeros(2 * count), *(np.array(clamp.start) for clamp in clamps)])
+    # What counts as nothing: a nanometre of clamp motion in modal measure, a micronewton in the history states.
+    largest = float(np.abs(shapes).max(initial=0.0)) or 1.0
+    absolute = np.full(start.size, 1e-6)
+    absolute[:count] = 1e-12 / largest
+    absolute[count : 2 * count] = 1e-12 / largest * np.maximum(pipe.omega, pipe.omega[-1] / 100)
+    solution = solve_ivp(
+        rates,
+        (0.0, float(time[-1])),
+        start,
+        method="LSODA",
+        t_eval=time,
+        rtol=relative_tolerance,
+        atol=absolute,
+        max_step=float(time[-1]) / 200,  # so that a slow start doesn't step over the excitation
+    )
+    if not solution.success:
+        raise ArithmeticError(f"the monolithic solution fails at t = {solution.t[-1]:g} s: {solution.message}")
+    states = solution.y.T
+    q, p = states[:, :count], states[:, count : 2 * count]
+    displacement, velocity = q @ shapes.T, p @ shapes.T
+    force = np.array(
+        [clamp_forces(state, y, v) for state, y, v in zip(states, displacement, velocity, strict=True)]
+    ).reshape(time.size, len(clamps))
+    loads = np.outer([excitation(t) for t in time], participation) - force @ shapes
+    acceleration = loads - p @ damping.T - q @ stiffness.T
+    seen = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), count).T
+    return MonolithicResult(time, displacement, velocity, force, q @ seen, p @ seen, acceleration @ seen)

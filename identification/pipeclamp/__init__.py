@@ -1,0 +1,68 @@
+"""The front door of pipeclamp: what people call, see and read. Nothing is computed here.
+
+Its packages: show (sentences and tables), pages (pages with pictures), api (the Python functions), cli (the commands).
+`import pipeclamp as pc` gives the functions below; what each needs is loaded when it is first called.
+
+>>> import pipeclamp as pc
+>>> tests = pc.read_campaign("clamp_a")
+>>> law = pc.identify(tests)
+>>> print(f"{pc.compare(law, tests).nrmse:.2%}")
+2.55%
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pipeclamp.api.comparison import Comparison, compare
+    from pipeclamp.api.diagnosis import Diagnosis, diagnose
+    from pipeclamp.api.fmu import build_fmu, build_pipe
+    from pipeclamp.api.law import Law, open_law
+    from pipeclamp.api.laws import add, identify, remove
+    from pipeclamp.api.system import Cosimulation, cosim
+    from pipeclamp.api.tests import Tests, read_campaign
+    from pipeclamp_models.base.errors import UserError
+
+__all__ = [
+    "Comparison", "Cosimulation", "Diagnosis", "Law", "Tests", "UserError", "add", "build_fmu", "build_pipe", "compare",
+    "cosim", "diagnose", "identify", "open_law", "read_campaign", "remove",
+]  # fmt: skip
+
+_HOMES = {
+    "Comparison": "pipeclamp.api.comparison",
+    "Cosimulation": "pipeclamp.api.system",
+    "Diagnosis": "pipeclamp.api.diagnosis",
+    "Law": "pipeclamp.api.law",
+    "Tests": "pipeclamp.api.tests",
+    "UserError": "pipeclamp_models.base.errors",
+    "add": "pipeclamp.api.laws",
+    "build_fmu": "pipeclamp.api.fmu",
+    "build_pipe": "pipeclamp.api.fmu",
+    "compare": "pipeclamp.api.comparison",
+    "cosim": "pipeclamp.api.system",
+    "diagnose": "pipeclamp.api.diagnosis",
+    "identify": "pipeclamp.api.laws",
+    "open_law": "pipeclamp.api.law",
+    "read_campaign": "pipeclamp.api.tests",
+    "remove": "pipeclamp.api.laws",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name when it is first used."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("pipeclamp")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'pipeclamp' has no attribute {name!r}")
+    found = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    """Give the public names, loaded or not."""
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,92 @@
+"""A law held against tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from pipeclamp.api.law import Law, opened
+from pipeclamp.api.shown import PathOrName, Shown, frame_of
+from pipeclamp.api.tests import Tests, tested
+from pipeclamp.show.view import View
+from pipeclamp_identification.workflow.tests import Held
+from pipeclamp_models.base.one_thread import one_thread
+
+if TYPE_CHECKING:
+    from pipeclamp.pages.page import Section
+    from pipeclamp_models.base.tables import pl
+
+
+class Comparison(Shown):
+    """How much a law errs against tests, and where.
+
+    Attributes:
+        law, tests: what was compared.
+
+    >>> from pipeclamp import compare, read_campaign
+    >>> compare("emwm2", read_campaign("emwm2_tables")).to_frame().columns[:2]
+    ['run', 'nrmse']
+    """
+
+    def __init__(self, law: Law, tests: Tests, held: Held) -> None:
+        self.law = law
+        self.tests = tests
+        self._held = held
+
+    @property
+    def nrmse(self) -> float:
+        """Rms error over rms force, over all steady samples; of metrics alone the rms log ratio of dW and W."""
+        return self._held.nrmse
+
+    @property
+    def noise_nrmse(self) -> float | None:
+        """The part of it that is cycle-to-cycle scatter, which no law can explain; None where it isn't known."""
+        found: float | None = self.to_dict()["noise_nrmse"]
+        return found
+
+    @cached_property
+    def _view(self) -> View:
+        from pipeclamp.show.views import comparison_view
+
+        with one_thread():
+            return comparison_view(self._held)
+
+    def view(self) -> View:
+        """Give answer, tables and sentences, as `pipeclamp compare` tells them."""
+        return self._view
+
+    def page(self) -> tuple[str, str, Sequence[Section]]:
+        """Give the page, as `pipeclamp compare --report` writes it."""
+        from pipeclamp.pages.sections import sections_of
+
+        effects = ", ".join(self.law.effects) or "none"
+        title = f"Law {self.law.name} against {self.tests.name}"
+        return title, f"base {self.law.base}, effects: {effects}", sections_of(self._held)
+
+    def to_frame(self) -> pl.DataFrame:
+        """Give a row a run: its conditions (mm, Hz, degC), error and scatter as shares of the run's rms force."""
+        return frame_of(self.to_dict()["runs"])
+
+    def __repr__(self) -> str:
+        """Give law, tests and error."""
+        return f"<comparison of {self.law.name} with {self.tests.name}: error {self.nrmse:.2%}>"
+
+
+@one_thread()
+def compare(law: Law | PathOrName, tests: Tests | PathOrName) -> Comparison:
+    """Hold a law against tests: how much it errs, and where.
+
+    Args:
+        law: the law, or its file or bundled name.
+        tests: the tests, or their folder or bundled name.
+
+    Raises:
+        UserError: the law follows a condition that the tests don't state.
+
+    >>> from pipeclamp import read_campaign
+    >>> compare("emwm2", read_campaign("emwm2_tables"))
+    <comparison of emwm2 with emwm2_tables: error 0.91%>
+    """
+    known, tests = opened(law), tested(tests)
+    return Comparison(known, tests, tests.tests.compare(known.file))

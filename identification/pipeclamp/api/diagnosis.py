@@ -1,0 +1,127 @@
+"""Which effect a law lacks, or which test would tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from os import fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeclamp.api.law import Law, opened
+from pipeclamp.api.shown import PathOrName, Shown, frame_of
+from pipeclamp.api.tests import Tests, tested
+from pipeclamp.show.view import View
+from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.workflow.next_command import next_command
+from pipeclamp_identification.workflow.tests import Diagnosed, silent
+from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration, read_declaration
+
+if TYPE_CHECKING:
+    from pipeclamp.pages.page import Section
+    from pipeclamp_models.base.tables import pl
+
+
+class Diagnosis(Shown):
+    """Which effect a law lacks, or which test would tell.
+
+    Attributes:
+        law, tests: what was diagnosed.
+        declared: a user's own effects that were candidates too.
+
+    `diagnose` makes one; its example shows what it holds.
+    """
+
+    def __init__(self, law: Law, tests: Tests, found: Diagnosed, declared: dict[str, Declaration]) -> None:
+        self.law = law
+        self.tests = tests
+        self._found = found
+        self._paths = {declaration.id: path for path, declaration in declared.items()}
+        self.declared = tuple(declared.values())
+
+    @property
+    def verdict(self) -> str:
+        """One of complete, missing, ambiguous, unknown."""
+        return self._found.verdict
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """What is missing, or may be, as `add` takes it; best first."""
+        return self._found.effects
+
+    @property
+    def next_test(self) -> dict[str, Any] | None:
+        """The test that would tell rivals apart, as --json gives it; None where there are none."""
+        found: dict[str, Any] | None = self.to_dict()["next_test"]
+        return found
+
+    @property
+    def next_command(self) -> str:
+        """The shell line to run next."""
+        return next_command(self._found, self.law.origin, self.tests.origin, self._paths)
+
+    @cached_property
+    def _view(self) -> View:
+        from pipeclamp.show.diagnosis_views import diagnosis_view
+
+        with one_thread():
+            return diagnosis_view(self._found, (), self.next_command)
+
+    def view(self) -> View:
+        """Give answer, tables and sentences, as `pipeclamp diagnose` tells them."""
+        return self._view
+
+    def page(self) -> tuple[str, str, Sequence[Section]]:
+        """Give the page, as `pipeclamp diagnose --report` writes it."""
+        from pipeclamp.pages.sections import diagnosis_page
+
+        return f"Diagnosis of {self.law.name}", self.tests.name, diagnosis_page(self._found, self.next_command)
+
+    def to_frame(self) -> pl.DataFrame:
+        """Give a row a candidate, best first: its error on left-out conditions, and the share that it explains."""
+        return frame_of(self.to_dict()["candidates"])
+
+    def __repr__(self) -> str:
+        """Give law, tests and verdict."""
+        effects = f": {', '.join(self.effects)}" if self.effects else ""
+        return f"<diagnosis of {self.law.name} on {self.tests.name}: {self.verdict}{effects}>"
+
+
+@one_thread()
+def diagnose(
+    law: Law | PathOrName,
+    tests: Tests | PathOrName,
+    *,
+    limits: str = "",
+    declared: Iterable[PathOrName] = (),
+    jobs: int = 1,
+    progress: Progress = silent,
+) -> Diagnosis:
+    """Find which effect a law lacks, or which test would tell.
+
+    Args:
+        law: the law, or its file or bundled name.
+        tests: the tests, or their folder or bundled name.
+        limits: what the rig can do, for the next test: "A=0.1..2,f=0.5..20,T=20..300" (mm, Hz, degC).
+        declared: declarations of your own effects by path (F.toml): candidates too.
+        jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: the tests can't serve the law.
+
+    >>> from pipeclamp import identify, read_campaign
+    >>> tests = read_campaign("clamp_a")
+    >>> answer = diagnose(identify(tests), tests)
+    >>> answer.verdict, answer.effects
+    ('missing', ('damping_temperature',))
+    >>> answer.next_command
+    'pipeclamp add clamp_a.json damping_temperature clamp_a -o clamp_a_2.json'
+    """
+    known, tests = opened(law), tested(tests)
+    own = {fspath(path): read_declaration(Path(path)) for path in declared}
+    reach = parse_limits(limits) if limits else None
+    found = tests.tests.diagnose(known.file, declared=own.values(), limits=reach, jobs=jobs, progress=progress)
+    return Diagnosis(known, tests, found, own)

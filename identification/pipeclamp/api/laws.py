@@ -1,0 +1,134 @@
+"""Laws made from tests: identified, with an effect more, with one less."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from os import fspath
+from pathlib import Path
+
+from pipeclamp.api.diagnosis import Diagnosis
+from pipeclamp.api.law import Law, opened
+from pipeclamp.api.shown import PathOrName, path_of
+from pipeclamp.api.tests import Tests, tested
+from pipeclamp_identification.fitting.identify import Method
+from pipeclamp_identification.workflow.change import add_effect, remove_effect
+from pipeclamp_identification.workflow.tests import silent
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import read_effects
+
+
+@one_thread()
+def identify(
+    tests: Tests | PathOrName,
+    effects: Sequence[PathOrName] = (),
+    base: str = "power",
+    *,
+    method: Method = "joint",
+    freeze: Mapping[str, float] | None = None,
+    name: str | None = None,
+    progress: Progress = silent,
+) -> Law:
+    """Fit a law to all runs of a campaign at once.
+
+    Args:
+        tests: the tests, or their folder or bundled name.
+        effects: effects of the catalogue by name, or declarations of your own by path (F.toml).
+        base: "power" (Eq. 17 of Symmetry 2020, 12(8), 1283), "memory" (Eq. 14) or "series" (Eq. 10).
+        method: "joint", or "surfaces", the paper's route by itself.
+        freeze: values of parameters that are held, by name.
+        name: of the law; the campaign's by default.
+        progress: is told what is being done.
+
+    Returns:
+        the law, with the uncertainty of its parameters.
+
+    Raises:
+        UserError: an unknown base or effect, or tests that can't determine the law.
+
+    >>> from pipeclamp import read_campaign
+    >>> law = identify(read_campaign("clamp_a"), effects=["damping_temperature"])
+    >>> law
+    <law clamp_a: power + damping_temperature>
+    >>> print(f"{law.nrmse:.2%}, k10 = {law.values['k10']:.0f} N/mm")
+    1.29%, k10 = 1451 N/mm
+    """
+    tests = tested(tests)
+    names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
+    found = tests.tests.identify(
+        base=base, effects=names, frozen=freeze, method=method, declared=declarations, progress=progress
+    )
+    called = f"{_read(tests)}, effects={[fspath(effect) for effect in effects]!r}, base={base!r}"
+    return Law(found.file(name=name or tests.name, command=f"pc.identify({called})", date=None))
+
+
+@one_thread()
+def add(
+    law: Law | PathOrName, effect: str | Diagnosis, tests: Tests | PathOrName, *, progress: Progress = silent
+) -> Law:
+    """Add an effect to a law and refit everything.
+
+    Args:
+        law: the law, or its file or bundled name.
+        effect: an effect of the catalogue by name, a declaration of your own by path (F.toml), or the diagnosis that
+            names it.
+        tests: what it is refitted to.
+        progress: is told what is being done.
+
+    Returns:
+        the law with the effect; its history holds the error on left-out conditions before and after.
+
+    Raises:
+        UserError: the diagnosis names no single effect, the effect isn't known or is there already, or the tests can't
+            serve it.
+
+    >>> from pipeclamp import read_campaign
+    >>> tests = read_campaign("clamp_a")
+    >>> print(add(identify(tests), "damping_temperature", tests))
+    clamp_a: power + damping_temperature; error 1.29% of the rms force (scatter 0.47%)
+    power: error on left-out conditions 2.86%
+    + damping_temperature: error on left-out conditions 1.37%
+    c_T2 and c_T3 can hardly be told apart (correlation -0.987).
+    c_T1 and c_T2 can hardly be told apart (correlation -0.955).
+    """
+    file, tests = opened(law).file, tested(tests)
+    if isinstance(effect, Diagnosis):
+        if effect.verdict != "missing":
+            raise UserError(
+                f"add: the diagnosis says {effect.verdict!r}, which names no single effect; expected one of yours by "
+                'name, such as add(law, "memory", tests)'
+            )
+        name, declarations = effect.effects[0], effect.declared
+    else:
+        (name,), declarations = read_effects((path_of(effect, "an effect or a diagnosis"),), ())
+    command = f"pc.add({_named(law)}, {name!r}, {_read(tests)})"
+    return Law(
+        add_effect(file, name, tests.tests, command=command, date=None, declared=declarations, progress=progress).after
+    )
+
+
+@one_thread()
+def remove(law: Law | PathOrName, effect: str, tests: Tests | PathOrName, *, progress: Progress = silent) -> Law:
+    """Take an effect out of a law and refit the rest; arguments as of `add`.
+
+    Raises:
+        UserError: the law hasn't got the effect, or the tests can't serve it.
+
+    >>> from pipeclamp import read_campaign
+    >>> remove("emwm2", "contact_growth", read_campaign("emwm2_tables"))
+    <law emwm2: power + damping_temperature + stiffness_frequency>
+    """
+    tests = tested(tests)
+    command = f"pc.remove({_named(law)}, {effect!r}, {_read(tests)})"
+    return Law(
+        remove_effect(opened(law).file, effect, tests.tests, command=command, date=None, progress=progress).after
+    )
+
+
+def _read(tests: Tests) -> str:
+    return f"pc.read_campaign({Path(tests.origin).name!r})"
+
+
+def _named(law: Law | PathOrName) -> str:
+    return f"pc.open_law({Path(opened(law).origin).name!r})"

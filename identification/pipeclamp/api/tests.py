@@ -1,0 +1,122 @@
+"""Loop tests of a clamp, read from a campaign's folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeclamp.api.shown import PathOrName, Shown, frame_of, path_of
+from pipeclamp.show.view import View
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.workflow.reading import read_tests
+from pipeclamp_identification.workflow.tests import Tests as AnyTests
+from pipeclamp_models.base.one_thread import one_thread
+
+if TYPE_CHECKING:
+    from pipeclamp.pages.page import Section
+    from pipeclamp_models.base.tables import pl
+
+
+class Tests(Shown):
+    """The loop tests of one clamp: records, or metrics alone.
+
+    Attributes:
+        origin: the folder or the bundled name that they were read from.
+        tests: what the other rooms of the program work on.
+
+    >>> print(read_campaign("clamp_a"))
+    clamp_a: 48 runs, A 0.195 to 1.01 mm, f 1 to 5 Hz, T 18.6 to 302 °C
+    """
+
+    __test__ = False  # no test of pytest's, whatever its name
+
+    def __init__(self, tests: AnyTests, origin: str) -> None:
+        self.tests = tests
+        self.origin = origin
+
+    @property
+    def name(self) -> str:
+        """The campaign's name."""
+        return self.tests.name
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Runs that can't be used, each with the reason."""
+        return tuple(map(str, self.tests.left_out))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What to know of the runs that are used."""
+        return tuple(self.tests.remarks)
+
+    @one_thread()
+    def view(self) -> View:
+        """Give the loops' metrics, as `pipeclamp metrics` tells them."""
+        from pipeclamp.show.views import metrics_view
+
+        return metrics_view(self.tests)
+
+    def page(self) -> tuple[str, str, Sequence[Section]]:
+        """Give the page of the loops' metrics, as `pipeclamp metrics --report` writes it."""
+        from pipeclamp.pages.sections import sections_of
+
+        return f"Loop metrics of {self.name}", self.tests.notes, sections_of(self.tests)
+
+    def to_frame(self) -> pl.DataFrame:
+        """Give a row a run: conditions (mm, Hz, degC), dW and W (J), loss factor, stiffness (N/mm), scatter."""
+        return frame_of(self.to_dict()["runs"])
+
+    def __repr__(self) -> str:
+        """Give name and number of runs."""
+        return f"<tests {self.name}: {len(self._metrics.runs)} runs, {len(self.left_out)} left out>"
+
+    def __str__(self) -> str:
+        """Say how many runs there are, over which conditions, which are left out, and what to know of them."""
+        runs = self._metrics.runs
+        spans = [
+            _span("A", "mm", [run.amplitude_mm for run in runs]),
+            _span("f", "Hz", [run.frequency_Hz for run in runs]),
+            _span("T", "°C", [run.temperature_C for run in runs if run.temperature_C is not None]),
+        ]
+        words = f"{self.name}: {', '.join([f'{len(runs)} runs', *filter(None, spans)])}"
+        return "\n".join([words, *self.left_out, *self.remarks])
+
+    @cached_property
+    def _metrics(self) -> MetricCampaign:
+        return self.tests.metrics()
+
+
+def _span(symbol: str, unit: str, values: Sequence[float]) -> str:
+    """Say from where to where a condition goes; nothing where it isn't known."""
+    if not values:
+        return ""
+    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
+    return f"{symbol} {low} {unit}" if low == high else f"{symbol} {low} to {high} {unit}"
+
+
+@one_thread()
+def read_campaign(campaign: PathOrName, *, strict: bool = False) -> Tests:
+    """Read the loop tests of a clamp: records, or metrics where there are no records.
+
+    Args:
+        campaign: the folder with campaign.toml and runs.csv, or the name of a bundled campaign.
+        strict: a run that can't be used is an error, else it is left out and listed in `left_out`.
+
+    Returns:
+        the tests; displacement in mm, force in N, temperature in degC.
+
+    Raises:
+        UserError: a file is missing or not as expected, or no run can be used.
+
+    >>> read_campaign("clamp_a")
+    <tests clamp_a: 48 runs, 0 left out>
+    """
+    origin = path_of(campaign, "a campaign's folder")
+    return Tests(read_tests(Path(origin), strict=strict), origin)
+
+
+def tested(tests: Tests | PathOrName) -> Tests:
+    """Give tests as they are, or read them."""
+    return tests if isinstance(tests, Tests) else read_campaign(tests)

@@ -1,0 +1,430 @@
+"""The command line: reads, calls, writes and prints; nothing is computed here.
+
+What a command needs is imported inside it, so that `--help` and light commands start fast.
+"""
+
+from __future__ import annotations
+
+import datetime
+import sys
+from collections.abc import Callable
+from enum import StrEnum
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from pipeclamp.cli import campaigns as cli_campaigns
+from pipeclamp.cli import catalogue as cli_catalogue
+from pipeclamp.cli import simulation as cli_simulation
+from pipeclamp.cli.terminal import (
+    MARKED,
+    DeclaredOption,
+    EffectsOption,
+    JobsOption,
+    JsonOption,
+    LawArgument,
+    ReportOption,
+    StrictOption,
+    command_called,
+    console,
+    errors,
+    file_option,
+    folder_option,
+    names_in,
+    opened_law,
+    print_table,
+    show,
+    told,
+    values_in,
+)
+from pipeclamp_models.base.errors import InterruptError, UsageError, UserError
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.one_thread import one_thread_throughout
+from pipeclamp_system.description.trust_mark import is_doubt
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.workflow.change import Addition
+    from pipeclamp_identification.workflow.tests import Tests
+    from pipeclamp_models.base.progress import Progress as Tell
+
+WHOLE_SENTENCE = 1000
+"""More characters than what any command says of itself has."""
+
+
+class Commands(TyperGroup):
+    """The commands, each with its whole sentence in the program's help: wrapped, not cut."""
+
+    def format_commands(self, ctx: typer.Context, formatter: Any) -> None:  # type: ignore[override]
+        """List the commands."""
+        shown = ((name, self.commands[name]) for name in self.list_commands(ctx))
+        rows = [(name, command.get_short_help_str(WHOLE_SENTENCE)) for name, command in shown if not command.hidden]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
+app = typer.Typer(
+    cls=Commands,
+    name="pipeclamp",
+    help="Identify the law of a pipe clamp from loop tests, see where it fails, and carry it into system simulation.",
+    epilog="Example: pipeclamp identify my_campaign -o law.json && pipeclamp compare law.json my_campaign",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    # Rich's help looks no clearer, and takes twice as long as everything else of `--help`.
+    rich_markup_mode=None,
+    add_completion=True,
+)
+app.add_typer(cli_campaigns.app)
+app.add_typer(cli_catalogue.app)
+app.add_typer(cli_simulation.app)
+
+
+class BaseLaw(StrEnum):
+    """Base laws that can be identified."""
+
+    power = "power"
+    memory = "memory"
+    series = "series"
+
+
+class FitMethod(StrEnum):
+    """Ways to identify a law."""
+
+    joint = "joint"
+    surfaces = "surfaces"
+
+
+CampaignFolder = Annotated[
+    Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
+]
+ReproducibleOption = Annotated[bool, typer.Option("--reproducible", metavar="", help="Leave out the date.")]
+
+
+def _tell_version(wanted: bool) -> None:
+    if wanted:
+        from pipeclamp_identification.fitting.identify import software
+
+        console().print(software(), highlight=False)
+        raise typer.Exit
+
+
+TYPER_INTERRUPTED = 130
+"""Exit status that Typer makes of Ctrl-C."""
+
+
+def main() -> None:
+    """Run the command line; a user's mistake is one message on stderr and status 1 or (usage) 2.
+
+    Raises:
+        KeyboardInterrupt: the user stopped it; how to go on, where it isn't the same command from its start.
+    """
+    one_thread_throughout()
+    try:
+        app(prog_name="pipeclamp")
+    except SystemExit as end:
+        if end.code == TYPER_INTERRUPTED:
+            raise KeyboardInterrupt from end
+        raise
+    except InterruptError as error:
+        raise KeyboardInterrupt(str(error)) from error
+    except (UserError, OSError) as error:
+        errors().print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(2 if isinstance(error, UsageError) else 1)
+
+
+@app.callback()
+def program(
+    version: Annotated[
+        bool,
+        typer.Option("--version", metavar="", is_eager=True, callback=_tell_version, help="Show the version and exit."),
+    ] = False,
+) -> None:
+    """Take what stands before a command; the help is the program's own."""
+
+
+@app.command(epilog="Example: pipeclamp metrics my_campaign --report metrics.html")
+def metrics(
+    campaign: CampaignFolder,
+    output: Annotated[Path | None, folder_option("METRICS", "Write the metrics as a campaign without records.")] = None,
+    json: JsonOption = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
+) -> None:
+    """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
+    from pipeclamp.show.views import metrics_view
+    from pipeclamp_identification.metrics_only.writing import metric_files
+    from pipeclamp_models.base.files import write_folder
+
+    with told("metrics") as tell:
+        tests = _read(campaign, strict, tell)
+        view = metrics_view(tests)
+    if output:
+        write_folder(output, metric_files(tests.metrics()))
+    _report(report, f"Loop metrics of {tests.name}", tests.notes, tests)
+    show(view, json)
+
+
+@app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
+def identify(
+    campaign: CampaignFolder,
+    output: Annotated[Path, file_option("LAW.json", "The parameter file to write.")],
+    effects: EffectsOption = "",
+    base: Annotated[
+        BaseLaw, typer.Option(help="Base law, of Jiang et al. 2020: Eq. 17 (power), 14 (memory), 10 (series).")
+    ] = BaseLaw.power,
+    method: Annotated[
+        FitMethod, typer.Option(help="All at once, or the route of Jiang et al. 2020 by itself.")
+    ] = FitMethod.joint,
+    freeze: Annotated[str, typer.Option(metavar="name=value,...", help="Parameters that are held, not fitted.")] = "",
+    declared: DeclaredOption = None,
+    name: Annotated[str | None, typer.Option(help="Name of the law; the campaign's by default.")] = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Fit a law to all runs of a campaign and write its parameter file."""
+    from pipeclamp_models.law.declaration import read_effects
+    from pipeclamp_models.law.file import law_text
+
+    with told("identify") as tell:
+        ids, declarations = read_effects(names_in(effects), declared or ())
+        tests = _read(campaign, strict, tell)
+        found = tests.identify(
+            base=base.value, effects=ids, frozen=values_in(freeze), method=method.value, declared=declarations,
+            progress=tell,
+        )  # fmt: skip
+        date = None if reproducible else _now()
+        file = found.file(name=name or tests.name, command=command_called(), date=date)
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import law_page
+
+        write_report(report, f"Law {file.name}", f"identified from {tests.name}", law_page(file, found.held))
+    write_whole(output, law_text(file))
+    _print_law(file, output)
+
+
+@app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
+def compare(
+    law: Annotated[
+        str,
+        typer.Argument(metavar="LAW|SYSTEM.toml", help="Law file, name of a bundled law, or a coupled system."),
+    ],
+    campaign: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CAMPAIGN|MEASURED",
+            help="For a law: folder with campaign.toml and runs.csv, or a bundled campaign. For a system: folder with "
+            "measurement.toml, what was measured on the pipe.",
+        ),
+    ],
+    json: JsonOption = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
+) -> None:
+    """Hold a law, or a pipe with its clamps, against measurements: how much it errs, and where."""
+    from pipeclamp_models.law.declaration import refuse_declaration
+
+    refuse_declaration(Path(law))
+    if law.endswith(".toml"):
+        from pipeclamp.cli.on_pipe import compare_on_pipe
+
+        compare_on_pipe(Path(law), campaign, json, report)
+        return
+    from pipeclamp.show.views import comparison_view
+
+    with told("compare") as tell:
+        file = opened_law(law)
+        tests = _read(campaign, strict, tell)
+        held = tests.compare(file)
+        view = comparison_view(held)
+    effects = ", ".join(file.effects) or "none"
+    _report(report, f"Law {file.name} against {tests.name}", f"base {file.base}, effects: {effects}", held)
+    show(view, json)
+
+
+@app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
+def diagnose(
+    law: LawArgument,
+    campaign: CampaignFolder,
+    json: JsonOption = None,
+    report: ReportOption = None,
+    auto: Annotated[Path | None, file_option("LAW2.json", "Add what is missing, again and again.", "--auto")] = None,
+    limits: Annotated[
+        str,
+        typer.Option(
+            metavar="A=0.1..2,f=0.5..20,T=20..300,v=..300",
+            help="What the rig can do, for the whole motion of the next test: mm, Hz, degC, mm/s; F=..5000, N.",
+        ),
+    ] = "",
+    drive: Annotated[
+        Path | None, file_option("DRIVE.csv", "Write the next test's drive signal, .csv or .parquet.", "--drive")
+    ] = None,
+    declared: DeclaredOption = None,
+    jobs: JobsOption = -1,
+    strict: StrictOption = False,
+) -> None:
+    """Which physical effect does the law lack? Or which test would tell?"""
+    from pipeclamp.show.diagnosis_views import diagnosis_view
+    from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
+    from pipeclamp_identification.diagnosis.limits import parse_limits
+    from pipeclamp_identification.workflow.auto import add_until_settled
+    from pipeclamp_identification.workflow.next_command import next_command
+    from pipeclamp_models.law.declaration import read_declaration, read_effects
+    from pipeclamp_models.law.file import law_text
+
+    if drive:
+        refuse_drive_name(drive)
+    with told("diagnose") as tell:
+        file = opened_law(law)
+        _, declarations = read_effects((), declared or ())
+        tests = _read(campaign, strict, tell)
+        reach = parse_limits(limits) if limits else None
+        if auto:
+            settled = add_until_settled(
+                file, tests, command=command_called(), declared=declarations, limits=reach, jobs=jobs, progress=tell
+            )
+            file, found, additions, climbed = settled.file, settled.found, settled.additions, settled.words()
+        else:
+            found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
+            additions, climbed = (), []
+    paths = {read_declaration(path).id: str(path) for path in declared or ()}
+    following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
+    view = diagnosis_view(found, additions, following, drive)
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import diagnosis_page
+
+        write_report(report, f"Diagnosis of {file.name}", tests.name, diagnosis_page(found, following))
+    if drive and found.proposal:
+        write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
+    if auto:
+        write_whole(auto, law_text(file))
+    for line in climbed:
+        console().print(line, highlight=False)
+    show(view, json)
+
+
+@app.command(epilog="Example: pipeclamp remove law2.json memory my_campaign -o law.json")
+def remove(
+    law: LawArgument,
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect to take out.")],
+    campaign: CampaignFolder,
+    output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Take an effect out of a law, refit the rest, and say what the error did."""
+    from pipeclamp_identification.workflow.change import remove_effect
+
+    _change(partial(remove_effect, effect=effect), "remove", law, campaign, output, strict, reproducible)
+
+
+@app.command(epilog="Example: pipeclamp add law.json memory my_campaign -o law2.json")
+def add(
+    law: LawArgument,
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect, see `pipeclamp effects`, or F.toml.")],
+    campaign: CampaignFolder,
+    output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
+    declared: DeclaredOption = None,
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Add an effect to a law, refit everything, and say what the error did."""
+    from pipeclamp_identification.workflow.change import add_effect
+    from pipeclamp_models.law.declaration import read_effects
+
+    (name,), declarations = read_effects((effect,), declared or ())
+    change = partial(add_effect, effect=name, declared=declarations)
+    _change(change, "add", law, campaign, output, strict, reproducible)
+
+
+@app.command(epilog="Example: pipeclamp demo my_demo")
+def demo(
+    folder: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="Where the results go.")] = Path("pipeclamp_demo"),
+) -> None:
+    """The whole story on bundled data, in about a minute."""
+    from pipeclamp.demo import run_demo
+
+    def tell(line: str) -> None:
+        style = MARKED if is_doubt(line.strip()) else None
+        console().print(line, style=style, markup=False, highlight=False, soft_wrap=True)
+
+    for path in run_demo(folder, tell):
+        console().print(f"  open {path}", highlight=False)
+
+
+@app.command(epilog="Example: pipeclamp schema diagnosis > diagnosis.schema.json")
+def schema(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="[law|metrics|comparison|system-comparison|diagnosis|effects]", help="Of what is written."
+        ),
+    ] = "law",
+) -> None:
+    """The JSON schema of parameter files, or of what --json writes."""
+    from pipeclamp_identification.workflow.schemas import schema_text
+
+    sys.stdout.write(schema_text(name))
+
+
+def _read(folder: Path, strict: bool, tell: Tell) -> Tests:
+    from pipeclamp_identification.workflow.reading import read_tests
+
+    tell(f"read {folder}")
+    tests = read_tests(folder, strict=strict)
+    for entry in tests.left_out:
+        errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+    for words in tests.remarks:
+        errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
+    return tests
+
+
+def _report(path: Path | None, title: str, subtitle: str, found: object) -> None:
+    """Write the page of what was found, where one is wanted."""
+    if path:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import sections_of
+
+        write_report(path, title, subtitle, sections_of(found))
+
+
+def _change(
+    change: Callable[..., Addition],
+    title: str,
+    law: str,
+    campaign: Path,
+    output: Path,
+    strict: bool,
+    reproducible: bool,
+) -> None:
+    """Change a law by an effect, refit it, write it, and print what that did."""
+    from pipeclamp.show.law import addition_table
+    from pipeclamp_models.law.file import law_text
+
+    with told(title) as tell:
+        file = opened_law(law)
+        tests = _read(campaign, strict, tell)
+        date = None if reproducible else _now()
+        changed = change(file, tests=tests, command=command_called(), date=date, progress=tell)
+    write_whole(output, law_text(changed.after))
+    print_table(addition_table(changed))
+    _print_law(changed.after, output)
+
+
+def _print_law(file: Any, output: Path) -> None:
+    from pipeclamp.show.law import coefficient_table, doubts, fit_words
+
+    print_table(coefficient_table(file))
+    for line in doubts(file):
+        console().print(line, highlight=False, markup=False)
+    if file.fit:
+        console().print(fit_words(file.fit), highlight=False)
+    console().print(str(output), highlight=False)
+
+
+def _now() -> str:
+    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")

@@ -1,0 +1,154 @@
+"""The command line's part for making tests: a virtual rig's, and several in one; nothing is computed here."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeclamp.cli.terminal import (
+    DeclaredOption,
+    EffectsOption,
+    LawArgument,
+    StrictOption,
+    command_called,
+    console,
+    errors,
+    folder_option,
+    names_in,
+    numbers_in,
+    opened_law,
+    print_table,
+    told,
+    values_in,
+)
+from pipeclamp_models.base.errors import UsageError
+
+app = typer.Typer()
+
+
+class RecordFormat(StrEnum):
+    """Formats of records that the virtual rig writes."""
+
+    csv = "csv"
+    csv_gz = "csv.gz"
+    parquet = "parquet"
+
+
+OF_NO_DRIVE = ("amplitudes", "frequencies", "cycles", "ramp_cycles", "distortion", "riding", "riding_order")
+"""Options that make a motion, where no drive signal states it."""
+
+
+def _is_stated(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
+
+
+@app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
+def rig(
+    context: typer.Context,
+    law: LawArgument,
+    output: Annotated[Path, folder_option("CAMPAIGN", "The folder to write; it must not exist.")],
+    effects: EffectsOption = "",
+    declared: DeclaredOption = None,
+    set_values: Annotated[
+        str,
+        typer.Option(
+            "--set",
+            metavar="name=value,...",
+            help="Sizes of parameters, in the units that `pipeclamp effects EFFECT` states, and further columns; "
+            "parameters of --effects that aren't named get typical sizes, which are shown.",
+        ),
+    ] = "",
+    amplitudes: Annotated[str, typer.Option(metavar="mm,...")] = "0.2,0.5,0.8,1",
+    frequencies: Annotated[str, typer.Option(metavar="Hz,...")] = "1,3,5",
+    temperatures: Annotated[str, typer.Option(metavar="degC,...")] = "20,100,200,300",
+    drive: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DRIVE.csv", help="A drive signal that every run follows, as `diagnose --drive` writes it."
+        ),
+    ] = None,
+    repeats: Annotated[int, typer.Option(help="Runs of each combination.")] = 1,
+    cycles: Annotated[float, typer.Option(help="Cycles per record; need not be whole.")] = 5.0,
+    ramp_cycles: Annotated[float, typer.Option(help="Cycles of ramp-in before them.")] = 0.0,
+    rate: Annotated[float, typer.Option(help="Samples per second.")] = 1000.0,
+    force_noise: Annotated[float, typer.Option(help="Rms noise of the force sensor, N.")] = 3.0,
+    displacement_noise: Annotated[float, typer.Option(help="Rms noise of the displacement sensor, mm.")] = 0.0002,
+    force_step: Annotated[float, typer.Option(help="Quantisation of the force, N.")] = 0.1,
+    displacement_step: Annotated[float, typer.Option(help="Quantisation of the displacement, mm.")] = 0.0001,
+    distortion: Annotated[float, typer.Option(help="Third harmonic of the drive, share of the amplitude.")] = 0.005,
+    riding: Annotated[float, typer.Option(help="Small cycles on the large one, share of its amplitude.")] = 0.0,
+    riding_order: Annotated[int, typer.Option(help="So many of them a cycle.")] = 7,
+    amplitude_error: Annotated[float, typer.Option(help="Rms error of the amplitude, as a share.")] = 0.005,
+    temperature_error: Annotated[float, typer.Option(help="Rms error of the temperature, K.")] = 1.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
+    format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
+) -> None:
+    """A virtual campaign of a law: would this test plan see that effect?"""
+    from pipeclamp.show.effects import truth_table
+    from pipeclamp_identification.campaign import rig as virtual
+    from pipeclamp_identification.campaign.drive import read_drive
+    from pipeclamp_identification.campaign.writing import write_campaign
+    from pipeclamp_models.law.declaration import read_effects
+
+    if drive and (stated := [f"--{name.replace('_', '-')}" for name in OF_NO_DRIVE if _is_stated(context, name)]):
+        raise UsageError(f"--drive: got {', '.join(stated)} as well; expected the motion from {drive} alone")
+    with told("rig") as tell:
+        plan = virtual.TestPlan(
+            amplitudes=numbers_in(amplitudes, "--amplitudes"),
+            frequencies=numbers_in(frequencies, "--frequencies"),
+            temperatures=numbers_in(temperatures, "--temperatures"),
+            cycles=cycles,
+            ramp_cycles=ramp_cycles,
+            rate=rate,
+            force_noise=force_noise,
+            displacement_noise=displacement_noise,
+            force_step=force_step,
+            displacement_step=displacement_step,
+            distortion=distortion,
+            riding=riding,
+            riding_order=riding_order,
+            amplitude_error=amplitude_error,
+            temperature_error=temperature_error,
+            repeats=repeats,
+            seed=seed,
+        )
+        if drive:
+            plan = virtual.driven(plan, read_drive(drive))
+        ids, declarations = read_effects(names_in(effects), declared or ())
+        file = opened_law(law)
+        truth = virtual.truth_of(file, ids, values_in(set_values), plan, declarations)
+        runs = virtual.virtual_runs(truth.law, plan, truth.conditions)
+        notes = f"Virtual rig: {command_called()}"
+        count = write_campaign(output, runs, name=output.name, notes=notes, format=format.value, progress=tell)
+    for words in virtual.beyond_range(file, plan):
+        errors().print(f"warning: beyond the law's data: {words}", style="yellow", highlight=False, soft_wrap=True)
+    if truth.whence:
+        print_table(truth_table(truth))
+    console().print(f"{output}: {count} runs")
+
+
+@app.command(epilog="Example: pipeclamp join tests next_test -o all_tests")
+def join(
+    campaigns: Annotated[list[Path], typer.Argument(metavar="CAMPAIGN...", help="Tests of one clamp.")],
+    output: Annotated[Path, folder_option("CAMPAIGN", "The folder to write; it must not exist.")],
+    strict: StrictOption = False,
+    format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
+) -> None:
+    """Several campaigns of one clamp in one: the tests so far and the next one."""
+    from pipeclamp_identification.campaign.bundled import campaign_folder
+    from pipeclamp_identification.campaign.reading import read_campaign
+    from pipeclamp_identification.campaign.writing import joined_runs, write_campaign
+
+    with told("join") as tell:
+        tests = [read_campaign(campaign_folder(folder), strict=strict) for folder in campaigns]
+        for entry in (entry for one in tests for entry in one.left_out):
+            errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+        notes = f"Joined of {', '.join(one.name for one in tests)}"
+        count = write_campaign(
+            output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell
+        )
+    console().print(f"{output}: {count} runs")

@@ -1,0 +1,51 @@
+"""The command line's part for the catalogue of effects; nothing is computed here."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from pipeclamp.cli.terminal import DeclaredOption, JsonOption, console, print_table
+from pipeclamp_models.base.files import write_whole
+
+app = typer.Typer()
+
+WIDTH = 80
+"""Columns that every terminal has."""
+
+
+@app.command(epilog="Example: pipeclamp effects memory")
+def effects(
+    effect: Annotated[
+        str | None, typer.Argument(metavar="[EFFECT]", help="Show this one whole: equation, sizes, source.")
+    ] = None,
+    declared: DeclaredOption = None,
+    json: JsonOption = None,
+) -> None:
+    """The catalogue: every effect, what it does and what imitates it; or one effect whole."""
+    from pipeclamp.show import effects as shown
+    from pipeclamp_models.law.catalogue import find_effect, listed, showable
+    from pipeclamp_models.law.declaration import effect_of, read_effects
+    from pipeclamp_models.realise.catalogue_answer import REFERENCE, catalogue_answer, reference_sizes
+
+    names, declarations = read_effects([effect] if effect else [], declared or ())
+    own = {declaration.id: effect_of(declaration) for declaration in declarations}
+    if not names:
+        catalogue = [*listed(), *own.values()]
+        if json:
+            write_whole(json, catalogue_answer(catalogue).json_text())
+        print_table(shown.overview(catalogue), WIDTH)
+        console().print("One whole, with its equation, units, sizes and source: pipeclamp effects EFFECT")
+        return
+    one = find_effect(showable(names[0]), own)
+    if json:
+        write_whole(json, catalogue_answer([one]).json_text())
+    for line in (shown.headline(one), shown.PARTS[one.part], "", "Equation", *shown.equation_words(one), ""):
+        console().print(line, highlight=False, markup=False)
+    symbols = shown.symbol_table(one)
+    for table in (shown.parameter_table(one, reference_sizes([one])), *([symbols] if symbols.rows else [])):
+        print_table(table, WIDTH)
+    console().print(f"Bounds and typical sizes are those for the bundled clamp {REFERENCE}.", highlight=False)
+    for line in shown.about_lines(one):
+        console().print(line, highlight=False, markup=False)

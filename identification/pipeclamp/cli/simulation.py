@@ -1,0 +1,271 @@
+"""The command line's part for simulation: FMUs, pipes, coupled systems; nothing is computed here."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from enum import StrEnum
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+import typer
+
+from pipeclamp.cli.terminal import (
+    JobsOption,
+    LawArgument,
+    ReportOption,
+    console,
+    errors,
+    file_option,
+    names_in,
+    opened_law,
+    say,
+    told,
+)
+from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_system.description.trust_mark import doubt
+
+if TYPE_CHECKING:
+    from pipeclamp_fmu.native.packing import Built
+
+app = typer.Typer()
+
+Source = TypeVar("Source")
+
+
+class FmuKind(StrEnum):
+    """Kinds of FMUs that can be built."""
+
+    python = "python"
+    native = "native"
+
+
+class FmiVersion(StrEnum):
+    """Versions of FMI that native FMUs can be of."""
+
+    fmi2 = "2"
+    fmi3 = "3"
+
+
+KindOption = Annotated[
+    FmuKind, typer.Option(help="python: needs a Python in the importing tool; native: C, needs nothing.")
+]
+FmiOption = Annotated[FmiVersion | None, typer.Option(help="Native: version of FMI, 2 by default.")]
+PlatformsOption = Annotated[
+    str | None,
+    typer.Option(metavar="linux64,win64,darwin64", help="Native: this machine's by default; '' for sources alone."),
+]
+
+
+def _start_option(unit: str, help: str, least: float = 0.0) -> Any:
+    """Give the option of a start value of the clamp's FMU, above the least one."""
+
+    def checked(value: float | None) -> float | None:
+        if value is not None and not least < value < math.inf:
+            raise typer.BadParameter(f"got {value:g} {unit}; expected a number above {least:g} {unit}")
+        return value
+
+    return typer.Option(metavar=unit, help=help, callback=checked)
+
+
+@app.command("build-fmu", epilog="Example: pipeclamp build-fmu law.json -o clamp.fmu")
+def build_fmu(
+    law: LawArgument,
+    output: Annotated[Path, file_option("CLAMP.fmu", "The FMU to write.")],
+    kind: KindOption = FmuKind.python,
+    fmi: FmiOption = None,
+    platforms: PlatformsOption = None,
+    amplitude: Annotated[
+        float | None, _start_option("mm", "A at the start; the middle of the law's range by default.")
+    ] = None,
+    frequency: Annotated[float | None, _start_option("Hz", "f at the start, likewise.")] = None,
+    temperature: Annotated[
+        float | None, _start_option("degC", "T at the start, likewise; 20 degC without a range.", -CELSIUS)
+    ] = None,
+    track: Annotated[bool, typer.Option("--track", metavar="", help="Follow A and f of the motion.")] = False,
+    temperature_input: Annotated[
+        bool, typer.Option("--temperature-input", metavar="", help="T_in as an input to connect, in place of T.")
+    ] = False,
+) -> None:
+    """Package a law as an FMU with A, f and T parameters."""
+    from pipeclamp_fmu.build import build_clamp, build_native_clamp
+    from pipeclamp_fmu.contents.clamp import Start
+
+    start = Start(
+        A=None if amplitude is None else amplitude / 1000,
+        f=frequency,
+        T=None if temperature is None else temperature + CELSIUS,
+        track=track,
+        connected_temperature=temperature_input,
+    )
+    build_python, build_native = partial(build_clamp, told=start), partial(build_native_clamp, told=start)
+    with told("build-fmu"):
+        made = _built(opened_law(law), output, build_python, build_native, kind, fmi, platforms)
+    console().print(f"{output}: {made}")
+
+
+@app.command("set-parameters", epilog="Example: pipeclamp set-parameters clamp.fmu law2.json")
+def set_parameters(
+    fmu: Annotated[Path, typer.Argument(metavar="CLAMP.fmu", help="An FMU made by build-fmu.")],
+    law: LawArgument,
+    output: Annotated[Path | None, file_option("CLAMP2.fmu", "The FMU to write; the same by default.")] = None,
+) -> None:
+    """Put another law's parameters into a finished clamp FMU, without a compiler."""
+    from pipeclamp_fmu import set_parameters as setting
+
+    with told("set-parameters"):
+        file = opened_law(law)
+        setting.set_parameters(fmu, file, output or fmu)
+    console().print(f"{output or fmu}: parameters of {file.name}")
+
+
+@app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
+def build_pipe(
+    pipe: Annotated[Path, typer.Argument(metavar="PIPE.toml", help="Description of the pipe.")],
+    output: Annotated[Path, file_option("PIPE.fmu", "The FMU to write.")],
+    kind: KindOption = FmuKind.python,
+    fmi: FmiOption = None,
+    platforms: PlatformsOption = None,
+) -> None:
+    """Package a pipe as an FMU with a port for each of its clamps."""
+    from pipeclamp_fmu.build import build_native_pipe, build_pipe
+    from pipeclamp_models.pipe.description import read_pipe
+    from pipeclamp_models.pipe.modes import reduce
+
+    with told("build-pipe"):
+        reduced = reduce(read_pipe(pipe))
+        made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
+    for line in reduced.summary().splitlines():
+        console().print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
+    console().print(f"{output}: {made}")
+
+
+@app.command(epilog="Example: pipeclamp cosim system.toml -o result.csv --report result.html")
+def cosim(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, file_option("RESULT.csv", "The result to write.")],
+    report: ReportOption = None,
+) -> None:
+    """Couple a pipe FMU with clamp FMUs and run them."""
+    from pipeclamp.pages.cosim import cosim_sections
+    from pipeclamp_system.cosim.result import write_result
+    from pipeclamp_system.cosim.run import run_system
+
+    with told("cosim") as tell:
+        result = run_system(system, lambda share: tell(f"{share:.0%}"))
+        sections = cosim_sections(result)
+    if report:
+        from pipeclamp.pages.page import write_report
+
+        write_report(report, f"Co-simulation {system.stem}", "pipe and clamps", sections)
+    write_result(result, output)
+    say([*sections[0].paragraphs, str(output)])
+
+
+@app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
+def response(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, file_option("RESPONSE.csv", "The curves to write.")],
+    report: ReportOption = None,
+) -> None:
+    """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
+    from pipeclamp.pages.response import response_sections
+    from pipeclamp_system.steady.response import run_response, write_response
+
+    with told("response") as tell:
+        found = run_response(system, tell)
+        sections = response_sections(found)
+    if report:
+        from pipeclamp.pages.page import write_report
+
+        write_report(report, f"Frequency response {system.stem}", "pipe and clamps", sections)
+    write_response(found, output)
+    say([*sections[0].paragraphs, str(output)])
+
+
+@app.command("system", epilog="Example: pipeclamp system system.toml -o system.ssp --kind native")
+def system_structure(
+    system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
+    output: Annotated[Path, file_option("SYSTEM.ssp", "The SSP to write.")],
+    kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
+) -> None:
+    """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
+    from pipeclamp_system.cosim.building import NATIVE, PYTHON
+    from pipeclamp_system.cosim.ssp import write_system
+
+    with told("system") as tell:
+        found = write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE, tell)
+    console().print(f"{output}: SSP 1.0, {kind.value}")
+    if found.step is None:
+        masters = f"masters that couple in parallel, as most do, in no step down to {found.tried:.3g} s"
+        say([doubt(f"{masters}; use a master that iterates, or pipeclamp cosim")])
+    else:
+        how = "" if found.step == found.tried else f"; foretold from {found.tried!r} s"
+        console().print(
+            f"most masters couple in parallel: give them steps of {found.step!r} s or less{how}, in which the "
+            f"displacement errs by {found.error:.1%}; libcosim reads the step from the SSP",
+            highlight=False, markup=False, soft_wrap=True,
+        )  # fmt: skip
+
+
+@app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")
+def sweep(
+    study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The system and what is varied in it.")],
+    output: Annotated[Path, file_option("STUDY.parquet", "The table to write.")],
+    jobs: JobsOption = -1,
+    dask: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler that takes the cases.")] = None,
+    report: ReportOption = None,
+) -> None:
+    """Vary a system over thousands of cases; after a kill the same command goes on."""
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    from pipeclamp.pages.study import study_sections
+    from pipeclamp_system.study.description import read_study
+    from pipeclamp_system.study.run import run_study
+
+    read = read_study(study)
+    columns = (TextColumn("sweep"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=errors(), transient=True, disable=not errors().is_terminal) as shown:
+        task = shown.add_task("sweep", total=read.description.count)
+        frame = run_study(
+            read, output, jobs, dask, lambda done, _: shown.update(task, completed=done),
+            lambda: errors().print("the cases that run are finished first; Ctrl-C again ends at once", highlight=False),
+        )  # fmt: skip
+    sections = study_sections(read, frame)
+    if report:
+        from pipeclamp.pages.page import write_report
+
+        write_report(report, f"Study: {read.description.name}", read.description.notes, sections)
+    say([*sections[0].paragraphs, str(output)])
+
+
+def _built(
+    source: Source,
+    output: Path,
+    build_python: Callable[[Source, Path], object],
+    build_native: Callable[[Source, Path, int, tuple[str, ...] | None], Built],
+    kind: FmuKind,
+    fmi: FmiVersion | None,
+    platforms: str | None,
+) -> str:
+    """Build an FMU of a kind and say what was made."""
+    if kind is FmuKind.native:
+        named = None if platforms is None else names_in(platforms)
+        built = build_native(source, output, int(fmi or FmiVersion.fmi2), named)
+        libraries = ", ".join(built.platforms) or "sources alone: the importing tool compiles them"
+        return f"FMI {built.fmi}.0 co-simulation and model exchange, native ({libraries})"
+    if platforms is not None or fmi is not None:
+        raise UsageError(
+            "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
+        )
+    build_python(source, output)
+    return "FMI 2.0 co-simulation, python"

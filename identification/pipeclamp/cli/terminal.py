@@ -1,0 +1,205 @@
+"""What the commands share: options and what they hold, what is shown while they run, how they print and write.
+
+Rich takes longer to load than all of a command's help: it is loaded when something is printed by it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.files import refuse_file, refuse_folder, write_whole
+from pipeclamp_system.description.trust_mark import is_doubt
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from pipeclamp.show.table import Table
+    from pipeclamp.show.view import View
+    from pipeclamp_models.base.progress import Progress as Tell
+    from pipeclamp_models.law.file import LawFile
+
+WIDE = 150
+MARKED = "bold red"
+"""Style of what isn't to be trusted."""
+
+
+@cache
+def console() -> Console:
+    """Give what prints on stdout; where that is no terminal, in wide lines."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else WIDE)
+
+
+@cache
+def errors() -> Console:
+    """Give what prints on stderr."""
+    from rich.console import Console
+
+    return Console(stderr=True)
+
+
+def file_option(metavar: str, help: str, *names: str) -> Any:
+    """Give the option of a file to write, `-o` unless named; one that can't be written is refused before the work."""
+    return _output_option(refuse_file, metavar, help, names)
+
+
+def folder_option(metavar: str, help: str, *names: str) -> Any:
+    """Give the option of a new folder, `-o` unless named; one that can't be made is refused before the work."""
+    return _output_option(refuse_folder, metavar, help, names)
+
+
+def _output_option(refuse: Callable[[Path], None], metavar: str, help: str, names: Sequence[str]) -> Any:
+    def checked(path: Path | None) -> Path | None:
+        if path is not None:
+            refuse(path)
+        return path
+
+    return typer.Option(*(names or ("-o", "--output")), metavar=metavar, help=help, callback=checked)
+
+
+LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
+JsonOption = Annotated[Path | None, file_option("F", "Write the answer as JSON.", "--json")]
+ReportOption = Annotated[Path | None, file_option("F.html", "Write a report with pictures.", "--report")]
+StrictOption = Annotated[bool, typer.Option("--strict", metavar="", help="A run that can't be used is an error.")]
+EffectsOption = Annotated[
+    str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")
+]
+DeclaredOption = Annotated[
+    list[Path] | None,
+    typer.Option("--declared", metavar="F.toml", help="An effect of your own, by declaration; any number of times."),
+]
+
+
+def _processes(jobs: int) -> int:
+    if jobs == 0 or jobs < -1:
+        raise typer.BadParameter(f"got {jobs}; expected -1 or a number above 0")
+    return jobs
+
+
+JobsOption = Annotated[int, typer.Option(callback=_processes, help="Processes; -1: one a core.")]
+
+
+def opened_law(name_or_path: str) -> LawFile:
+    """Open a law; of one that a newer program made, say so: what it holds may mean something else there.
+
+    Raises:
+        UserError: there is no such law, or it isn't one.
+    """
+    from importlib.metadata import version
+
+    from pipeclamp_identification.campaign.bundled import bundled_campaigns
+    from pipeclamp_models.law.bundled import open_law
+    from pipeclamp_models.law.file import is_newer
+
+    if name_or_path in bundled_campaigns() or Path(name_or_path).is_dir():
+        raise UserError(f"{name_or_path}: a campaign; expected a law there: the law comes first, the tests after it")
+    file = open_law(name_or_path)
+    if is_newer(file, own := version("pipeclamp")):
+        errors().print(
+            f"note: {name_or_path} was made by {file.software}, this is {own}; update, or check what it gives here",
+            markup=False, highlight=False, soft_wrap=True,
+        )  # fmt: skip
+    return file
+
+
+@contextmanager
+def told(title: str) -> Iterator[Tell]:
+    """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    shown = Progress(*columns, console=errors(), transient=True, disable=not errors().is_terminal)
+    with shown as progress:
+        task = progress.add_task(title)
+        yield lambda what: progress.update(task, description=f"{title}: {what}")
+
+
+def show(view: View, json_path: Path | None) -> None:
+    """Write a command's answer where wanted, and print what it found."""
+    if json_path:
+        write_whole(json_path, view.answer.json_text())
+    for table in view.tables:
+        print_table(table)
+    for line in view.lines:
+        console().print(line, highlight=False, markup=False)
+
+
+def say(lines: Sequence[str], *, soft_wrap: bool = True) -> None:
+    """Print what came out, and on stderr what isn't to be trusted: a mark on a page stands on the terminal too."""
+    for line in lines:
+        doubtful = is_doubt(line)
+        shown, style = (errors(), MARKED) if doubtful else (console(), None)
+        wrap = soft_wrap or doubtful
+        shown.print(line, style=style, markup=False, highlight=False, soft_wrap=wrap)
+
+
+def print_table(table: Table, width: int | None = None) -> None:
+    """Print a table, in no more than so many columns."""
+    from rich.table import Table as RichTable
+    from rich.text import Text
+
+    from pipeclamp.show.table import cell
+
+    shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic")
+    for index, head in enumerate(table.header):
+        numeric = any(isinstance(row[index], float) for row in table.rows)
+        shown.add_column(head, justify="right" if numeric else "left", overflow="fold")
+    for row in table.rows:
+        shown.add_row(*(Text(cell(value)) for value in row))
+    console().print(shown, highlight=False, width=width)
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """Give the names that commas separate."""
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def values_in(text: str) -> dict[str, float]:
+    """Give the numbers that commas separate, by name.
+
+    Raises:
+        UsageError: not all are name=number.
+    """
+    values = {}
+    for entry in names_in(text):
+        name, equals, number = entry.partition("=")
+        if not equals:
+            raise UsageError(f"got {entry!r}; expected name=value, for example k1_T=0")
+        values[name.strip()] = numbers_in(number, name)[0]
+    return values
+
+
+def numbers_in(text: str, where: str) -> tuple[float, ...]:
+    """Give the numbers that commas separate.
+
+    Raises:
+        UsageError: not all are finite numbers; it says `where`.
+    """
+    try:
+        numbers = tuple(float(entry) for entry in names_in(text))
+    except ValueError as error:
+        raise UsageError(f"{where}: got {text!r}; expected numbers separated by commas") from error
+    if not numbers or not all(math.isfinite(number) for number in numbers):
+        raise UsageError(f"{where}: got {text!r}; expected finite numbers separated by commas")
+    return numbers
+
+
+def command_called() -> str:
+    """Give the command as it was called, paths by their last part, so that it reads the same everywhere."""
+
+    def last(word: str) -> str:
+        return ",".join(part if re.match(r"\w\w+:", part) else Path(part).name or part for part in word.split(","))
+
+    words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
+    return " ".join(["pipeclamp", *words])

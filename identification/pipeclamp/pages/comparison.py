@@ -1,0 +1,202 @@
+"""The page of a comparison: how much a law errs and where, as tables, worst first, and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeclamp.pages.error_pictures import (
+    ConditionsMap,
+    ErrorBars,
+    HarmonicLevels,
+    LoopInTime,
+    along_loop_picture,
+    conditions_picture,
+    cycles_picture,
+    error_bars,
+    harmonics_picture,
+)
+from pipeclamp.pages.page import Section
+from pipeclamp.pages.pictures import LoopPanel, loops_picture
+from pipeclamp.show.comparison import how_much, parts_table, percent, worst_table
+from pipeclamp_identification.comparison import breakdown
+from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
+from pipeclamp_identification.comparison.compare import Comparison, where_words
+from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
+from pipeclamp_identification.loops.scatter import PHASE_BINS
+from pipeclamp_identification.signals.levels import Level
+
+WORST_SHOWN = 8
+
+
+EVEN = (
+    "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "
+    "the same part of its force, all along the loop."
+)
+
+
+HARMONICS_SHOWN = 12
+
+
+def loop_panels(comparison: Comparison, rows: Sequence[int]) -> list[LoopPanel]:
+    """Give the measured and computed loops of some runs."""
+    force = force_of_rows(comparison.law, comparison.loops, DRAWN_SAMPLES)
+    panels = []
+    for row in rows:
+        y, measured = loop_of_run(comparison.loops, row)
+        run = comparison.runs[row]
+        panels.append(LoopPanel(f"{run.run}: {100 * run.nrmse:.2g} %", y, measured, force[row]))
+    return panels
+
+
+def comparison_sections(comparison: Comparison) -> list[Section]:
+    """Give the report of a comparison: the numbers, where it fails, the worst loops."""
+    summary = [*how_much(comparison), *where_words(comparison)]
+    if comparison.outside:
+        summary.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
+    summary += [f"Left out: {entry}." for entry in comparison.campaign.left_out]
+    summary += [f"Note: {remark}." for remark in comparison.campaign.remarks]
+    return [
+        Section("How much", summary),
+        map_section(comparison),
+        loops_section(comparison),
+        _along_loop_section(comparison),
+        _harmonics_section(comparison),
+        _cycles_section(comparison),
+        *_conditions_sections(comparison),
+        Section("All runs", (), [worst_table(comparison)]),
+    ]
+
+
+def map_section(comparison: Comparison) -> Section:
+    """Show the error over amplitude and frequency, at each level of every further condition, the most uneven first."""
+
+    def evenness(condition: Condition) -> float:
+        return -breakdown.by_condition(comparison.sums, condition).unevenness
+
+    A, f, *further = comparison.conditions
+    if not comparison.varied:
+        return Section("Where", [f"All tests are at A {A.words(A.levels[0])} and f {f.words(f.levels[0])}."])
+    varied = sorted((condition for condition in further if condition.varies), key=evenness)
+    panelled: Sequence[Condition | None] = varied or [None]
+    maps = []
+    for condition in panelled:
+        beside = "" if condition is None else f", {condition.title}"
+        title = f"Error over A / mm, f / Hz{beside}; in brackets the scatter; the worst is framed"
+        maps.append(conditions_picture(_conditions_map(comparison, A, f, condition), title))
+    return Section("Where", (), (), maps)
+
+
+def _conditions_map(comparison: Comparison, A: Condition, f: Condition, panels: Condition | None) -> ConditionsMap:
+    everything = np.arange(len(comparison.runs))
+    levels = panels.levels if panels else (Level("all tests", "", "", everything),)
+    error = np.full((len(levels), len(A.levels), len(f.levels)), np.nan)
+    scatter = error.copy()
+    for place in np.ndindex(error.shape):
+        chosen = set(levels[place[0]].rows) & set(A.levels[place[1]].rows) & set(f.levels[place[2]].rows)
+        part = breakdown.part_of_runs("", [comparison.sums[row] for row in chosen])
+        if part.nrmse is not None:
+            error[place] = 100 * part.nrmse
+        if part.noise_nrmse is not None:
+            scatter[place] = 100 * part.noise_nrmse
+    names = [panels.words(level) if panels else level.label for level in levels]
+    return ConditionsMap(
+        [level.label for level in A.levels], [level.label for level in f.levels], names, error, scatter
+    )
+
+
+def loops_section(comparison: Comparison) -> Section:
+    """Show the worst loops."""
+    panels = loop_panels(comparison, comparison.worst_first()[:WORST_SHOWN])
+    return Section("Worst loops", (), (), [loops_picture(panels, "Measured (grey) and law (red), worst first")])
+
+
+def _along_loop_section(comparison: Comparison) -> Section:
+    phases = breakdown.along_loop(comparison.sums)
+    middles = [sum(phase_edges(index)) / 2 for index in range(PHASE_BINS)]
+    bars = bars_of("all runs, share of the rms force", "phase / deg after the largest displacement", phases)
+    row = comparison.worst_first()[0]
+    _, measured = loop_of_run(comparison.loops, row)
+    run = comparison.runs[row]
+    law = force_of_rows(comparison.law, comparison.loops, DRAWN_SAMPLES)[row]
+    degrees = 360.0 * np.arange(DRAWN_SAMPLES) / DRAWN_SAMPLES
+    loop = LoopInTime(f"the worst run: {run.run}, {100 * run.nrmse:.2g} %", degrees, measured, law)
+    picture = along_loop_picture(
+        ErrorBars(bars.title, bars.axis, middles, bars.error, bars.scatter),
+        loop,
+        breakdown.PLACES[0][2],
+        "Along the loop; near the reversals shaded",
+    )
+    words = (
+        "On unloading the displacement falls from its largest value, on loading it rises again. Just after and just "
+        "before a reversal are the 30 degrees on either side of it, with the last 13 % of the displacement."
+    )
+    tables = [parts_table(breakdown.by_branch(comparison.sums)), parts_table(breakdown.by_place(comparison.sums))]
+    return Section("Along the loop", [words, EVEN], tables, [picture])
+
+
+def _harmonics_section(comparison: Comparison) -> Section:
+    harmonics = breakdown.by_harmonic(comparison.sums)
+    table = parts_table(harmonics, even=False, most=HARMONICS_SHOWN)
+    levels = [_harmonic_levels(comparison, harmonics, quadrature) for quadrature in (False, True)]
+    picture = harmonics_picture(levels, "By harmonic, rms over all runs, percent of the rms force")
+    words = (
+        "In phase with the displacement is what a spring makes, in quadrature what damping makes; harmonic 0 is the "
+        "mean."
+    )
+    return Section("By harmonic", [words], [table], [picture])
+
+
+def _harmonic_levels(comparison: Comparison, harmonics: Breakdown, quadrature: bool) -> HarmonicLevels:
+    """Pick the harmonics in phase, or in quadrature, out of the breakdown."""
+    squares = np.stack(breakdown.squared_harmonics(comparison.sums, comparison.loops))
+    force = sum(run.squared_force for run in comparison.sums)
+    order = np.arange(1 if quadrature else 0, squares.shape[1])
+    parts = [harmonics.parts[breakdown.harmonic_index(int(n), quadrature)] for n in order]
+    measured, computed = (100 * np.sqrt(square[order, int(quadrature)] / force) for square in squares)
+    scatter = np.array([100 * (part.noise_nrmse or 0.0) for part in parts])
+    return HarmonicLevels(
+        "in quadrature (damping)" if quadrature else "in phase (spring)",
+        order.astype(np.float64),
+        measured,
+        computed,
+        np.array([100 * (part.nrmse or 0.0) for part in parts]),
+        None if parts[0].noise_nrmse is None else scatter,
+    )
+
+
+def _cycles_section(comparison: Comparison) -> Section:
+    cycles = breakdown.along_cycles(comparison.sums)
+    if len(cycles.parts) == 1:
+        return Section("Along cycles", ["Every record holds one cycle: nothing can be said along cycles."])
+    drift = breakdown.drift(comparison.sums)
+    words = []
+    if drift:
+        words.append(
+            "From a record's first cycle to its last the measured force drifts against the law by "
+            f"{100 * drift.in_phase:+.2g} % in phase and {100 * drift.in_quadrature:+.2g} % in quadrature of its first "
+            f"harmonic, standard error {100 * drift.standard_error:.1g} %."
+        )
+    bars = bars_of("all runs, share of the rms force", cycles.by, cycles, short=True)
+    measured, computed = breakdown.amplitude_along_cycles(comparison.sums, comparison.loops)
+    picture = cycles_picture(bars, 100 * measured, 100 * computed, "Along cycles")
+    return Section("Along cycles", words, [parts_table(cycles)], [picture])
+
+
+def _conditions_sections(comparison: Comparison) -> list[Section]:
+    broken = [breakdown.by_condition(comparison.sums, condition) for condition in comparison.varied]
+    if not broken:
+        return []
+    picture = error_bars([bars_of("", parts.by, parts) for parts in broken], "By condition, percent of the rms force")
+    return [Section("By condition", [EVEN], [parts_table(parts, runs=True) for parts in broken], [picture])]
+
+
+def bars_of(title: str, axis: str, parts: Breakdown, *, short: bool = False) -> ErrorBars:
+    """Give a breakdown as bars; `short` leaves the word cycle out of its labels."""
+    labels = [part.label for part in parts.parts]
+    if short:
+        labels = [label.removeprefix("cycles ").removeprefix("cycle ") for label in labels]
+    known = any(part.noise_nrmse is not None for part in parts.parts)
+    scatter = [percent(part.noise_nrmse) for part in parts.parts]
+    return ErrorBars(title, axis, labels, [percent(part.nrmse) for part in parts.parts], scatter if known else None)

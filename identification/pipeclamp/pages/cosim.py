@@ -1,0 +1,84 @@
+"""The report of a co-simulation: motion, the clamps' loops, and where the energy went."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import plotly.graph_objects as go
+
+from pipeclamp.pages.page import Section, doubted, styled
+from pipeclamp.pages.pictures import curves_picture
+from pipeclamp.show.table import Table
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_system.cosim.result import CosimResult
+
+MOST_POINTS = 4000
+"""A time history is drawn with at most so many points, highest and lowest of each stretch kept."""
+LAST_SHARE = 0.2
+
+
+def cosim_sections(result: CosimResult) -> list[Section]:
+    """Give the report of a co-simulation; the first section holds the summary in words."""
+    points = [*result.clamp_names, *result.probe_names]
+    histories = [history_picture(result, f"{name}.s", 1e3, "mm", f"Displacement at {name}") for name in points]
+    loops = [_loop_picture(result, name) for name in result.clamp_names]
+    tracked = [
+        history_picture(result, f"{name}.A_used", 1e3, "mm", f"Amplitude that the law of {name} was given")
+        for name in result.clamp_names
+        if np.ptp(result.columns[f"{name}.A_used"]) > 0
+    ]
+    final = result.energy.final()
+    energy = Table(("energy at the end", "J"), list(final.items()), "excitation + coupling = all the others")
+    balance = _energy_picture(result)
+    if not result.trusted:
+        for picture in (*histories, *tracked, *loops, balance):
+            doubted(picture)
+    return [
+        Section("What came out", result.summary().splitlines()),
+        Section("Motion", (), (), histories + tracked),
+        Section("The clamps' loops", (), (), loops),
+        Section("Energy", (), [energy], [balance]),
+    ]
+
+
+def history_picture(result: CosimResult, column: str, factor: float, unit: str, title: str) -> go.Figure:
+    """Draw one column over time."""
+    time, values = _thinned(result.time, factor * result.columns[column])
+    name = column.rpartition(".")[2]
+    return curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], title)
+
+
+def _loop_picture(result: CosimResult, name: str) -> go.Figure:
+    last = slice(int(np.searchsorted(result.time, (1 - LAST_SHARE) * result.time[-1])), None)
+    y, force = 1e3 * result.columns[f"{name}.s"][last], result.columns[f"{name}.f"][last]
+    figure = go.Figure(go.Scatter(x=y, y=force, mode="lines", name=name, line={"width": 1.2}))
+    figure.update_xaxes(title_text="s / mm").update_yaxes(title_text="f / N")
+    return styled(figure, f"Loop of {name}, last fifth of the run")
+
+
+def _energy_picture(result: CosimResult) -> go.Figure:
+    parts = {
+        "given by the excitation": result.energy.excitation,
+        "dissipated in the clamps": result.energy.clamps_dissipated,
+        "dissipated in the pipe": result.energy.pipe_dissipated,
+        "stored in pipe and clamps": result.energy.pipe_stored + result.energy.clamps_stored,
+        "made by the coupling": result.energy.coupling,
+    }
+    curves = []
+    for name, values in parts.items():
+        time, thin = _thinned(result.time, values)
+        curves.append((name, time.tolist(), thin.tolist(), "lines"))
+    return curves_picture("t / s", "energy / J", curves, "Where the energy went")
+
+
+def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """Give at most MOST_POINTS points that keep the extremes of each stretch."""
+    if time.size <= MOST_POINTS:
+        return time, values
+    length = math.ceil(2 * time.size / MOST_POINTS)
+    count = time.size // length
+    block = values[: count * length].reshape(count, length)
+    base = np.arange(count) * length
+    chosen = np.unique(np.concatenate([base + block.argmin(axis=1), base + block.argmax(axis=1), [time.size - 1]]))
+    return time[chosen], values[chosen]

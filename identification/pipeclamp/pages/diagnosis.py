@@ -1,0 +1,102 @@
+"""The page of a diagnosis: the verdict, the evidence in a test engineer's words, what is left over, the next test."""
+
+from __future__ import annotations
+
+import plotly.graph_objects as go
+
+from pipeclamp.pages.comparison import comparison_sections
+from pipeclamp.pages.page import Section
+from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture, waterfall_picture
+from pipeclamp.show.diagnosis import against, candidate_table, sentence
+from pipeclamp.show.table import Table
+from pipeclamp_identification.campaign.drive import DrivePlan
+from pipeclamp_identification.diagnosis.answer import explained
+from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.next_test import Proposal
+from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_models.law.catalogue import effect_id
+
+
+def diagnosis_sections(answer: Diagnosed) -> list[Section]:
+    """Give the report of a diagnosis."""
+    diagnosis, leftover = answer.diagnosis, answer.diagnosis.leftover
+    words = [answer.headline(), *(sentence(reason) for reason in diagnosis.reasons)]
+    if answer.proposal:
+        words.append(f"Next test: {answer.proposal.words()}.")
+    if answer.no_test:
+        words.append(f"No next test: {answer.no_test}.")
+    steps = [("law as it is", diagnosis.law.heldout_nrmse), *_steps(diagnosis)]
+    noise = answer.comparison.noise_nrmse
+    falling = waterfall_picture(steps, noise, "error on left-out conditions", "What the best effects would do")
+    sections = [
+        Section("Verdict", words, [candidate_table(diagnosis)], [falling]),
+        Section("Evidence", _evidence(diagnosis), _screened(diagnosis)),
+        Section("What the best law leaves over", _left_over_sentences(answer), (), [
+            curves_picture(
+                "phase / deg after the largest displacement", "residual / N",
+                [("rms over runs", leftover.phase.tolist(), leftover.shape.tolist(), "lines")],
+                "Residual force along the cycle, best law, noise included",
+            )
+        ]),
+    ]  # fmt: skip
+    if answer.proposal:
+        sections.append(_proposal_section(answer.proposal))
+    return [*sections, *comparison_sections(answer.comparison)]
+
+
+def _left_over_sentences(answer: Diagnosed) -> list[str]:
+    return [sentence(word) for word in answer.left_over()] or ["Nothing that follows the conditions."]
+
+
+def _steps(diagnosis: Diagnosis) -> list[tuple[str, float]]:
+    """Give the effects that the answer names, or the best one, each alone, then the pair, with the error left out."""
+    named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
+    alone = named or diagnosis.candidates[:1]
+    together = [diagnosis.pair] if diagnosis.pair else []
+    return [
+        (f"{'or ' if place and len(judged.effects) == 1 else ''}+ {' + '.join(judged.effects)}", judged.heldout_nrmse)
+        for place, judged in enumerate([*alone, *together])
+    ]
+
+
+def _evidence(diagnosis: Diagnosis) -> list[str]:
+    """Say of the best candidates what to look at and what would speak against them."""
+    words = []
+    for candidate in diagnosis.candidates[:4]:
+        name = candidate.effects[0]
+        effect = next(effect for effect in candidate.result.equations.effects if effect.name == name)
+        objections = "; ".join(against(candidate, diagnosis.law)) or "nothing in this data"
+        words.append(
+            f"{name}, in the picture: {effect.looks_like}. It takes the error on left-out conditions from "
+            f"{diagnosis.law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and explains "
+            f"{explained(candidate, diagnosis):.0%} of what is missing. Imitated by "
+            f"{', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}. "
+            f"Against it: {objections}."
+        )
+    return words
+
+
+def _screened(diagnosis: Diagnosis) -> list[Table]:
+    rows = [(name, 100 * max(share, 0.0)) for name, share in diagnosis.screened_out.items()]
+    return [Table(("screened out", "promise, % of the best's"), rows, "effects that one step showed can't help")]
+
+
+def _proposal_section(proposal: Proposal) -> Section:
+    panels = [
+        LoopPanel(f"if it is {name}", proposal.motion.y[0], None, force)
+        for name, force in zip(proposal.rivals, proposal.forces, strict=True)
+    ]
+    difference = LoopPanel("difference", proposal.motion.y[0], None, proposal.forces[0] - proposal.forces[1])
+    words, drawn = drive_shown(proposal.plan, proposal.drive_words())
+    return Section(
+        "Next test", [sentence(proposal.words()), words], (),
+        [loops_picture([*panels, difference], "What each rival predicts"), drawn],
+    )  # fmt: skip
+
+
+def drive_shown(plan: DrivePlan, words: str) -> tuple[str, go.Figure]:
+    """Give the drive signal of a proposed test in words and as a picture."""
+    drive = plan.signal()
+    curve = ("displacement", drive.time_s.tolist(), drive.displacement_mm.tolist(), "lines")
+    picture = curves_picture("t / s", "y / mm", [curve], "Drive signal of the next test")
+    return f"Drive signal, which --drive DRIVE.csv writes: {words}.", picture

@@ -1,0 +1,67 @@
+"""The page of a law: its equations, parameters and surfaces."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import plotly.graph_objects as go
+
+from pipeclamp.pages.page import Section
+from pipeclamp.pages.pictures import curves_picture, surface_picture
+from pipeclamp.show.law import coefficient_table, doubts
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.equations.symbols import REFERENCES, T_0
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.arrays import realise
+from pipeclamp_models.realise.text import equation_lines
+
+POINTS = 40
+
+
+def law_sections(file: LawFile) -> list[Section]:
+    """Give the part of a page that shows a law: its equations, parameters and surfaces."""
+    law = law_of(file)
+    return [
+        Section("Law", equation_lines(law.equations)),
+        Section("Parameters", doubts(file), [coefficient_table(file)]),
+        Section("Surfaces", (), (), surface_pictures(law, file)),
+    ]
+
+
+def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
+    """Draw each coefficient over each pair of conditions it depends on, the others at the middle of the range."""
+    equations = law.equations
+    compiled = realise(equations)
+    ranges = {
+        name: np.linspace(file.range[name].minimum, file.range[name].maximum, POINTS)
+        for name in compiled.slow
+        if name in file.range and file.range[name].maximum > file.range[name].minimum
+    }
+    unknown = {} if "T" in file.range else {"T": float(REFERENCES[T_0])}
+    middle = unknown | {
+        name: (file.range[name].minimum + file.range[name].maximum) / 2 for name in compiled.slow if name in file.range
+    }
+    values = [law.values[name] for name in equations.names]
+
+    def level(index: int, along: dict[str, Array]) -> Array:
+        shape = np.broadcast_shapes(*(entry.shape for entry in along.values()))
+        slow = [along.get(name, np.asarray(middle[name])) for name in compiled.slow]
+        return np.broadcast_to(compiled.coefficients(*slow, *values, law.v_r, law.y_r)[index], shape)
+
+    figures = []
+    for index, coefficient in enumerate(equations.coefficients):
+        free = {str(symbol) for symbol in coefficient.expression.free_symbols}
+        varied = [name for name in ranges if name in free]
+        label = f"{coefficient.symbol} / {coefficient.unit}"
+        axes = {name: f"{name} / {file.range[name].unit}" for name in varied}
+        for x, y in itertools.combinations(varied, 2):
+            surface = level(index, {x: ranges[x][None, :], y: ranges[y][:, None]})
+            title = f"{coefficient.symbol}({x}, {y})"
+            figures.append(surface_picture(axes[x], axes[y], ranges[x], ranges[y], surface, label, title))
+        if len(varied) == 1:
+            (x,) = varied
+            curve = (str(coefficient.symbol), ranges[x].tolist(), level(index, {x: ranges[x]}).tolist(), "lines")
+            figures.append(curves_picture(axes[x], label, [curve], f"{coefficient.symbol}({x})"))
+    return figures

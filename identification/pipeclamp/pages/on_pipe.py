@@ -1,0 +1,19 @@
+"""The page of a comparison on the pipe."""
+
+from __future__ import annotations
+
+from pipeclamp.pages.attribution import attribution_section
+from pipeclamp.pages.page import Section
+from pipeclamp.pages.pipe import pipe_comparison_sections
+from pipeclamp.pages.pipe_records import records_sections
+from pipeclamp_identification.attribution.attributed import Attributed
+
+
+def attributed_sections(found: Attributed) -> list[Section]:
+    """Give the page: how much the model errs, what may be wrong, and where."""
+    sines, records = found.compared.sines, found.compared.records
+    how, *others = [
+        *(pipe_comparison_sections(sines) if sines else []),
+        *(records_sections(records) if records else []),
+    ]
+    return [how, attribution_section(found.attribution, found.proposal), *others]

@@ -1,0 +1,194 @@
+"""Pictures: measured and computed loops, coefficients over conditions, the falling error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from pipeclamp.pages.page import MEASURED, MODEL, SERIES, styled
+from pipeclamp_models.base.arrays import Array
+
+PANELS_PER_ROW = 4
+PANEL_HEIGHT = 250
+LEAST_PANEL_WIDTH = 230
+STEP_WIDTH = 140
+BESIDE = "published "
+
+
+@dataclass(frozen=True)
+class LoopPanel:
+    """One loop: measured and, where there is one, computed force over the displacement.
+
+    Attributes:
+        title: what is above the panel.
+        y: displacement in mm, shape (n,), closed by the picture.
+        measured, computed: force in N, shape (n,) each; None where there is none.
+    """
+
+    title: str
+    y: Array
+    measured: Array | None
+    computed: Array | None
+
+
+def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
+    """Draw loops, one a panel, measured in grey and computed in red over it."""
+    columns = min(PANELS_PER_ROW, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    figure = make_subplots(
+        rows=rows,
+        cols=columns,
+        subplot_titles=[panel.title for panel in panels],
+        horizontal_spacing=0.06,
+        vertical_spacing=min(0.12, 0.35 / rows),
+    )
+    for index, panel in enumerate(panels):
+        place = {"row": index // columns + 1, "col": index % columns + 1}
+        for force, name, colour, width in (
+            (panel.measured, "measured", MEASURED, 4.0),
+            (panel.computed, "law", MODEL, 1.5),
+        ):
+            if force is not None:
+                figure.add_trace(
+                    go.Scatter(
+                        x=_closed(panel.y), y=_closed(force), mode="lines", name=name, legendgroup=name,
+                        showlegend=index == 0, line={"color": colour, "width": width, "simplify": False},
+                    ),
+                    **place,
+                )  # fmt: skip
+    figure.update_annotations(font={"size": 12})
+    for column in range(1, columns + 1):
+        figure.update_xaxes(title_text="y / mm", row=rows, col=column)
+    for row in range(1, rows + 1):
+        figure.update_yaxes(title_text="F / N", row=row, col=1)
+    figure = styled(figure, title, height=90 + PANEL_HEIGHT * rows, least_width=LEAST_PANEL_WIDTH * columns)
+    return figure.update_layout(margin={"t": 80, "b": 80})
+
+
+def _closed(samples: Array) -> Array:
+    return np.append(samples, samples[:1])
+
+
+def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go.Figure:
+    """Draw loops (name, y in mm, force in N) over one another, as the paper's figures 5-8 do."""
+    figure = go.Figure(
+        [
+            go.Scatter(
+                x=_closed(y), y=_closed(force), mode="lines", name=name, line={"color": _shade(index, len(loops))}
+            )
+            for index, (name, y, force) in enumerate(loops)
+        ]
+    )
+    figure.update_xaxes(title_text="y / mm").update_yaxes(title_text="F / N")
+    return styled(figure, title)
+
+
+def _shade(index: int, count: int) -> str:
+    """Give a colour from blue to red: neighbouring conditions get neighbouring colours."""
+    share = index / max(count - 1, 1)
+    return f"hsl({210 - 210 * share:.0f}, 75%, {45 + 8 * math.sin(math.pi * share):.0f}%)"
+
+
+def curves_picture(
+    x: str, y: str, curves: Sequence[tuple[str, Sequence[float], Sequence[float], str]], title: str
+) -> go.Figure:
+    """Draw curves (name, abscissae, ordinates, mode "lines", "markers" or "lines+markers") with axis titles x and y.
+
+    A curve named "published ..." gets the colour of the one without that word, and open markers.
+    """
+    named = list(dict.fromkeys(name.removeprefix(BESIDE) for name, *_ in curves))
+    figure = go.Figure(
+        [
+            go.Scatter(
+                x=list(xs), y=list(ys), mode=mode, name=name,
+                marker={"symbol": "circle-open" if name.startswith(BESIDE) else "circle", "size": 8},
+                line={"color": SERIES[named.index(name.removeprefix(BESIDE)) % len(SERIES)]},
+            )
+            for name, xs, ys, mode in curves
+        ]
+    )  # fmt: skip
+    figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
+    return styled(figure, title)
+
+
+def surface_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str, title: str) -> go.Figure:
+    """Draw a surface as contours with their values.
+
+    Args:
+        x, y: axis titles.
+        xs, ys: the grid, shapes (n,) and (m,).
+        level: shape (m, n).
+        label: name and unit of what is drawn.
+        title: the picture's title.
+    """
+    figure = go.Figure(
+        go.Contour(
+            x=xs, y=ys, z=level, colorscale="Blues", ncontours=14,
+            contours={"showlabels": True, "labelfont": {"size": 11}}, colorbar={"title": {"text": label}},
+        )
+    )  # fmt: skip
+    figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
+    return styled(figure, title)
+
+
+def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str, title: str) -> go.Figure:
+    """Draw positive values as coloured cells, one a point of the grid, the colours by the logarithm.
+
+    Args:
+        x, y: axis titles.
+        xs, ys: the grid, shapes (n,) and (m,).
+        level: shape (m, n); nan where there is none.
+        label: unit of what is drawn.
+        title: the picture's title.
+    """
+    low, high = float(np.nanmin(level)), float(np.nanmax(level))
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    ticks = [step * 10.0**decade for decade in decades for step in (1, 2, 5)]
+    ticks = [tick for tick in ticks if low <= tick <= high] or [low, high]
+    figure = go.Figure(
+        go.Heatmap(
+            x=xs, y=ys, z=np.log10(level), customdata=level, colorscale="Blues", xgap=1, ygap=1,
+            hovertemplate=f"{x} %{{x:g}}<br>{y} %{{y:g}}<br>%{{customdata:.4g}} {label}<extra></extra>",
+            colorbar={
+                "title": {"text": label},
+                "tickvals": [math.log10(tick) for tick in ticks],
+                "ticktext": [f"{tick:g}" for tick in ticks],
+            },
+        )
+    )  # fmt: skip
+    figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
+    return styled(figure, title)
+
+
+def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, label: str, title: str) -> go.Figure:
+    """Draw the error falling step by step, with the scatter that no law can explain as a line.
+
+    Args:
+        steps: what was done and the error after it, as a share.
+        floor: the scatter, as a share, where it is known.
+        label: the error's name.
+        title: the picture's title.
+    """
+    # one effect a line, so that the names stand beside each other
+    names = [name.replace(" + ", "<br>+ ") for name, _ in steps]
+    figure = go.Figure(
+        go.Bar(
+            x=names, y=[100 * error for _, error in steps], marker={"color": SERIES[0]}, name=label,
+            text=[f"{100 * error:.3g} %" for _, error in steps], textposition="outside", cliponaxis=False,
+        )
+    )  # fmt: skip
+    if floor is not None:
+        figure.add_hline(
+            y=100 * floor, line={"color": MODEL, "dash": "dash"},
+            annotation={"text": f"scatter<br>{100 * floor:.2g} %", "x": 1.0, "xanchor": "left", "yanchor": "middle"},
+        )  # fmt: skip
+    figure.update_xaxes(tickangle=0)
+    figure.update_yaxes(title_text=f"{label} / %", rangemode="tozero")
+    return styled(figure, title, least_width=130 + STEP_WIDTH * len(steps)).update_layout(
+        showlegend=False, margin={"r": 70}
+    )

@@ -1,0 +1,120 @@
+"""The report of a comparison on the pipe: measured against computed response at each probe, and where it fails."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from pipeclamp.pages.comparison import bars_of
+from pipeclamp.pages.error_pictures import ConditionsMap, conditions_picture, error_bars
+from pipeclamp.pages.page import MEASURED, MODEL, Section, styled
+from pipeclamp.show.comparison import parts_table
+from pipeclamp_identification.on_pipe.measurement import QUANTITIES, ProbeTable
+from pipeclamp_identification.on_pipe.model import SAME_LEVEL
+from pipeclamp_identification.on_pipe.series import Series, series_of
+from pipeclamp_identification.on_pipe.sines import PipeComparison
+from pipeclamp_identification.on_pipe.where import how_much, where_words
+from pipeclamp_identification.signals.levels import number_levels
+
+Rows = NDArray[np.intp]
+
+MOST_PANELS = 6
+"""Series of sines side by side in a picture; of more, the worst."""
+PANEL_WIDTH = 250
+EVEN = (
+    "Beside the share of the squared error that a part holds stands the share that it would hold if the model erred by "
+    "the same part of what was measured everywhere. Amplitude and phase are each held against the whole."
+)
+
+
+def pipe_comparison_sections(comparison: PipeComparison) -> list[Section]:
+    """Give the report of a comparison: the numbers, the responses, the map, the breakdowns."""
+    series = series_of(comparison.measurement.steady)
+    probes = comparison.measurement.description.probes
+    pictures = [response_picture(comparison, series, index) for index in range(len(probes))]
+    broken = [
+        comparison.by_probe(),
+        comparison.by_kind(),
+        *(comparison.by_condition(entry) for entry in comparison.conditions),
+    ]
+    bars = error_bars([bars_of("", parts.by, parts) for parts in broken], "Percent of the rms of what was measured")
+    return [
+        Section("How much", [*how_much(comparison), *where_words(comparison)]),
+        Section("Measured and computed response", (), (), pictures),
+        Section("Where", (), (), [map_picture(comparison, series)]),
+        Section("By probe and condition", [EVEN], [parts_table(parts) for parts in broken], [bars]),
+    ]
+
+
+def response_picture(comparison: PipeComparison, series: Sequence[Series], column: int) -> go.Figure:
+    """Draw amplitude and phase over frequency at one probe, a panel a series of sines."""
+    probe = comparison.measurement.description.probes[column]
+    shown = _worst(comparison, series, column)
+    figure = make_subplots(
+        rows=2, cols=len(shown), shared_xaxes=True, vertical_spacing=0.08, horizontal_spacing=0.06,
+        row_heights=[0.65, 0.35], subplot_titles=[_panel_title(comparison, one, column) for one in shown],
+    )  # fmt: skip
+    steady = comparison.measurement.steady
+    for panel, one in enumerate(shown, 1):
+        drive = steady.drive[one.rows]
+        for response, name, style in (
+            (steady.response, "measured", {"mode": "markers", "marker": {"color": MEASURED, "size": 7}}),
+            (comparison.prediction.response, "model", {"mode": "lines", "line": {"color": MODEL, "width": 1.6}}),
+        ):
+            values = response[one.rows, column]
+            common = {"x": steady.frequency[one.rows], "name": name, "legendgroup": name, **style}
+            if one.rows.size == 1:
+                common["mode"] = "markers"
+            amplitude = go.Scatter(y=np.abs(values) * drive / probe.scale, showlegend=panel == 1, **common)
+            figure.add_trace(amplitude, row=1, col=panel)
+            if name == "model" or steady.phased[one.rows, column].all():
+                phase = np.degrees(np.unwrap(np.angle(values)))
+                phase -= 360 * np.round(np.nanmean(phase) / 360) if np.isfinite(phase).any() else 0.0
+                figure.add_trace(go.Scatter(y=phase, showlegend=False, **common), row=2, col=panel)
+        figure.update_xaxes(title_text="f / Hz", row=2, col=panel)
+    figure.update_yaxes(title_text=_axis(probe), row=1, col=1)
+    figure.update_yaxes(rangemode="tozero", row=1)
+    figure.update_yaxes(title_text="phase / deg", row=2, col=1)
+    figure.update_annotations(font={"size": 12})
+    figure = styled(figure, f"Response at {probe.name}", height=520, least_width=PANEL_WIDTH * len(shown))
+    return figure.update_layout(margin={"t": 80, "b": 80})
+
+
+def _worst(comparison: PipeComparison, series: Sequence[Series], column: int) -> list[Series]:
+    """Give the series that are drawn, in their order."""
+    chosen = np.array([column])
+    errors = [comparison.part("", one.rows, chosen).nrmse or 0.0 for one in series]
+    kept = sorted(np.argsort(errors)[::-1][:MOST_PANELS].tolist())
+    return [series[index] for index in kept]
+
+
+def _panel_title(comparison: PipeComparison, one: Series, column: int) -> str:
+    error = comparison.part("", one.rows, np.array([column])).nrmse
+    return f"{one.label}<br>error {100 * error:.3g} %" if error is not None else one.label
+
+
+def _axis(probe: ProbeTable) -> str:
+    return f"{QUANTITIES[probe.order]} / {probe.unit}"
+
+
+def map_picture(comparison: PipeComparison, series: Sequence[Series]) -> go.Figure:
+    """Draw the error over frequency and probe, a panel a series of sines."""
+    frequency = number_levels(comparison.measurement.steady.frequency, relative=SAME_LEVEL / 3)
+    shape = (len(series), len(comparison.probes), len(frequency))
+    error, scatter = np.full(shape, np.nan), np.full(shape, np.nan)
+    for panel, column, cell in np.ndindex(shape):
+        rows = np.intersect1d(series[panel].rows, frequency[cell].rows)
+        part = comparison.part("", rows, np.array([column]))
+        if rows.size and part.nrmse is not None:
+            error[panel, column, cell] = 100 * part.nrmse
+            noise = part.noise_nrmse
+            scatter[panel, column, cell] = math.nan if noise is None else 100 * noise
+    labels = [one.label for one in series]
+    shown = ConditionsMap(comparison.probes, [level.label for level in frequency], labels, error, scatter, rows="probe")
+    known = "; in brackets the scatter" if np.isfinite(scatter).any() else ""
+    return conditions_picture(shown, f"Error over probe and f / Hz{known}; the worst is framed")

@@ -1,0 +1,99 @@
+"""The report of a frequency response: curves with their unstable branches, co-simulations as dots."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import plotly.graph_objects as go
+
+from pipeclamp.pages.page import SERIES, Section, styled
+from pipeclamp.show.table import Table
+from pipeclamp_system.description.trust_mark import DOUBT
+from pipeclamp_system.steady.balance import SteadyState
+from pipeclamp_system.steady.dots import Dot
+from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, label
+
+WIDE = 4.0
+"""Levels that differ by more than this factor are drawn on a logarithmic axis."""
+
+WORDS = "Half the peak-to-peak displacement; the stronger a line's colour, the higher its level. Dotted: unstable."
+
+TRUSTED = {"size": 7, "line": {"color": "white", "width": 1}}
+DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
+"""Marks of co-simulations."""
+
+
+def response_sections(response: FrequencyResponse) -> list[Section]:
+    """Give the report of a frequency response; the first section holds the summary in words."""
+    pictures = [response_picture(response, index) for index in range(len(response.points))]
+    header = (
+        "clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve", "step / ms", "",
+    )  # fmt: skip
+    rows: list[tuple[str | float, ...]] = [
+        (
+            "own" if dot.temperature is None else f"{dot.temperature:g} °C", dot.level, dot.frequency, *dot.amplitudes,
+            f"{dot.difference:.2%}", 1e3 * dot.step, _remark(dot),
+        )
+        for dot in response.dots
+    ]  # fmt: skip
+    tables = [Table(header, rows, "co-simulations, and how far they are off the nearest stable branch")] if rows else []
+    return [
+        Section("What came out", response.summary().splitlines()),
+        Section("Frequency response", (WORDS,), (), pictures),
+        Section("Co-simulations", (), tables),
+    ]
+
+
+def _remark(dot: Dot) -> str:
+    """Give what a table says besides of a co-simulation."""
+    return ", ".join(words for words, said in (("not settled", not dot.settled), (DOUBT, not dot.trusted)) if said)
+
+
+def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
+    """Draw all curves at one point (its index), temperatures by colour, and the co-simulations on them."""
+    figure = go.Figure()
+    temperatures = list(dict.fromkeys(curve.temperature for curve in response.curves))
+    for curve in response.curves:
+        colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
+        for stable, piece in pieces(curve):
+            figure.add_scatter(
+                x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
+                mode="lines", name=label(curve.temperature, curve.level), showlegend=False,
+                line={"color": colour, "width": 1.6, "dash": "solid" if stable else "dot"},
+                opacity=0.45 + 0.55 * curve.level / max(other.level for other in response.curves),
+            )  # fmt: skip
+        for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
+            own = [
+                dot for dot in response.dots
+                if (dot.temperature, dot.level, dot.trusted) == (curve.temperature, curve.level, trusted)
+            ]  # fmt: skip
+            if own:
+                figure.add_scatter(
+                    x=[dot.frequency for dot in own], y=[dot.amplitudes[point] for dot in own], mode="markers",
+                    name=label(curve.temperature, curve.level), showlegend=False, marker={"color": colour, **mark},
+                )  # fmt: skip
+    for index, temperature in enumerate(temperatures):
+        name = "clamps as stated" if temperature is None else f"{temperature:g} °C"
+        line = {"color": SERIES[index % len(SERIES)], "width": 2}
+        figure.add_scatter(x=[None], y=[None], mode="lines", name=name, line=line)
+    for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
+        if any(dot.trusted == trusted for dot in response.dots):
+            name = "co-simulation" if trusted else "co-simulation, not to be trusted"
+            figure.add_scatter(x=[None], y=[None], mode="markers", name=name, marker={"color": "#777777", **mark})
+    levels = [curve.level for curve in response.curves]
+    wide = max(levels) > WIDE * min(levels)
+    figure.update_xaxes(title_text="f / Hz")
+    figure.update_yaxes(title_text="amplitude / mm", type="log" if wide else "linear")
+    return styled(figure, f"Displacement at {response.points[point]}", height=480)
+
+
+def pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:
+    """Cut a curve into stable and unstable pieces that share their ends; a gap in it stays open."""
+    cut: list[tuple[bool, list[SteadyState]]] = []
+    for followed in curve.pieces:
+        before: list[SteadyState] = []
+        for stable, group in groupby(followed, key=lambda state: state.stable):
+            piece = [*before[-1:], *group]
+            cut.append((stable, piece))
+            before = piece
+    return cut

@@ -1,0 +1,88 @@
+"""The report of a study: the vibration level over what was varied."""
+
+from __future__ import annotations
+
+import numpy as np
+import plotly.graph_objects as go
+
+from pipeclamp.pages.page import Section, doubted
+from pipeclamp.pages.pictures import cells_picture, curves_picture
+from pipeclamp.show.table import Table
+from pipeclamp_models.base.tables import pl
+from pipeclamp_system.description.trust_mark import doubt
+from pipeclamp_system.study.case import IN_RANGE, TRUSTED
+from pipeclamp_system.study.description import Study
+
+LEVEL = ".s [mm]"
+"""How columns of displacement amplitudes end."""
+
+
+def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
+    """Give the report of a study; the first section holds the summary in words."""
+    failed = frame.filter(pl.col("error") != "")
+    fine = frame.filter(pl.col("error") == "")
+    points = [name for name in frame.columns if name.endswith(LEVEL)]
+    axes = list(study.description.axes)
+    lines = [
+        f"study {study.description.name!r}: {frame.height} cases, {study.description.measure}, of {' x '.join(axes)}"
+    ]
+    if failed.height:
+        lines.append(f"{failed.height} cases gave no result; the first: {failed['error'][0]}")
+    for name in points:
+        known = fine.filter(pl.col(name).is_not_null())
+        if not known.height:
+            continue
+        for word, order in (("least", False), ("most", True)):
+            row = known.sort(name, descending=order).row(0, named=True)
+            where = ", ".join(f"{axis} = {row[axis]:g}" for axis in axes)
+            lines.append(f"{name.removesuffix(LEVEL)} moves {word} at {where}: {row[name]:.4g} mm")
+    unstable = fine.filter(pl.col("stable") == 0.0).height if "stable" in fine.columns else 0
+    if unstable:
+        lines.append(f"{unstable} cases are not stable")
+    marks = _marks(fine, axes)
+    lines += marks
+    for name in (column.removesuffix(IN_RANGE) for column in frame.columns if column.endswith(IN_RANGE)):
+        inside = fine[f"{name}{IN_RANGE}"].drop_nulls()
+        if not inside.all():
+            lines.append(
+                f"{name}: its law is used beyond the range of its data in {(~inside).sum()} of {inside.len()} cases"
+            )
+    figures = [_picture(fine, axes, name) for name in points if fine.height and fine[name].max()]
+    if marks:
+        for figure in figures:
+            doubted(figure)
+    rows = [(row["case"], *(row[axis] for axis in axes), row["error"]) for row in failed.head(20).iter_rows(named=True)]
+    tables = [Table(("case", *axes, "error"), rows, "cases without a result (the first 20)")] if rows else []
+    note = "Over the first two of what is varied; the largest over the rest." if len(axes) > 1 else ""
+    return [Section("What came out", lines), Section("Vibration level", (note,) if note else (), tables, figures)]
+
+
+def _marks(fine: pl.DataFrame, axes: list[str]) -> list[str]:
+    """Say which co-simulated cases aren't to be trusted."""
+    doubtful = fine.filter(~pl.col(TRUSTED)) if TRUSTED in fine.columns else fine.clear()
+    if not doubtful.height:
+        return []
+    first = doubtful.row(0, named=True)
+    where = ", ".join(f"{axis} = {first[axis]:g}" for axis in axes)
+    return [
+        doubt(
+            f"{doubtful.height} of {fine.height} cases, column {TRUSTED!r} says which; the first, at {where}: "
+            f"{first['doubts']}; use a smaller step_s"
+        )
+    ]
+
+
+def _picture(frame: pl.DataFrame, axes: list[str], name: str) -> go.Figure:
+    """Draw a level over the first two axes, or over the only one."""
+    title = f"{name.removesuffix(LEVEL)}: amplitude"
+    if len(axes) == 1:
+        line = frame.sort(axes[0])
+        curve = (name, line[axes[0]].to_list(), line[name].to_list(), "lines+markers")
+        return curves_picture(axes[0], "amplitude / mm", [curve], title)
+    largest = frame.group_by(axes[:2]).agg(pl.col(name).max())
+    xs, ys = (np.unique(largest[axis].to_numpy()) for axis in axes[:2])
+    level = np.full((ys.size, xs.size), np.nan)
+    for x, y, value in largest.iter_rows():
+        level[np.searchsorted(ys, y), np.searchsorted(xs, x)] = np.nan if value is None else value
+    level[level <= 0] = np.nan
+    return cells_picture(axes[0], axes[1], xs, ys, level, "mm", title)

@@ -1,0 +1,84 @@
+"""A comparison told: how much a law errs and where, as sentences and tables, worst first."""
+
+from __future__ import annotations
+
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.comparison.answer import comparison_answer
+from pipeclamp_identification.comparison.breakdown import (
+    Breakdown,
+    Part,
+)
+from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
+
+RUNS_PRINTED = 8
+"""Runs that a terminal shows, worst first."""
+MEASURED = ("amplitude_mm", "frequency_Hz", "temperature_C")
+"""Conditions that are shown with their value in each run, not with their level."""
+SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
+
+
+def how_much(comparison: Comparison) -> list[str]:
+    """Say how much the law errs, and what of it is scatter."""
+    runs, single = len(comparison.runs), comparison.single_cycles
+    errs = f"The law errs by {comparison.nrmse:.2%} of the rms force over {runs} run{'s' if runs > 1 else ''}"
+    if single == runs:
+        return [f"{errs}; {SINGLE_CYCLES}."]
+    words = [f"{errs}; {comparison.noise_nrmse:.2%} is cycle-to-cycle scatter, which no law can explain."]
+    if single:
+        words.append(f"{single} of {runs} runs hold one cycle only: their scatter isn't known.")
+    return words
+
+
+def worst_table(comparison: Comparison, most: int | None = None) -> Table:
+    """Give the runs as a table, worst first."""
+    loops = comparison.loops
+    further = [condition for condition in comparison.varied if condition.key not in MEASURED]
+    rows = [
+        (
+            comparison.runs[row].run,
+            float(loops.amplitude_mm[row]),
+            float(loops.frequency_Hz[row]),
+            celsius(loops, row),
+            *(condition.level_of(row).label for condition in further),
+            100 * comparison.runs[row].nrmse,
+            100 * comparison.runs[row].noise_nrmse if comparison.sums[row].scatter_known else None,
+            comparison.outside.get(comparison.runs[row].run, ""),
+        )
+        for row in comparison.worst_first()[:most]
+    ]
+    conditions = ("A / mm", "f / Hz", "T / °C", *(condition.title for condition in further))
+    header = ("run", *conditions, "error / %", "scatter / %", "outside the law's range")
+    return Table(header, rows, "error and cycle-to-cycle scatter, as a share of the run's rms force; worst first")
+
+
+def percent(share: float | None) -> float | None:
+    """Give a share in percent; None where it isn't known."""
+    return None if share is None else 100 * share
+
+
+def parts_table(parts: Breakdown, *, even: bool = True, runs: bool = False, most: int | None = None) -> Table:
+    """Give parts as a table, worst first."""
+    header = [parts.by, "error / %", "scatter / %", "share of squared error / %", "share beyond scatter / %"]
+    header += ["share if even / %"] if even else []
+    header += ["runs"] if runs else []
+
+    def row(part: Part) -> list[str | float | None]:
+        beyond = None if part.squared_scatter is None else 100 * parts.excess_share(part)
+        cells = [part.label, percent(part.nrmse), percent(part.noise_nrmse), 100 * parts.share(part), beyond]
+        return [
+            *cells,
+            *([100 * parts.even_share(part)] if even else []),
+            *([float(part.runs)] if runs else []),
+        ]
+
+    return Table(header, [row(part) for part in parts.worst_first()[:most]], f"by {parts.by}, worst first")
+
+
+def comparison_view(comparison: Comparison) -> View:
+    """Tell how a law stands against records."""
+    return View(
+        comparison_answer(comparison),
+        [worst_table(comparison, most=RUNS_PRINTED)],
+        [*how_much(comparison), *where_words(comparison)],
+    )

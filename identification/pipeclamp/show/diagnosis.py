@@ -1,0 +1,87 @@
+"""A diagnosis told: its verdict, the candidates, and what to run next."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.diagnosis.answer import AddedEffect, diagnosis_answer, explained
+from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
+
+WORSE = 1.02
+"""An error on left-out conditions that rises by less is the same."""
+
+
+def against(candidate: Judged, law: Judged) -> list[str]:
+    """Say what speaks against a candidate: its parameters, and left-out conditions that it foretells worse."""
+    errors = {"A, f": (law.heldout_nrmse, candidate.heldout_nrmse)}
+    errors |= {name: (error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
+    worse = (
+        f"on left-out {name} the error rises from {before:.2%} to {after:.2%}"
+        for name, (before, after) in errors.items()
+        if after > WORSE * before
+    )
+    return [*candidate.objections, *worse]
+
+
+def candidate_table(diagnosis: Diagnosis) -> Table:
+    """Give the candidates, best first."""
+    judged = [*diagnosis.candidates, *([diagnosis.pair] if diagnosis.pair else [])]
+    law = diagnosis.law
+    rows: list[tuple[str | float, ...]] = [
+        (
+            " + ".join(candidate.effects),
+            100 * candidate.heldout_nrmse,
+            *(100 * error for error in candidate.heldout_by.values()),
+            100 * explained(candidate, diagnosis),
+            "; ".join(against(candidate, law)) or "–",
+        )
+        for candidate in sorted(judged, key=lambda candidate: candidate.squares)
+    ]
+    further = (100 * error for error in law.heldout_by.values())
+    rows.append(("law as it is", 100 * law.heldout_nrmse, *further, 0.0, "–"))
+    header = (
+        "with",
+        "error on left-out A, f / %",
+        *(f"on left-out {name} / %" for name in law.heldout_by),
+        "of the lack of fit explained / %",
+        "speaks against it",
+    )
+    return Table(header, rows, "every candidate refitted jointly with the law")
+
+
+def sentence(words: str) -> str:
+    """Give words as a sentence."""
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def diagnosis_view(found: Diagnosed, added: tuple[AddedEffect, ...], next_command: str, drive: Path | None) -> View:
+    """Tell a diagnosis, what was added before it, and the command to run next; the first line is its verdict."""
+    return View(
+        diagnosis_answer(found, added, next_command),
+        [candidate_table(found.diagnosis)],
+        verdict_lines(found, next_command, drive),
+    )
+
+
+def next_test_lines(found: AnyDiagnosed, drive: Path | None) -> list[str]:
+    """Say which test is next, or why none is proposed, and where its drive signal is."""
+    if found.proposal is None:
+        lines = [f"No next test: {found.no_test}"] if found.no_test else []
+        return [*lines, *([f"{drive} isn't written: no test is proposed"] if drive else [])]
+    where = f"{drive} holds its drive signal" if drive else "--drive DRIVE.csv writes its drive signal"
+    return [f"Next test: {found.proposal.words()}", f"  {where}: {found.proposal.drive_words()}"]
+
+
+def verdict_lines(found: AnyDiagnosed, next_command: str, drive: Path | None) -> list[str]:
+    """Give the verdict, why, the test that would tell with the file of its drive signal, and what to run next."""
+    return [
+        found.headline(),
+        *(f"  {word}" for word in found.words()),
+        *next_test_lines(found, drive),
+        f"Next: {next_command}",
+    ]

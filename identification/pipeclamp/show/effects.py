@@ -1,0 +1,100 @@
+"""The catalogue of effects as people and programs read it: in short, and one effect whole."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from pipeclamp.show.table import Table
+from pipeclamp_models.equations.effect import Effect, Parameter
+from pipeclamp_models.realise.sizes import Sizes, number_of
+from pipeclamp_models.realise.text import effect_statements, symbols_of
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.campaign.rig import Truth
+
+PARTS = {
+    "base": "term of base laws",
+    "clamp": "of the clamp: travels into the FMU",
+    "rig": "of the rig: corrects the measurement, stays out of the FMU",
+}
+WIDTH = 78
+
+
+def overview(effects: Iterable[Effect]) -> Table:
+    """Give the catalogue in short."""
+    rows = [(effect.name, effect.part, effect.does, ", ".join(effect.imitated_by)) for effect in effects]
+    return Table(("id", "part", "what it does", "imitated by"), rows)
+
+
+def parameter_table(effect: Effect, sizes: Sizes) -> Table:
+    """Give an effect's parameters: bounds and typical sizes for loops of these sizes."""
+    rows = [
+        (one.name, one.unit, one.meaning, _bounds(one, sizes), number_of(one.size, sizes)) for one in effect.parameters
+    ]
+    return Table(("parameter", "unit", "meaning", "bounds", "typical"), rows)
+
+
+def _bounds(parameter: Parameter, sizes: Sizes) -> str:
+    lower, upper = (number_of(bound, sizes) for bound in (parameter.lower, parameter.upper))
+    if math.isinf(lower) and math.isinf(upper):
+        return "none"
+    if math.isinf(upper):
+        return f"at least {lower:.3g}"
+    return f"at most {upper:.3g}" if math.isinf(lower) else f"{lower:.3g} to {upper:.3g}"
+
+
+def symbol_table(effect: Effect) -> Table:
+    """Give what an effect's equations use besides its parameters."""
+    rows = [(str(state.symbol), state.unit, f"state: {state.meaning}") for state in effect.states]
+    rows += [(str(signal.symbol), signal.unit, signal.meaning) for signal in symbols_of(effect)]
+    return Table(("symbol", "unit", "meaning"), rows)
+
+
+def equation_words(effect: Effect) -> list[str]:
+    """Give an effect's equations in plain text, wrapped."""
+    statements = effect_statements(effect)
+    widest = max(len(one.words) for one in statements)
+    return [
+        line
+        for one in statements
+        for line in textwrap.wrap(
+            f"{one.words:<{widest}}  {one.plain}", WIDTH, initial_indent="  ", subsequent_indent=" " * (widest + 4)
+        )
+    ]
+
+
+def about(effect: Effect) -> list[tuple[str, str]]:
+    """Give what is said of an effect in words, each with its heading."""
+    alike = ", ".join(effect.imitated_by) or "nothing in the catalogue"
+    return [
+        ("Looks like, when it is missing", effect.looks_like),
+        ("Imitated by", alike),
+        ("Told apart by", effect.told_apart_by),
+        ("Source", effect.source),
+    ]
+
+
+def about_lines(effect: Effect) -> list[str]:
+    """Give what is said of an effect in words, wrapped, under headings."""
+    lines: list[str] = []
+    for title, words in about(effect):
+        lines += ["", title, *textwrap.wrap(words, WIDTH, initial_indent="  ", subsequent_indent="  ")]
+    return lines
+
+
+def headline(effect: Effect) -> str:
+    """Give an effect's name, what it does and where it belongs."""
+    return f"{effect.name}: {effect.does}"
+
+
+def truth_table(truth: Truth) -> Table:
+    """Give the parameters of a virtual clamp that its law's file doesn't state, with where each value is from."""
+    rows = [
+        (one.name, one.unit, truth.law.values[one.name], truth.whence[one.name], one.meaning)
+        for one in truth.law.equations.parameters
+        if one.name in truth.whence
+    ]
+    return Table(("parameter", "unit", "value", "whence", "meaning"), rows)

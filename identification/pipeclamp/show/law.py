@@ -1,0 +1,56 @@
+"""The report of an identification: the law, its parameters, surfaces and loops."""
+
+from __future__ import annotations
+
+from pipeclamp.show.comparison import SINGLE_CYCLES
+from pipeclamp.show.table import Table
+from pipeclamp_identification.metrics_only.law import METHOD
+from pipeclamp_identification.workflow.change import Addition
+from pipeclamp_models.law.file import FitQuality, LawFile
+
+
+def coefficient_table(file: LawFile) -> Table:
+    """Give the parameters with unit, standard error and how they came about."""
+    rows = [
+        (name, entry.value, entry.standard_error, entry.unit, entry.state, entry.reason or entry.meaning)
+        for name, entry in file.coefficients.items()
+    ]
+    return Table(("parameter", "value", "standard error", "unit", "state", "meaning"), rows, f"Law {file.name}")
+
+
+def fit_words(fit: FitQuality) -> str:
+    """Say how well a law fits its data."""
+    if fit.method == METHOD:
+        return f"error {fit.nrmse:.2%} in dW and W (rms of log ratios)"
+    scatter = f" (scatter {fit.noise_nrmse:.2%})" if fit.noise_nrmse is not None else f"; {SINGLE_CYCLES}"
+    return f"error {fit.nrmse:.2%} of the rms force{scatter}"
+
+
+def doubts(file: LawFile) -> list[str]:
+    """Say what of a law is less sure than its standard errors tell."""
+    lines = [
+        f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
+        for entry in file.correlations
+    ]
+    if file.fit and file.fit.unsettled:
+        lines.append(
+            f"On {file.fit.unsettled} of the cycles that the law was fitted to, its memory doesn't become periodic: "
+            "the force that was compared there is that of one repetition among others."
+        )
+    return lines
+
+
+def addition_table(addition: Addition) -> Table:
+    """Give what adding the effect did to the error and to the parameters."""
+    scatter = None if addition.noise_nrmse is None else 100 * addition.noise_nrmse
+    rows: list[tuple[str, float | None, float | None]] = [
+        ("error on the runs used / %", 100 * addition.nrmse[0], 100 * addition.nrmse[1]),
+        ("error on left-out conditions / %", 100 * addition.heldout[0], 100 * addition.heldout[1]),
+        ("scatter that no law explains / %", scatter, scatter),
+    ]
+    before, after = addition.before.coefficients, addition.after.coefficients
+    for name in dict.fromkeys((*before, *after)):
+        unit = (after.get(name) or before[name]).unit
+        values = (before[name].value if name in before else None, after[name].value if name in after else None)
+        rows.append((f"{name} / {unit}", *values))
+    return Table(("", "before", addition.effect), rows, f"What {addition.effect} did")

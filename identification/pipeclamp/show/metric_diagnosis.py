@@ -1,0 +1,42 @@
+"""A diagnosis on loop metrics alone told: its verdict and the candidates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeclamp.show.diagnosis import verdict_lines
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.diagnosis.answer import AddedEffect
+from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
+from pipeclamp_identification.metrics_only.diagnosis_answer import error, explained, metric_diagnosis_answer
+from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
+
+
+def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
+    """Give the candidates, best first, and the law as it is."""
+    rows: list[tuple[str | float | None, ...]] = [
+        (
+            judged.effects[0],
+            100 * error(judged, diagnosis),
+            100 * diagnosis.heldout[judged.effects[0]],
+            100 * explained(judged, diagnosis),
+            100 * diagnosis.chances[judged.effects[0]],
+            "; ".join(judged.objections) or "–",
+        )
+        for judged in diagnosis.candidates
+    ]
+    rows.append(("law as it is", 100 * error(diagnosis.law, diagnosis), 100 * diagnosis.heldout[""], 0.0, None, "–"))
+    header = ("with", "error / %", "on left-out conditions / %", "explained / %", "by scatter alone / %", "against it")
+    return Table(header, rows, "every candidate refitted jointly with the law; rms log ratios of dW and W")
+
+
+def metric_diagnosis_view(
+    found: MetricDiagnosed, added: tuple[AddedEffect, ...], next_command: str, drive: Path | None
+) -> View:
+    """Tell a diagnosis, what was added before it, and the command to run next; the first line is its verdict."""
+    return View(
+        metric_diagnosis_answer(found, added, next_command),
+        [metric_candidate_table(found.diagnosis)],
+        verdict_lines(found, next_command, drive),
+    )

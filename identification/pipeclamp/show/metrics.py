@@ -1,0 +1,108 @@
+"""Loop metrics told: the paper's studies for any campaign, tables like its 2-5, and every run."""
+
+from __future__ import annotations
+
+import math
+
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.loops.answer import metrics_answer
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.loops.metrics import Metrics, metrics_of
+from pipeclamp_identification.loops.one_condition import Variation, principal_variations, variations_of
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.metrics_only.metrics_answer import metric_rows_answer
+from pipeclamp_models.base.units import CELSIUS
+
+
+def metric_table(campaign: MetricCampaign) -> Table:
+    """Give a campaign of metrics as a table."""
+    rows = [
+        (
+            run.name, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.dissipated_energy_J,
+            run.max_elastic_energy_J, run.loss_factor, run.stiffness,
+        )
+        for run in campaign.runs
+    ]  # fmt: skip
+    return Table(
+        ("run", "A / mm", "f / Hz", "T / °C", "dW / J", "W / J", "eta", "k / N/mm"),
+        rows,
+        "Jiang et al. 2020, Eq. 1-6, as stated",
+    )
+
+
+def axis_of(study: Variation) -> str:
+    """Give the name and unit of what a study varies."""
+    return AXES.get(study.quantity, study.quantity)
+
+
+def study_table(study: Variation, metrics: Metrics) -> Table:
+    """Give the metrics of a study's runs, beside the published ones where there are any."""
+    published = [row for row in study.published if row is not None]
+    header = [axis_of(study), "dW / J", "W / J", "eta", "k / N/mm"]
+    if published:
+        header += ["published dW / J", "published W / J", "published eta"]
+    rows: list[list[str | float | None]] = []
+    for value, row, beside in zip(study.values, study.rows, study.published, strict=True):
+        entries: list[str | float | None] = [
+            value,
+            float(metrics.dissipated_energy_J[row]),
+            float(metrics.max_elastic_energy_J[row]),
+            float(metrics.loss_factor[row]),
+            float(metrics.stiffness_N_mm[row]),
+        ]
+        if published:
+            entries += (
+                [beside.dissipated_energy_J, beside.max_elastic_energy_J, beside.loss_factor] if beside else [None] * 3
+            )
+        rows.append(entries)
+    return Table(header, rows, f"Loop metrics {study.title}")
+
+
+AXES = {
+    "frequency_Hz": "f / Hz",
+    "amplitude_mm": "A / mm",
+    "density_g_cm3": "density / g/cm³",
+    "temperature_C": "T / °C",
+}
+
+
+def runs_table(loops: Loops, metrics: Metrics, scatter: Metrics) -> Table:
+    """Give the metrics of every run, with their scatter from cycle to cycle."""
+    rows = [
+        (
+            run,
+            float(loops.amplitude_mm[row]),
+            float(loops.frequency_Hz[row]),
+            _known(loops.temperature_K[row] - CELSIUS),
+            float(metrics.dissipated_energy_J[row]),
+            _known(scatter.dissipated_energy_J[row]),
+            float(metrics.max_elastic_energy_J[row]),
+            _known(scatter.max_elastic_energy_J[row]),
+            float(metrics.loss_factor[row]),
+            float(metrics.stiffness_N_mm[row]),
+        )
+        for row, run in enumerate(loops.run)
+    ]
+    header = ("run", "A / mm", "f / Hz", "T / °C", "dW / J", "± dW", "W / J", "± W", "eta", "k / N/mm")
+    caption = "Jiang et al. 2020, Eq. 1-6, of the cycle-averaged loop; ± is the scatter from cycle to cycle"
+    return Table(header, rows, caption)
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def metrics_view(campaign: Campaign, loops: Loops) -> View:
+    """Tell the metrics of records' loops: a table for each quantity that varies."""
+    metrics = metrics_of(loops)
+    tables = [study_table(study, metrics) for study in principal_variations(variations_of(campaign, loops))]
+    lines = (f"{len(campaign.runs)} runs; every run is in --json and --report",)
+    return View(metrics_answer(campaign, loops), tables, lines)
+
+
+def metric_rows_view(campaign: MetricCampaign) -> View:
+    """Tell metrics that were stated without records."""
+    lines = (f"{len(campaign.runs)} runs, known by their metrics alone",)
+    return View(metric_rows_answer(campaign), [metric_table(campaign)], lines)

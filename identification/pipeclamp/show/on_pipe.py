@@ -1,0 +1,95 @@
+"""A comparison on the pipe told: how much the model errs, where, and what of pipe and clamps may be wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipeclamp.show.comparison import parts_table
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.attribution.answer import system_comparison_answer
+from pipeclamp_identification.attribution.attributed import Attributed
+from pipeclamp_identification.attribution.next_test import Proposal
+from pipeclamp_identification.attribution.verdict import FEWEST, Attribution, Candidate
+from pipeclamp_identification.on_pipe.records import records_words
+from pipeclamp_identification.on_pipe.where import how_much, where_words
+
+CANDIDATES_PRINTED = 8
+
+
+def attribution_words(found: Attribution | None, proposal: Proposal | None) -> list[str]:
+    """Say what is wrong; the first sentence is the verdict. None: too little was measured to ask."""
+    if found is None:
+        return [f"Which parameter may be wrong is asked of {FEWEST} measured values at least."]
+    words = [_headline(found)]
+    if found.verdict in ("wrong", "ambiguous"):
+        words += [f"{_capital(entry.told())}. {_left(entry, found)}" for entry in found.named]
+    if found.verdict == "ambiguous":
+        kinds = {suspect.kind for suspect in found.suspects}
+        if len(kinds) == 1:
+            words.append(f"Whichever it is, it is {kinds.pop()}.")
+        elif len({suspect.side for suspect in found.suspects}) == 1:
+            words.append(f"Whichever it is, it is the {found.suspects[0].side}'s.")
+    if found.verdict == "unknown":
+        best = found.candidates[0]
+        words.append(f"The best refit is {best.told()}. {_left(best, found)}")
+    if proposal is not None:
+        words.append(proposal.words())
+    elif found.verdict == "ambiguous":
+        words.append("No other level, frequency or probe was found that would tell them apart.")
+    return words
+
+
+def _headline(found: Attribution) -> str:
+    names = [entry.words for entry in found.named]
+    match found.verdict:
+        case "complete":
+            return "complete: no parameter of pipe or clamps is found wrong; what is left is the sensors' noise."
+        case "wrong":
+            return f"wrong: {names[0]}."
+        case "ambiguous":
+            return f"ambiguous: one of these is wrong, and this measurement can't tell which: {'; '.join(names)}."
+        case "unknown":
+            return "unknown: something is wrong that no one or two parameters of pipe and clamps explain."
+
+
+def _left(entry: Candidate, found: Attribution) -> str:
+    return f"With it the error falls from {found.stated.nrmse:.2%} to {entry.nrmse:.2%}."
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def candidate_table(found: Attribution, most: int | None = None) -> Table:
+    """Give what was tried as a table, best first."""
+    size = found.stated.refit.residual.size
+    rows: Sequence[tuple[str | float | None, ...]] = [
+        (
+            entry.words,
+            " and ".join(sorted({suspect.side for suspect in entry.suspects})),
+            entry.told().partition(": ")[2] if len(entry.suspects) == 1 else entry.told(),
+            100 * entry.nrmse,
+            (entry.heldout / size) ** 0.5,
+        )
+        for entry in found.candidates[:most]
+    ]
+    stated = ("nothing: the model as stated", "", "", 100 * found.stated.nrmse, (found.stated.heldout / size) ** 0.5)
+    header = ("refitted", "of", "value", "error / %", "left on what was left out, in units of the noise")
+    return Table(header, [*rows, stated], "what may be wrong, best first")
+
+
+def attributed_view(found: Attributed) -> View:
+    """Tell how a coupled model stands against what was measured, and what may be wrong."""
+    sines, records, attribution = found.compared.sines, found.compared.records, found.attribution
+    tables: list[Table] = []
+    lines: list[str] = []
+    if sines:
+        tables.append(parts_table(sines.by_probe()))
+        lines += [*how_much(sines), *where_words(sines)]
+    if records:
+        tables += [parts_table(parts) for parts in records.breakdowns()]
+        lines += records_words(records)
+    if attribution:
+        tables.append(candidate_table(attribution, most=CANDIDATES_PRINTED))
+    return View(system_comparison_answer(found), tables, [*lines, *attribution_words(attribution, found.proposal)])

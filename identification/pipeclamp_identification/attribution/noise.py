@@ -1,0 +1,105 @@
+"""What scatter a measured response has: from repeats where there are some, else from how rough a misfit is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
+from pipeclamp_identification.on_pipe.series import series_of
+from pipeclamp_identification.on_pipe.sines import scatter_of, turned_error
+from pipeclamp_models.base.arrays import Array
+
+Complex = NDArray[np.complex128]
+
+MODEL_ERROR = 3e-3
+"""Share of a response by which harmonic balance and the pipe's reduction may err by themselves."""
+FLOOR = 1e-3
+"""Share of a series' largest response below which no sensor is trusted."""
+FIRST_GUESS = (0.01, 0.01)
+"""Noise before any is known: shares of the series' largest response, and of the response itself."""
+ENOUGH = 8
+"""Triples of neighbouring sines that tell how rough a misfit is."""
+OUTLIER = 9.0
+"""Times its variance: a squared roughness beyond it is a resonance's flank, not noise."""
+
+
+def first_guess(measurement: PipeMeasurement) -> Array:
+    """Give a standard deviation of real and of imaginary parts before any is known, (P, probes)."""
+    return _noise(measurement, *FIRST_GUESS)
+
+
+def noise_of(measurement: PipeMeasurement, computed: Complex) -> Array | None:
+    """Give the standard deviation of real and of imaginary parts; None where nothing tells it, (P, probes).
+
+    Neighbouring frequencies have one misfit nearly, but each its own noise: what a misfit departs from the line through
+    its neighbours is noise, of variance floor^2 + (share response)^2.
+
+    Args:
+        measurement: the sines.
+        computed: response of a model that comes near, (P, probes).
+    """
+    scatter = scatter_of(measurement)
+    least = _noise(measurement, FLOOR, MODEL_ERROR)
+    if np.isfinite(scatter).all():
+        return np.hypot(scatter, least)
+    roughness = _roughness(measurement, computed)
+    if len(roughness) < ENOUGH:
+        return None
+    squares, highest, sizes = np.array(roughness).T
+    for _ in range(2):
+        floor, share = _shares(squares, highest, sizes)
+        inside = squares <= OUTLIER * ((floor * highest) ** 2 + (share * sizes) ** 2)
+        squares, highest, sizes = squares[inside], highest[inside], sizes[inside]
+    found = np.hypot(_noise(measurement, floor, share), least)
+    return np.asarray(np.where(np.isfinite(scatter), np.hypot(np.nan_to_num(scatter), least), found))
+
+
+def _noise(measurement: PipeMeasurement, floor: float, share: float) -> Array:
+    """Give the noise of shares of each series' largest response and of each response, (P, probes)."""
+    size = np.nan_to_num(np.abs(measurement.steady.response))
+    found = share * size
+    for one in series_of(measurement.steady):
+        found[one.rows] = np.hypot(found[one.rows], floor * size[one.rows].max(axis=0))
+    return np.asarray(found)
+
+
+def _roughness(measurement: PipeMeasurement, computed: Complex) -> Sequence[tuple[float, float, float]]:
+    """Give squared departures from the line through the neighbours, with the series' largest response and the own."""
+    steady = measurement.steady
+    error = turned_error(measurement, computed)
+    found = []
+    for one in series_of(steady):
+        for column in range(steady.response.shape[1]):
+            rows = one.rows[np.isfinite(error[one.rows, column])]
+            highest = float(np.abs(steady.response[rows, column]).max(initial=0.0))
+            for before, at, after in zip(rows, rows[1:], rows[2:], strict=False):
+                reach = steady.frequency[after] - steady.frequency[before]
+                if reach <= 0:
+                    continue
+                weight = (steady.frequency[at] - steady.frequency[before]) / reach
+                # The error was turned by the measured phase, each by its own: neighbours are compared unturned.
+                turn = np.exp(1j * np.angle(steady.response[[before, at, after], column]))
+                first, middle, last = error[[before, at, after], column] * turn
+                departure = middle - (1 - weight) * first - weight * last
+                parts = 2 if steady.phased[at, column] else 1
+                spread = parts * (1 + (1 - weight) ** 2 + weight**2)
+                found.append((abs(departure) ** 2 / spread, highest, float(np.abs(steady.response[at, column]))))
+    return found
+
+
+def _shares(squares: Array, highest: Array, sizes: Array) -> tuple[float, float]:
+    """Give floor and share of the likeliest variance (floor highest)^2 + (share size)^2 of normal departures."""
+
+    def unlikelihood(logs: Array) -> float:
+        floor, share = np.exp(2 * logs)
+        variance = floor * highest**2 + share * sizes**2
+        return float(np.sum(np.log(variance) + squares / variance))
+
+    begin = np.log(np.array(FIRST_GUESS))
+    found = minimize(unlikelihood, begin, method="Nelder-Mead", bounds=[(-14.0, 2.0)] * 2, options={"xatol": 0.01})
+    floor, share = np.exp(found.x).tolist()
+    return floor, share

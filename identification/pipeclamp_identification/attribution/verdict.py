@@ -1,0 +1,295 @@
+"""Which parameter of a coupled model is wrong: the pipe's or the clamp's, or can't these measurements tell?
+
+Each suspect is refitted alone, and all of them together, to sines, to records of any motion, or to both. A suspect is
+judged by what it leaves over on frequencies that it was not fitted to, in units of the noise; one is named only if
+every other one leaves clearly more. Where no single one comes near to what all together reach, pairs are tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from scipy.stats import chi2
+
+from pipeclamp_identification.attribution.compared import Compared
+from pipeclamp_identification.attribution.refit import (
+    MOST_EVALUATIONS,
+    Refit,
+    Start,
+    as_stated,
+    bounds_of,
+    changed,
+    refit,
+    searched,
+)
+from pipeclamp_identification.attribution.sine_evidence import SineEvidence
+from pipeclamp_identification.attribution.suspects import Suspect, suspects_of, with_mounts
+from pipeclamp_identification.attribution.task import Task, task_of
+from pipeclamp_identification.on_pipe.model import predict
+from pipeclamp_identification.on_pipe.sines import PipeComparison
+from pipeclamp_models.base.progress import Progress
+
+Verdict = Literal["complete", "wrong", "ambiguous", "unknown"]
+
+FEWEST = 20
+"""Measured values, an amplitude and a phase being two, of which it can be asked what is wrong."""
+BLOCKS = 10
+"""Parts of neighbouring frequencies that are left out in turn."""
+CLEARLY_MORE_SQUARES = 15.0
+"""Squares over the noise's; half of it is the log of the likelihood ratio at which one suspect rules another out."""
+WORTH_RMS_SHARE = 0.97
+"""A suspect that leaves more than this share of the rms isn't worth a name."""
+NEEDLESS_CHANCE = 1e-5
+"""Chance with which more parameters would be taken for needed where they aren't."""
+MUCH_LESS_RMS_SHARE = 0.8
+"""More parameters must leave less than this share of the rms, too."""
+NEAR_ENOUGH = 2.0
+"""Rms in units of the first guess of the noise up to which a refit is on the branches that were measured."""
+NEXT_BEST = 3
+"""Rivals of such a refit that may be on another branch."""
+NOISE_ONLY_RMS = 1.4
+"""Rms in units of the noise up to which what is left is noise."""
+EXPLAINED_SQUARES_SHARE = 0.7
+"""Share of the squared misfit that a suspect must take away to be named although more than noise is left."""
+HOPEFUL, PAIRS = 3, 5
+"""Suspects that pairs are made of, each with all others, and pairs that are refitted."""
+NEAR = 30.0
+"""Suspects that leave more squares than this times the best one's are not refitted once the noise is known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Suspects that were refitted together, alone as a rule.
+
+    Attributes:
+        refit: their refit.
+        heldout: squares that it leaves on parts that were left out, over the noise.
+        nrmse: rms of what it leaves over the rms of what was measured.
+    """
+
+    refit: Refit
+    heldout: float
+    nrmse: float
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """What was refitted."""
+        return self.refit.suspects
+
+    @property
+    def id(self) -> str:
+        """The suspects' ids."""
+        return " + ".join(suspect.id for suspect in self.suspects)
+
+    @property
+    def words(self) -> str:
+        """The suspects in words."""
+        return " and ".join(suspect.words for suspect in self.suspects)
+
+    @property
+    def overdispersion(self) -> float:
+        """Mean square of what is left, in units of the noise's; 1 at least."""
+        return max(1.0, self.refit.squared / self.refit.freedoms)
+
+    def told(self) -> str:
+        """Say the refitted values."""
+        parts = []
+        for suspect in self.suspects:
+            errors = self.refit.errors_of(suspect, self.overdispersion)
+            parts.append(f"{suspect.words}: {suspect.told(self.refit.values_of(suspect), errors)}")
+        return "; ".join(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class Attribution:
+    """What of a coupled model is wrong.
+
+    Attributes:
+        verdict: "complete": what is left is noise; "wrong": this is; "ambiguous": one of these is; "unknown": none of
+            these explains it.
+        named: what the verdict names, best first.
+        candidates: all that were tried, best first.
+        stated: the model as it is stated.
+        together: all suspects refitted at once.
+        left: rms of what the best leaves in units of the noise.
+        task: what was fitted.
+    """
+
+    verdict: Verdict
+    named: tuple[Candidate, ...]
+    candidates: tuple[Candidate, ...]
+    stated: Candidate
+    together: Candidate
+    left: float
+    task: Task
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """All suspects that are named, each once."""
+        return tuple({suspect.id: suspect for entry in self.named for suspect in entry.suspects}.values())
+
+
+def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribution | None:
+    """Find out which parameter of a coupled model is wrong; None where too little was measured to ask.
+
+    Args:
+        compared: the model with what was measured.
+        tell: told what is being done.
+    """
+    task = _task(compared)
+    if as_stated(task).residual.size < FEWEST:
+        return None
+    suspects = suspects_of(compared.model)
+    tell("refit each parameter alone")
+    refits = sorted(refit(task, searched(task, suspects)), key=lambda one: one.squared)
+    if compared.sines:
+        tell("look for other branches")
+        refits = _on_the_nearest_branches(task, refits, compared.sines)
+    tell("refit all together")
+    best = min(refits, key=lambda one: one.squared)
+    (together,) = refit(task, [_all_from(suspects, best)])
+    task = task.renewed(together.computed, together.rms)
+    tell("refit with the noise that was found")
+    together, *refits = refit(task, [_from(one) for one in (together, *refits)], _limits(task, (together, *refits)))
+    singles = [_candidate(compared, task, one) for one in refits]
+    return _judged(compared, task, sorted(singles, key=lambda one: one.heldout), together, tell)
+
+
+def _task(compared: Compared) -> Task:
+    """Give what is fitted to, with mounts on the clamps and a first guess of the noise."""
+    model = with_mounts(compared.model)
+    sines = None
+    if compared.sines:
+        measurement = compared.sines.measurement
+        sines = SineEvidence.begun(measurement, predict(model, measurement, compared.sines.prediction))
+    return task_of(model, sines, compared.records)
+
+
+def _on_the_nearest_branches(task: Task, refits: Sequence[Refit], comparison: PipeComparison) -> list[Refit]:
+    """Refit once more where a refitted model has stable motions nearer to the measured ones than those it is on.
+
+    It takes following the response: all refits (best first) are looked at where none comes near, else those that come
+    next to it, and those only where the model as stated has several stable motions.
+    """
+    near = refits[0].squared < NEAR_ENOUGH**2 * refits[0].residual.size
+    several = bool(np.any(comparison.prediction.branches > 1))
+    looked_at = (NEXT_BEST if several else 0) if near else len(refits)
+    found = list(refits)
+    for index in range(1 if near else 0, min(looked_at + 1, len(refits))):
+        one = refits[index]
+        fresh = predict(changed(task.model, one.suspects, one.values), comparison.measurement)
+        computed = replace(one.computed, sines=fresh)
+        residual = task.residual(computed)
+        if float(residual @ residual) < MUCH_LESS_RMS_SHARE**2 * one.squared:
+            (found[index],) = refit(task, [Start(one.suspects, one.values, computed)])
+    return found
+
+
+def _from(one: Refit) -> Start:
+    """Go on from a refit."""
+    return Start(one.suspects, one.values, one.computed)
+
+
+def _all_from(suspects: Sequence[Suspect], best: Refit) -> Start:
+    """Begin with all suspects at once, from the best single one."""
+    values = [best.values if suspect.id == best.suspects[0].id else suspect.neutral for suspect in suspects]
+    return Start(tuple(suspects), tuple(value for part in values for value in part), best.computed)
+
+
+def _limits(task: Task, refits: Iterable[Refit]) -> list[int]:
+    """Give how often each refit may be evaluated once more: but once where it can't matter any more."""
+    residuals = [task.residual(one.computed) for one in refits]
+    squares = [float(residual @ residual) for residual in residuals]
+    least = min(squares)
+    return [
+        MOST_EVALUATIONS if squared < NEAR * max(least, residual.size) else 1
+        for squared, residual in zip(squares, residuals, strict=True)
+    ]
+
+
+def _candidate(compared: Compared, task: Task, one: Refit) -> Candidate:
+    return Candidate(one, _heldout(task, one), compared.saying(one.computed).nrmse)
+
+
+def _heldout(task: Task, one: Refit) -> float:
+    """Give the squares that are left where a part of the frequencies is left out of the fit in turn.
+
+    What the values would be without it is the Gauss-Newton step from the fit to all, within bounds.
+    """
+    total = 0.0
+    J, residual, values = one.jacobian, one.residual, np.array(one.values)
+    lower, upper = bounds_of(one.suspects)
+    blocks = task.blocks(BLOCKS)
+    for block in np.unique(blocks):
+        inside, rest = blocks == block, blocks != block
+        step = np.linalg.lstsq(J[rest], -residual[rest], rcond=None)[0] if J.shape[1] else np.zeros(0)
+        left = residual[inside] + J[inside] @ (np.clip(values + step, lower, upper) - values)
+        total += float(left @ left)
+    return total
+
+
+def _judged(compared: Compared, task: Task, singles: list[Candidate], together: Refit, tell: Progress) -> Attribution:
+    """Give the verdict."""
+    stated = _candidate(compared, task, as_stated(task))
+    everything = _candidate(compared, task, together)
+
+    def found(verdict: Verdict, named: Sequence[Candidate], candidates: Sequence[Candidate]) -> Attribution:
+        left = (candidates[0] if verdict != "complete" else stated).refit.rms
+        return Attribution(verdict, tuple(named), tuple(candidates), stated, everything, left, task)
+
+    best = singles[0]
+    if not _better(best, stated):
+        enough = stated.refit.rms <= NOISE_ONLY_RMS and not _needs_more(stated, everything)
+        return found("complete" if enough else "unknown", (), singles)
+    if _needs_more(best, everything):
+        tell("refit pairs")
+        pairs = sorted(_pairs(compared, task, singles), key=lambda one: one.heldout)
+        singles = sorted([*singles, *pairs], key=lambda one: one.heldout)
+        if pairs and _better(pairs[0], best):
+            best = pairs[0]
+    explains = stated.refit.squared - best.refit.squared >= EXPLAINED_SQUARES_SHARE * (
+        stated.refit.squared - best.refit.residual.size
+    )
+    if _needs_more(best, everything) or (best.refit.rms > NOISE_ONLY_RMS and not explains):
+        return found("unknown", (), singles)
+    same_size = [one for one in singles if len(one.suspects) == len(best.suspects)]
+    rivals = [one for one in same_size if one.heldout - best.heldout < CLEARLY_MORE_SQUARES * best.overdispersion]
+    rivals = [one for one in rivals if one is best or _better(one, stated)]
+    return found("wrong" if len(rivals) == 1 else "ambiguous", rivals, singles)
+
+
+def _better(one: Candidate, other: Candidate) -> bool:
+    """Progress whether a candidate leaves clearly less than another one, and less by an amount that matters."""
+    clearly = other.heldout - one.heldout > CLEARLY_MORE_SQUARES * one.overdispersion
+    return clearly and one.refit.squared < WORTH_RMS_SHARE**2 * other.refit.squared
+
+
+def _needs_more(one: Candidate, everything: Candidate) -> bool:
+    """Progress whether all suspects together leave so much less that one alone (or one pair) can't be all."""
+    freedoms = len(everything.refit.values) - len(one.refit.values)
+    gained = (one.refit.squared - everything.refit.squared) / everything.overdispersion
+    return (
+        gained > chi2.isf(NEEDLESS_CHANCE, freedoms)
+        and everything.refit.squared < MUCH_LESS_RMS_SHARE**2 * one.refit.squared
+    )
+
+
+def _pairs(compared: Compared, task: Task, singles: Sequence[Candidate]) -> Iterator[Candidate]:
+    """Refit the pairs that promise most, each begun from one of them alone."""
+    hopeful = singles[:HOPEFUL]
+    starts = [
+        Start((one.suspects[0], other.suspects[0]), (*one.refit.values, *other.suspects[0].neutral), one.refit.computed)
+        for index, one in enumerate(hopeful)
+        for other in (*hopeful[index + 1 :], *singles[HOPEFUL:])
+    ]
+    promised = []
+    for start, begun in zip(starts, refit(task, starts, most=1), strict=True):
+        step = np.linalg.lstsq(begun.jacobian, -begun.residual, rcond=None)[0]
+        left = begun.residual + begun.jacobian @ step
+        promised.append((float(left @ left), start))
+    chosen = [start for _, start in sorted(promised, key=lambda entry: entry[0])[:PAIRS]]
+    for one in refit(task, chosen):
+        yield _candidate(compared, task, one)

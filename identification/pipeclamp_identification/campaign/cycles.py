@@ -1,0 +1,287 @@
+"""Cycles: the fundamental of a record's displacement, its steady part, and where each cycle begins."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate, unit_phasor
+from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
+
+# neighbouring cycles of a ramp differ by more than this share of the amplitude, in amplitude or in mean
+RAMP = 0.02
+# neighbouring cycles of a steady drive may always differ by this
+STEADY = 0.005
+# a first cycle stands apart when the force changes after it this many times more than after any other, and by this
+# share of its amplitude at least
+FRESH_TIMES = 4.0
+FRESH_SHARE = 2e-3
+# a cycle counts as full when no more than this of it, or one sample, is missing: the fit of harmonics bridges that
+MISSING = 0.02
+# harmonics of the displacement that are told apart from its fundamental while the frequency is sought
+DISTORTION = 5
+# the highest order of small cycles that ride on a large one, which are part of the drive as its fundamental is
+RIDING_ORDER = 20
+# the fewest samples per cycle with which a loop's shape is more than guesswork
+FEWEST_SAMPLES = 8
+# samples per cycle with which amplitude, mean and a rough frequency are known well enough
+SAMPLES_ENOUGH = 128
+# the widest gap in time, in cycles, across which the loop's shape is still known
+WIDEST_GAP = 0.25
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """The steady, whole cycles of a record.
+
+    Cycle k holds the samples bounds[k] to bounds[k + 1] - 1; `before` is the number of cycles, a fraction too,
+    from the record's first sample to the first steady one.
+    """
+
+    frequency_Hz: float
+    bounds: IntArray
+    before: float
+
+    @property
+    def count(self) -> int:
+        """Return the number of whole cycles."""
+        return len(self.bounds) - 1
+
+    @property
+    def steady(self) -> slice:
+        """Return the samples of the whole cycles."""
+        return slice(int(self.bounds[0]), int(self.bounds[-1]))
+
+    def phase(self, record: Record) -> Array:
+        """Return the phase 2 pi f t of the steady samples, 0 at the first of them.
+
+        Args:
+            record: the record that these cycles were found in.
+
+        Returns:
+            (samples,) rad.
+        """
+        time = record.time_s[self.steady]
+        phase: Array = (2 * np.pi * self.frequency_Hz) * (time - time[0])
+        return phase
+
+
+def find_cycles(record: Record) -> Cycles:
+    """Split a record into cycles by the phase of its displacement's fundamental.
+
+    A ramp-in, a ramp-out and rest before the test are left aside: the steady part is the longest row of cycles
+    of agreeing amplitude and mean, extended to the first and last sample that still follow it. A first cycle in which
+    the force still remembers what was before is left aside too.
+
+    Args:
+        record: samples that `check_samples` has passed.
+
+    Returns:
+        The whole cycles, counted from the first steady sample.
+
+    Raises:
+        UnusableRecord: less than one cycle, no vibration, or too few samples in a cycle.
+    """
+    time, y = record.time_s - record.time_s[0], record.displacement_mm
+    duration = time[-1]
+    interval = duration / max(len(time) - 1, 1)
+    if duration <= 0.0 or len(time) < FEWEST_SAMPLES:
+        raise UnusableRecord(f"no full cycle: {len(time)} samples over {duration:g} s")
+    frequency = _coarse_frequency(time, y, interval)
+    _require_samples(time, y, frequency, interval)
+    # what is coarse needs few samples; the frequency's last digits and the loops take all of them
+    stride = max(1, int(1.0 / (SAMPLES_ENOUGH * frequency * interval)))
+    first, last = _steady_samples(time[::stride], y[::stride], frequency, interval * stride)
+    first, last = first * stride, min(last * stride, len(time))
+    frequency, rest = _fitted_sine(time[first:last:stride], y[first:last:stride], frequency)
+    _require_vibration(y, frequency, rest)
+    bounds = first + _bounds(time[first:last], frequency, interval)
+    if len(bounds) > 2:
+        frequency += _frequency_correction(time, y, bounds, frequency)
+    bounds = first + _bounds(time[first:last], frequency, interval)
+    if len(bounds) < 2:
+        held = frequency * (time[last - 1] - time[first] + interval)
+        raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
+    if _starts_fresh(time, record.force_N, bounds, frequency):
+        bounds = bounds[1:]
+    return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
+
+
+def _require_samples(time: Array, y: Array, frequency: float, interval: float) -> None:
+    if frequency * interval * FEWEST_SAMPLES > 1.0:
+        # the strongest line of noise lies anywhere
+        _require_vibration(y, *_fitted_sine(time, y, frequency))
+        raise UnusableRecord(
+            f"too few samples: {1.0 / (frequency * interval):.1f} per cycle at {frequency:.4g} Hz; "
+            f"expected at least {FEWEST_SAMPLES}"
+        )
+    gap = np.diff(time)
+    widest = int(np.argmax(gap))
+    if frequency * gap[widest] > WIDEST_GAP:
+        raise UnusableRecord(
+            f"a gap of {gap[widest]:g} s in time in row {widest + 3}: {frequency * gap[widest]:.2f} of a cycle at "
+            f"{frequency:.4g} Hz; expected at most {WIDEST_GAP}"
+        )
+
+
+def _require_vibration(y: Array, frequency: float, rest: float) -> None:
+    """Refuse a displacement that is nothing but noise or drift, in which some fundamental is always found."""
+    if rest > 0.5:
+        raise UnusableRecord(
+            f"constant displacement but for noise or drift: it stays within {np.ptp(y):.3g} mm, and of the sine of "
+            f"{frequency:.4g} Hz that fits it best {100 * rest:.0f} % of the amplitude is left over"
+        )
+
+
+def _starts_fresh(time: Array, force: Array, bounds: IntArray, frequency: float) -> bool:
+    """Tell whether the first cycle's force is that of a specimen that has not yet been through a whole cycle.
+
+    Friction starts on its virgin curve, though the displacement may be steady from the first sample on. That cycle
+    stands apart from the next as no two later ones do; with a drift, which is the clamp's own, all differ alike.
+    """
+    if len(bounds) < 4:
+        return False
+    harmonics = _few_harmonics(time, force, bounds, frequency)
+    change = np.linalg.norm(np.diff(harmonics, axis=0), axis=1)
+    size = float(np.max(np.abs(harmonics[:, 1])))
+    return bool(change[0] > FRESH_TIMES * np.max(change[1:]) and change[0] > FRESH_SHARE * size)
+
+
+def _coarse_frequency(time: Array, y: Array, interval: float) -> float:
+    """Find the strongest line of the spectrum, or, where only a few cycles are there, the sine that fits best."""
+    if np.max(np.diff(time)) < 1.5 * interval:
+        samples, step = y, time[-1] / (len(time) - 1)
+    else:
+        grid = np.linspace(0.0, time[-1], len(time))
+        samples, step = np.interp(grid, time, y), float(grid[1])
+    count = len(samples)
+    window = np.hanning(count)
+    centred = samples - np.mean(samples)
+    level = np.abs(np.fft.rfft(window * centred))
+    peak = int(np.argmax(level[1:])) + 1
+    if peak < 4:
+        return _best_sine(time, y)
+    if peak == len(level) - 1:
+        return float(peak / (count * step))
+    # a Hann window's line is near enough a parabola in the logarithm
+    left, top, right = np.log(np.maximum(level[peak - 1 : peak + 2], level[peak] * 1e-9))
+    offset = (left - right) / (2 * (left - 2 * top + right)) if left + right < 2 * top else 0.0
+    return float((peak + offset) / (count * step))
+
+
+def _best_sine(time: Array, y: Array) -> float:
+    """Scan for the frequency whose sine plus constant fits best: a spectrum can't resolve so few cycles."""
+    some = np.unique(np.linspace(0, len(time) - 1, 256).astype(np.intp))
+    candidates = np.arange(0.2, 5.0, 0.05) / time[-1]
+    phase = 2 * np.pi * candidates[:, None] * time[some]
+    basis = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)], axis=-1)
+    transposed = np.swapaxes(basis, 1, 2)
+    solution = np.linalg.solve(transposed @ basis, transposed @ y[some, None])
+    error = np.sum((basis @ solution - y[some, None]) ** 2, axis=(1, 2))
+    return float(candidates[np.argmin(error)])
+
+
+def _bounds(time: Array, frequency: float, interval: float) -> IntArray:
+    """Return where the whole cycles begin, the first at the first sample, and where the last one ends."""
+    elapsed = frequency * (time - time[0])
+    coverage = elapsed[-1] + frequency * interval
+    whole = int(np.floor(coverage + max(MISSING, frequency * interval)))
+    # rounding must not push a sample that lies on a boundary into the cycle before
+    edges = np.arange(whole + 1) - 1e-9
+    return np.searchsorted(elapsed, edges)
+
+
+def _steady_samples(time: Array, y: Array, frequency: float, interval: float) -> tuple[int, int]:
+    """Return the first steady sample and the one after the last."""
+    bounds = _bounds(time, frequency, interval)
+    if len(bounds) < 3:
+        return 0, len(time)
+    phase = 2 * np.pi * frequency * time
+    harmonics = cycle_harmonics(phase[: bounds[-1]], bounds, [y[: bounds[-1]]], 1)[0]
+    amplitude, mean = np.abs(harmonics[:, 1]), harmonics[:, 0].real
+    change = np.maximum(np.abs(np.diff(amplitude)), np.abs(np.diff(mean))) / np.max(amplitude)
+    # what most cycles do is this drive's own scatter
+    agree = change <= np.clip(4 * np.median(change), STEADY, RAMP)
+    rows = np.split(np.arange(len(amplitude)), np.flatnonzero(~agree) + 1)
+    # rest before the test is steady too, but has no amplitude
+    rows = [row for row in rows if np.max(amplitude[row]) > np.max(amplitude) / 2]
+    row = max(rows, key=lambda cycles: (len(cycles), np.mean(amplitude[cycles])))
+    first, last = int(bounds[row[0]]), int(bounds[row[-1] + 1])
+    if first > 0:
+        head = slice(first, int(bounds[row[0] + 1]))
+        first -= _samples_that_follow(time, y, frequency, head, slice(int(bounds[row[0] - 1]), first), backwards=True)
+    if last < len(time):
+        tail = slice(int(bounds[row[-1]]), last)
+        end = int(np.searchsorted(time, time[last - 1] + 1.0 / frequency))
+        last += _samples_that_follow(time, y, frequency, tail, slice(last, end), backwards=False)
+    return first, last
+
+
+def _samples_that_follow(
+    time: Array, y: Array, frequency: float, cycle: slice, beyond: slice, *, backwards: bool
+) -> int:
+    """Count the samples next to a steady cycle that repeat it, before the first that doesn't."""
+    phase = 2 * np.pi * frequency * time[cycle]
+    whole = np.array([0, len(phase)])
+    harmonics = cycle_harmonics(phase, whole, [y[cycle]], min(RIDING_ORDER, carried_harmonics(phase, whole)))[0, 0]
+    tones = np.flatnonzero(np.abs(harmonics) > RAMP * abs(harmonics[1]))
+    harmonics = harmonics[: int(np.max(tones, initial=DISTORTION)) + 1]
+    noise = np.std(y[cycle] - evaluate(harmonics, phase))
+    off = np.abs(y[beyond] - evaluate(harmonics, 2 * np.pi * frequency * time[beyond]))
+    strays = np.flatnonzero((off[::-1] if backwards else off) > RAMP * abs(harmonics[1]) + 6 * noise)
+    return int(strays[0]) if len(strays) else len(off)
+
+
+def _fitted_sine(time: Array, y: Array, frequency: float) -> tuple[float, float]:
+    """Fit mean, a few harmonics and the frequency at once by Gauss-Newton: works for any number of cycles.
+
+    Returns:
+        the frequency, and the rms of what the fundamental leaves over as a share of its amplitude.
+    """
+    t = time - (time[0] + time[-1]) / 2
+    duration = float(t[-1] - t[0])
+    # little more than one cycle can't tell a wrong frequency from harmonics
+    order = np.arange(1, 1 + (DISTORTION if frequency * duration > 1.2 else 1))
+    for _ in range(20):
+        powers = np.cumprod(np.tile(unit_phasor(2 * np.pi * frequency * t), (len(order), 1)), axis=0)
+        basis = np.vstack([np.ones_like(t), powers.real, powers.imag])
+        solution = _least_squares(basis, y)
+        cosines, sines = solution[1 : len(order) + 1], solution[len(order) + 1 :]
+        slope = np.concatenate([[0.0], order * sines, -order * cosines]) @ basis
+        step = float(_least_squares(np.vstack([basis, 2 * np.pi * t * slope]), y)[-1])
+        frequency += float(np.clip(step, -0.2 / duration, 0.2 / duration))
+        # convergence is quadratic: what is left is the square of this
+        if abs(step) * duration < 1e-4:
+            break
+    amplitude = math.hypot(cosines[0], sines[0])
+    rest = math.sqrt(max(float(np.var(y)) - amplitude**2 / 2, 0.0))
+    return max(frequency, 1e-3 / duration), rest / amplitude if amplitude > 0.0 else math.inf
+
+
+def _least_squares(basis: Array, y: Array) -> Array:
+    """Solve by the normal equations: the harmonics of whole cycles are nearly orthogonal.
+
+    A trace of a ridge lets a record that is no vibration at all pass here, to be told so by what it leaves over.
+    """
+    gram = basis @ basis.T
+    gram[np.diag_indices_from(gram)] += 1e-13 * np.trace(gram)
+    return np.asarray(np.linalg.solve(gram, basis @ y), dtype=np.float64)
+
+
+def _frequency_correction(time: Array, y: Array, bounds: IntArray, frequency: float) -> float:
+    """Return by how much the frequency errs, from the slope of the fundamental's phase over the cycles."""
+    lag = np.unwrap(np.angle(_few_harmonics(time, y, bounds, frequency)[:, 1]))
+    cycles = np.arange(len(lag)) - (len(lag) - 1) / 2
+    return float(frequency * (cycles @ lag) / (cycles @ cycles) / (2 * np.pi))
+
+
+def _few_harmonics(time: Array, samples: Array, bounds: IntArray, frequency: float) -> ComplexArray:
+    """Return the lowest harmonics, (cycles, count + 1), of each cycle."""
+    steady = slice(bounds[0], bounds[-1])
+    phase = 2 * np.pi * frequency * (time[steady] - time[bounds[0]])
+    whole: IntArray = bounds - bounds[0]
+    count = min(DISTORTION, carried_harmonics(phase, whole))
+    return np.asarray(cycle_harmonics(phase, whole, [samples[steady]], count)[0])

@@ -1,0 +1,106 @@
+"""campaign.toml: the name of a campaign, what holds for every run, and the names of a test machine's columns."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictStr, model_validator
+
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
+
+FILE_NAME = "campaign.toml"
+
+RecordColumn = Literal["time_s", "displacement_mm", "force_N", "temperature_C"]
+
+
+def _not_zero(value: float) -> float:
+    if value == 0.0:
+        raise ValueError("expected a factor other than 0")
+    return value
+
+
+def _not_blank(text: str) -> str:
+    if not text.strip():
+        raise ValueError("expected a text that is not blank")
+    return text
+
+
+Text = Annotated[StrictStr, AfterValidator(_not_blank)]
+
+
+class ColumnSource(BaseModel):
+    """Where one of our record columns comes from in a test machine's export: ours = factor * theirs."""
+
+    model_config = ConfigDict(frozen=True)
+
+    name: Text = Field(alias="from")
+    factor: Annotated[Number, AfterValidator(_not_zero)] = 1.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            raise ValueError('expected for example { from = "Load [kN]", factor = 1000 }')
+        for key in data:
+            if key not in ("from", "factor"):
+                raise ValueError(unknown(str(key), ["from", "factor"], "key"))
+        return data
+
+
+class ColumnSources(Table):
+    """The table [columns]; a column that isn't there has our own name."""
+
+    time_s: ColumnSource | None = None
+    displacement_mm: ColumnSource | None = None
+    force_N: ColumnSource | None = None
+    temperature_C: ColumnSource | None = None
+
+    def given(self) -> dict[RecordColumn, ColumnSource]:
+        """Return the sources that the table states."""
+        pairs: dict[RecordColumn, ColumnSource | None] = {
+            "time_s": self.time_s,
+            "displacement_mm": self.displacement_mm,
+            "force_N": self.force_N,
+            "temperature_C": self.temperature_C,
+        }
+        return {ours: source for ours, source in pairs.items() if source is not None}
+
+
+class CampaignDescription(Table):
+    """campaign.toml as docs/reference/campaign.md describes it."""
+
+    name: Text
+    notes: StrictStr = ""
+    defaults: dict[str, Number | StrictStr] = Field(default_factory=dict)
+    columns: ColumnSources = ColumnSources()
+
+
+def read_description(folder: Path) -> CampaignDescription:
+    """Read and check the campaign.toml of a campaign's folder.
+
+    Args:
+        folder: the campaign's folder.
+
+    Returns:
+        What it says.
+
+    Raises:
+        UserError: the folder or the file is not there, is no TOML, or has keys or values that a campaign doesn't have.
+    """
+    if not folder.is_dir():
+        found = "is a file" if folder.exists() else "no such folder"
+        raise UserError(f"{folder}: {found}; expected a campaign's folder with {FILE_NAME} and runs.csv")
+    return read_table(folder / FILE_NAME, CampaignDescription, "the campaign's description with at least its name")
+
+
+def description_text(name: str, notes: str) -> str:
+    """Give the text of a campaign.toml with a name and notes."""
+    return "".join(f"{key} = {_toml_text(text)}\n" for key, text in (("name", name), ("notes", notes)))
+
+
+def _toml_text(text: str) -> str:
+    """Give a TOML basic string: a JSON string, but for one control character that JSON lets pass."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

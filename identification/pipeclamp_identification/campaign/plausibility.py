@@ -1,0 +1,139 @@
+"""Records that can't be what a clamp did: a reversed sign, other units than others, other settings than stated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.campaign.cycles import Cycles
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.signals.harmonics import cycle_harmonics
+from pipeclamp_models.base.arrays import Array
+
+SURE = 3.0
+"""Standard errors by which something must be negative: a clamp without loss shows either sign."""
+WRONG_UNITS = 100.0
+"""Factor between a run's dynamic stiffness and that of most others that units make, whose prefixes differ by 1000. A
+device whose force hardly follows the amplitude may span as much, but from run to run; hence also the next one."""
+APART = 30.0
+"""Factor to the next run that makes a jump: the middle, in logs, between one and a thousand."""
+STATED_APART = 0.2
+"""Share by which a measured setting may differ from the stated one: drives miss by a few percent, and the fundamental
+of a triangle is 19 % below its peak."""
+PEAK_TO_PEAK = (0.45, 0.55)
+"""Measured over stated amplitude where the stated one is from peak to peak."""
+
+
+@dataclass(frozen=True)
+class Fundamental:
+    """What the first harmonics of a record's displacement and force say.
+
+    Attributes:
+        amplitude_mm: of the displacement.
+        stiffness: F1/Y1 in N/mm, complex; the imaginary part is positive where energy is dissipated.
+        standard_error: of its real and of its imaginary part each, at most, N/mm.
+    """
+
+    amplitude_mm: float
+    stiffness: complex
+    standard_error: float
+
+    @property
+    def dissipated_energy(self) -> float:
+        """Energy in J that the fundamental dissipates in a cycle, pi A^2 Im(F1/Y1)."""
+        return math.pi * self.amplitude_mm**2 * self.stiffness.imag / 1e3
+
+
+def fundamental_of(record: Record, cycles: Cycles) -> Fundamental:
+    """Give a record's fundamental, with the scatter from cycle to cycle and what noise makes of it.
+
+    Args:
+        record: samples that `check_samples` has passed.
+        cycles: its steady cycles.
+    """
+    y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
+    bounds = cycles.bounds - cycles.bounds[0]
+    Y, F = cycle_harmonics(cycles.phase(record), bounds, [y, force], 1)[:, :, 1]
+    per_cycle = F / Y
+    amplitude = float(np.mean(np.abs(Y)))
+    # what the fundamental leaves of the force is taken for noise, so that a single cycle has a standard error too
+    rest = max(float(np.var(force)) - float(np.mean(np.abs(F))) ** 2 / 2, 0.0)
+    noise = math.sqrt(2 * rest / len(force)) / amplitude
+    scatter = float(np.std(per_cycle, ddof=1)) / math.sqrt(cycles.count) if cycles.count > 1 else 0.0
+    return Fundamental(amplitude, complex(np.mean(per_cycle)), math.hypot(noise, scatter))
+
+
+def implausible(shown: Mapping[str, Fundamental]) -> dict[str, str]:
+    """Give the runs whose records can't be used for what they show, with the reason; fundamentals by run."""
+    units = zip(shown, other_units(list(shown.values())), strict=True)
+    signs = {run: reversed_sign(fundamental) for run, fundamental in shown.items()}
+    return {run: reason for run, unit in units if (reason := signs[run] or unit)}
+
+
+def reversed_sign(fundamental: Fundamental) -> str | None:
+    """Say that a record's force has the wrong sign; None where it hasn't.
+
+    Inertia makes the stiffness negative and a delay the dissipated energy; both at once only a reversed channel does.
+    """
+    k = fundamental.stiffness
+    if max(k.real, k.imag) >= -SURE * fundamental.standard_error:
+        return None
+    return (
+        f"its force has the wrong sign: stiffness {k.real:.4g} N/mm and {fundamental.dissipated_energy:.3g} J "
+        "dissipated a cycle, both negative; force is positive with positive displacement: turn its sign in the record, "
+        'or in all of them by [columns] force_N = { from = "...", factor = -1 } in campaign.toml'
+    )
+
+
+def other_units(fundamentals: Sequence[Fundamental]) -> list[str | None]:
+    """Say of each run whether its force or displacement is in other units than in most runs; None where it isn't."""
+    size = np.array([abs(fundamental.stiffness) for fundamental in fundamentals])
+    known = size > SURE * np.array([fundamental.standard_error for fundamental in fundamentals])
+    found: list[str | None] = [None] * len(size)
+    if not np.any(known):
+        return found
+    order = np.flatnonzero(known)[np.argsort(size[known], kind="stable")]
+    groups = np.split(order, np.flatnonzero(size[order][1:] > APART * size[order][:-1]) + 1)
+    most = max(groups, key=len)
+    if 2 * len(most) <= len(order):
+        return found
+    usual = float(np.median(size[most]))
+    for row in np.setdiff1d(order, most):
+        if max(size[row] / usual, usual / size[row]) >= WRONG_UNITS:
+            found[row] = (
+                f"its dynamic stiffness is {size[row]:.4g} N/mm, the median of the others {usual:.4g} N/mm: check the "
+                "units of force (N) and displacement (mm)"
+            )
+    return found
+
+
+Setting = tuple[float | None, float]
+"""A setting as it was stated, None where it wasn't, and as the record shows it."""
+
+
+def unless_contradicted(stated: float | None, shown: float) -> float | None:
+    """Give a stated setting; None where the record shows another."""
+    return stated if stated is not None and abs(shown - stated) <= STATED_APART * stated else None
+
+
+def contradiction(column: str, settings: Sequence[Setting]) -> str:
+    """Say that records show other settings than runs.csv states in a column; empty where they don't."""
+    wrong = [(stated, shown) for stated, shown in settings if stated and unless_contradicted(stated, shown) is None]
+    if not wrong:
+        return ""
+    stated, shown = np.array(wrong).T
+    ratio = float(np.median(shown / stated))
+    low, high = PEAK_TO_PEAK
+    asked = " (stated from peak to peak?)" if column == "amplitude_mm" and low < ratio < high else ""
+    return (
+        f"{column} in runs.csv is {_span(stated)}, the records show {_span(shown)}, {ratio:.2g} times as much, in "
+        f"{len(wrong)} of {len(settings)} runs{asked}; what the records show is used"
+    )
+
+
+def _span(values: Array) -> str:
+    low, high = f"{np.min(values):.3g}", f"{np.max(values):.3g}"
+    return low if low == high else f"{low} to {high}"

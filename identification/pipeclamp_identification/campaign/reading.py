@@ -1,0 +1,193 @@
+"""Campaigns: the loop tests of one clamp on one rig, read whole from their folder (docs/reference/campaign.md)."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+
+from pipeclamp_identification.campaign import description as campaign_file
+from pipeclamp_identification.campaign import runs_table
+from pipeclamp_identification.campaign.clipping import check_clipping
+from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
+from pipeclamp_identification.campaign.description import CampaignDescription, read_description
+from pipeclamp_identification.campaign.plausibility import (
+    Fundamental,
+    contradiction,
+    fundamental_of,
+    implausible,
+    unless_contradicted,
+)
+from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples, read_record
+from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, read_runs_table
+from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
+from pipeclamp_models.base.errors import UserError
+
+# threads that read records: more than most machines' cores for it, because each also waits for the disk
+READERS = 4
+
+
+@dataclass(frozen=True)
+class Run:
+    """One usable run: what was set (None where not known), its samples and its steady cycles."""
+
+    name: str
+    specimen: str | None
+    amplitude_mm: float | None
+    frequency_Hz: float | None
+    temperature_C: float | None
+    density_g_cm3: float | None
+    first_cycle: float
+    conditions: Mapping[str, float]
+    record: Record
+    cycles: Cycles
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A run that can't be used, and why."""
+
+    run: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"run {self.run!r} is left out: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed.
+
+    `remarks` say where the records show other settings than runs.csv states; those runs' settings are None.
+    """
+
+    name: str
+    notes: str
+    fingerprint: str
+    runs: tuple[Run, ...]
+    left_out: tuple[LeftOut, ...]
+    condition_columns: tuple[str, ...]
+    smoothing: Smoothing = field(default_factory=Smoothing)
+    remarks: tuple[str, ...] = ()
+
+
+def read_campaign(folder: Path, strict: bool = False) -> Campaign:
+    """Read a campaign: every file once, checked, its records split into cycles.
+
+    Args:
+        folder: the campaign's folder, in the layout of docs/reference/campaign.md.
+        strict: a run that can't be used is an error.
+
+    Returns:
+        The campaign. Its fingerprint is a SHA-256 over the bytes of campaign.toml, runs.csv and the records,
+        with their names, in the order of these; where the folder lies and other files in it don't matter.
+
+    Raises:
+        UserError: a file is missing or not as expected; no run can be used; or, with `strict`, one can't.
+    """
+    folder = Path(folder)
+    description = read_description(folder)
+    table = read_runs_table(folder, description)
+    if table.without_records:
+        raise UserError(
+            f"{folder}: holds metrics without records; expected records of the loops (metrics, identify, compare, "
+            "diagnose, add and remove can do with metrics)"
+        )
+    return campaign_of(folder, description, table, strict)
+
+
+def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable, strict: bool) -> Campaign:
+    """Read the records of a campaign whose description and table have been read, as `read_campaign` does."""
+    with ThreadPoolExecutor(max_workers=READERS) as readers:
+        # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
+        records = list(readers.map(partial(_read_run, folder, description), table.rows))
+    digests = {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)}
+    outcomes = [_checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
+    shown = {one.name: fundamental_of(one.record, one.cycles) for one in outcomes if isinstance(one, Run)}
+    faults = implausible(shown)
+    outcomes = [
+        LeftOut(row.run, faults[row.run]) if row.run in faults else one
+        for row, one in zip(table.rows, outcomes, strict=True)
+    ]
+    runs = tuple(outcome for outcome in outcomes if isinstance(outcome, Run))
+    left_out = tuple(outcome for outcome in outcomes if isinstance(outcome, LeftOut))
+    if left_out and (strict or not runs):
+        heading = f"{folder}: {len(left_out)} of {len(outcomes)} runs can't be used; mend their records"
+        remedy = ", take their rows out of runs.csv, or don't be strict" if runs else ""
+        raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in left_out)]))
+    runs, remarks = _without_wrong_settings(runs, shown)
+    return Campaign(
+        name=description.name,
+        notes=description.notes,
+        fingerprint=fingerprint(folder, digests),
+        runs=runs,
+        left_out=left_out,
+        condition_columns=table.condition_columns,
+        smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
+        remarks=remarks,
+    )
+
+
+def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
+    path = folder / row.file
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise UserError(
+            f"{folder / runs_table.FILE_NAME}, row {row.row}, column 'file': {row.file!r} can't be read "
+            f"({error.strerror}); expected the record of run {row.run!r} there, relative to {folder}"
+        ) from error
+    return hashlib.sha256(content).hexdigest(), read_record(path, content, description.columns.given())
+
+
+def _checked_run(row: RunRow, record: Record) -> Run | LeftOut:
+    try:
+        check_samples(record)
+        cycles = find_cycles(record)
+        check_clipping(record, cycles)
+    except UnusableRecord as fault:
+        return LeftOut(row.run, str(fault))
+    return Run(
+        name=row.run,
+        specimen=row.specimen,
+        amplitude_mm=row.amplitude_mm,
+        frequency_Hz=row.frequency_Hz,
+        temperature_C=row.temperature_C,
+        density_g_cm3=row.density_g_cm3,
+        first_cycle=row.first_cycle,
+        conditions=row.conditions,
+        record=record,
+        cycles=cycles,
+    )
+
+
+def _without_wrong_settings(
+    runs: tuple[Run, ...], shown: Mapping[str, Fundamental]
+) -> tuple[tuple[Run, ...], tuple[str, ...]]:
+    """Give the runs without the amplitudes and frequencies that their records contradict, and words about these."""
+    amplitudes = [(run.amplitude_mm, shown[run.name].amplitude_mm) for run in runs]
+    frequencies = [(run.frequency_Hz, run.cycles.frequency_Hz) for run in runs]
+    words = (contradiction("amplitude_mm", amplitudes), contradiction("frequency_Hz", frequencies))
+    kept = tuple(
+        replace(run, amplitude_mm=unless_contradicted(*amplitude), frequency_Hz=unless_contradicted(*frequency))
+        for run, amplitude, frequency in zip(runs, amplitudes, frequencies, strict=True)
+    )
+    return kept, tuple(filter(None, words))
+
+
+def fingerprint(folder: Path, digests: Mapping[str, str]) -> str:
+    """Give the SHA-256 over the bytes of campaign.toml, runs.csv and the records.
+
+    Args:
+        folder: the campaign's folder.
+        digests: SHA-256 of each record by its name.
+    """
+    tables = {
+        name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
+        for name in (campaign_file.FILE_NAME, runs_table.FILE_NAME)
+    }
+    named = [*tables.items(), *sorted(digests.items())]
+    return "sha256:" + hashlib.sha256("".join(f"{name}\0{digest}\n" for name, digest in named).encode()).hexdigest()

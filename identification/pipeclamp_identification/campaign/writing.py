@@ -1,0 +1,137 @@
+"""Campaigns written in the layout of docs/reference/campaign.md: the virtual rig's, and several joined into one."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from pipeclamp_identification.campaign.description import description_text
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import write_folder
+from pipeclamp_models.base.tables import pl
+
+
+@dataclass(frozen=True)
+class WrittenRun:
+    """One run as it is written: its row in runs.csv and its record."""
+
+    row: Mapping[str, str | float | None]
+    record: Record
+
+
+Format = Literal["csv", "csv.gz", "parquet"]
+
+PLAIN = re.compile(r"(?!(con|prn|aux|nul|com\d|lpt\d)$)\w[\w-]{0,63}", re.ASCII | re.IGNORECASE)
+"""Names of runs that are names of files on every system too; records of others are numbered."""
+
+
+def campaign_files(
+    name: str,
+    notes: str,
+    runs: Iterator[WrittenRun],
+    format: Format = "csv",
+    progress: Callable[[str], None] | None = None,
+) -> Iterator[tuple[str, bytes]]:
+    """Give the files of a campaign in the layout of docs/reference/campaign.md as (path inside the folder, content)."""
+    rows = []
+    taken: set[str] = set()
+    for number, run in enumerate(runs, 1):
+        run_name = str(run.row["run"])
+        stem = run_name if PLAIN.fullmatch(run_name) else f"{number:04d}"
+        while stem.casefold() in taken:  # Windows takes "a" and "A" for one
+            stem += "_"
+        taken.add(stem.casefold())
+        file = f"runs/{stem}.{format}"
+        rows.append({"run": run_name, "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
+        samples = {key: values for key, values in vars(run.record).items() if values is not None}
+        yield file, encoded(pl.DataFrame(samples), format)
+        if progress:
+            progress(run_name)
+    yield "runs.csv", encoded(pl.DataFrame(rows), "csv")
+    yield "campaign.toml", description_text(name, notes).encode()
+
+
+def encoded(table: pl.DataFrame, format: Format) -> bytes:
+    """Give the bytes of a table's file."""
+    stream = BytesIO()
+    if format == "parquet":
+        table.write_parquet(stream)
+        return stream.getvalue()
+    table.write_csv(stream, float_precision=None)
+    content = stream.getvalue()
+    return gzip.compress(content, mtime=0) if format == "csv.gz" else content
+
+
+def write_campaign(
+    folder: Path,
+    runs: Iterator[WrittenRun],
+    *,
+    name: str,
+    notes: str,
+    format: Format = "csv",
+    progress: Callable[[str], None] | None = None,
+) -> int:
+    """Write a campaign into a new folder; it appears whole or not at all.
+
+    Returns:
+        the number of runs.
+
+    Raises:
+        UserError: the folder exists, or its parent can't be written.
+    """
+    files = campaign_files(name, notes, runs, format, progress)
+    return sum(file.startswith("runs/") for file in write_folder(folder, files))
+
+
+def _digest(record: Record) -> str:
+    """Give the SHA-256 over a record's samples."""
+    channels = (values for values in vars(record).values() if values is not None)
+    return hashlib.sha256(b"".join(np.ascontiguousarray(values).tobytes() for values in channels)).hexdigest()
+
+
+def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
+    """Give the runs of several campaigns of one clamp, one after the other; a name that is taken gets a number.
+
+    Raises:
+        UserError: a further condition isn't known in all of them, or a record is there twice.
+    """
+    columns = campaigns[0].condition_columns
+    whose: dict[str, str] = {}
+    taken: set[str] = set()
+    for campaign in campaigns:
+        if set(campaign.condition_columns) != set(columns):
+            raise UserError(
+                f"join: {campaign.name} has the further columns {', '.join(campaign.condition_columns) or 'none'}, "
+                f"{campaigns[0].name} has {', '.join(columns) or 'none'}; expected the same, filled in in runs.csv"
+            )
+        for run in campaign.runs:
+            own = f"run {run.name!r} of {campaign.name}"
+            if (other := whose.setdefault(_digest(run.record), own)) is not own:
+                raise UserError(
+                    f"join: {own} has the same record as {other}; one measurement counts once, or the law would seem "
+                    "better known than it is: leave one out"
+                )
+            names = (run.name, *(f"{run.name}_{number}" for number in range(2, len(taken) + 3)))
+            name = next(name for name in names if name not in taken)
+            taken.add(name)
+            row = {
+                "run": name,
+                "amplitude_mm": run.amplitude_mm,
+                "frequency_Hz": run.frequency_Hz,
+                "temperature_C": run.temperature_C,
+                "specimen": run.specimen,
+                "density_g_cm3": run.density_g_cm3,
+                **{column: run.conditions[column] for column in columns},
+                "first_cycle": run.first_cycle,
+            }
+            yield WrittenRun(row, run.record)

@@ -1,0 +1,182 @@
+"""What `diagnose` answers of records: the verdict, the candidates with their evidence, the test to run next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from pydantic import Field
+
+from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.next_test import Proposal
+from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.verdict import Diagnosis, Verdict
+from pipeclamp_identification.fitting.misfit import overall_nrmse
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+
+
+class LawErrors(AnswerModel):
+    """Errors as shares of the rms force."""
+
+    law: float = Field(description="of the law as it is")
+    best: float = Field(description="of the best law that was found")
+    noise: float = Field(description="cycle-to-cycle scatter, which no law can explain")
+
+
+class HeldoutErrors(AnswerModel):
+    """Errors on groups of conditions that were left out."""
+
+    law: float
+    best: float
+
+
+class BeforeAfter(AnswerModel):
+    """An error on left-out conditions before and after."""
+
+    before: float
+    after: float
+
+
+class AddedEffect(AnswerModel):
+    """What --auto added on the way."""
+
+    effect: str
+    heldout_nrmse: BeforeAfter
+
+
+class CandidateAnswer(AnswerModel):
+    """An effect, or two, refitted jointly with the law."""
+
+    effect: str = Field(description="as `add` takes it; two are joined by +")
+    heldout_nrmse: float = Field(description="error on left-out groups of A and f")
+    heldout_by: Mapping[str, float] = Field(description="the same on other groups that were left out")
+    lack_of_fit: float = Field(description="what follows the conditions and isn't explained, over the force noise")
+    explained: float = Field(description="share of the lack of fit's mean square that it explains")
+    objections: tuple[str, ...] = Field(description="what speaks physically against it")
+    parameters: Mapping[str, float]
+
+
+class LackAnswer(AnswerModel):
+    """What follows the conditions and isn't explained, rms over that of the force noise."""
+
+    law: float
+    best: float
+    p_value: float = Field(description="chance that noise alone makes the law's")
+    limit: float = Field(description="below this a law counts as complete")
+
+
+class ScatterAnswer(AnswerModel):
+    """Scatter from run to run, as shares."""
+
+    stiffness: float
+    damping: float
+
+
+class NextTestAnswer(AnswerModel):
+    """A test that would tell rivals apart."""
+
+    amplitude_mm: float
+    frequency_Hz: float
+    temperature_C: float | None = Field(description="None: the temperature of the tests so far")
+    further_conditions: Mapping[str, float]
+    profile: str
+    peak_displacement_mm: float = Field(description="of the whole motion")
+    highest_frequency_Hz: float = Field(description="in the motion")
+    peak_velocity_mm_s: float
+    separation: float = Field(description="expected difference between the rivals in standard deviations")
+    between: tuple[str, ...]
+    words: str
+
+
+class DiagnosisAnswer(AnswerModel):
+    """The answer of `pipeclamp diagnose --json` for records."""
+
+    verdict: Verdict
+    effects: tuple[str, ...] = Field(description="as `add` takes them, best first")
+    candidates: tuple[CandidateAnswer, ...]
+    pair: CandidateAnswer | None
+    screened_out: Mapping[str, float] = Field(description="effects that one step showed can't help, and their promise")
+    nrmse: LawErrors
+    heldout_nrmse: HeldoutErrors
+    lack_of_fit: LackAnswer
+    scatter: ScatterAnswer
+    next_test: NextTestAnswer | None
+    no_next_test: str | None = Field(description="why no test is proposed, where rivals are left")
+    left_over: tuple[str, ...]
+    reasons: tuple[str, ...]
+    left_out: tuple[LeftOutRun, ...]
+    added: tuple[AddedEffect, ...]
+    next_command: str = Field(description="the shell line to run next")
+
+
+def diagnosis_answer(found: Diagnosed, added: tuple[AddedEffect, ...], next_command: str) -> DiagnosisAnswer:
+    """Give what a diagnosis found, what was added before it, and the command to run next."""
+    diagnosis = found.diagnosis
+    return DiagnosisAnswer(
+        verdict=found.verdict,
+        effects=found.effects,
+        candidates=tuple(_candidate(candidate, diagnosis) for candidate in diagnosis.candidates),
+        pair=_candidate(diagnosis.pair, diagnosis) if diagnosis.pair else None,
+        screened_out=diagnosis.screened_out,
+        nrmse=LawErrors(
+            law=found.comparison.nrmse,
+            best=overall_nrmse(diagnosis.best_misfits),
+            noise=found.comparison.noise_nrmse,
+        ),
+        heldout_nrmse=HeldoutErrors(law=diagnosis.law.heldout_nrmse, best=diagnosis.best.heldout_nrmse),
+        lack_of_fit=LackAnswer(
+            law=diagnosis.law.lack.share,
+            best=diagnosis.best.lack.share,
+            p_value=diagnosis.law.lack.p_value,
+            limit=diagnosis.tolerance.complete,
+        ),
+        scatter=ScatterAnswer(
+            stiffness=diagnosis.problem.noise.stiffness_scatter, damping=diagnosis.problem.noise.damping_scatter
+        ),
+        next_test=_next_test(found.proposal) if found.proposal else None,
+        no_next_test=found.no_test or None,
+        left_over=found.left_over(),
+        reasons=diagnosis.reasons,
+        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.comparison.campaign.left_out),
+        added=added,
+        next_command=next_command,
+    )
+
+
+def _candidate(candidate: Judged, diagnosis: Diagnosis) -> CandidateAnswer:
+    return CandidateAnswer(
+        effect=" + ".join(candidate.effects),
+        heldout_nrmse=candidate.heldout_nrmse,
+        heldout_by=candidate.heldout_by,
+        lack_of_fit=candidate.lack.share,
+        explained=explained(candidate, diagnosis),
+        objections=candidate.objections,
+        parameters={
+            parameter.name: candidate.result.law.values[parameter.name]
+            for effect in candidate.result.equations.effects
+            if effect.name in candidate.effects
+            for parameter in effect.parameters
+        },
+    )
+
+
+def explained(candidate: Judged, diagnosis: Diagnosis) -> float:
+    """Give the share of the lack of fit's energy that a candidate explains."""
+    whole = diagnosis.law.lack.excess
+    return float(np.clip(1.0 - max(candidate.lack.excess, 0.0) / whole, 0.0, 1.0)) if whole > 0 else 0.0
+
+
+def _next_test(proposal: Proposal) -> NextTestAnswer:
+    return NextTestAnswer(
+        amplitude_mm=proposal.amplitude_mm,
+        frequency_Hz=proposal.frequency_Hz,
+        temperature_C=proposal.temperature_C,
+        further_conditions=proposal.further,
+        profile=proposal.profile,
+        peak_displacement_mm=proposal.plan.peak_displacement,
+        highest_frequency_Hz=proposal.plan.highest_frequency,
+        peak_velocity_mm_s=proposal.plan.peak_velocity,
+        separation=proposal.separation,
+        between=proposal.rivals,
+        words=proposal.words(),
+    )

@@ -1,0 +1,199 @@
+"""Evidence: how a fitted law does on conditions that were left out, and whether what is left follows the conditions.
+
+Evidence is counted in whitened harmonics per run, never in raw samples. What leaving a group of runs out does is told
+from the fit to all of them, by the exact formula of linear least squares.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from pipeclamp_identification.diagnosis.noise import UNSEEN, NoiseModel, WhitenedObservations
+from pipeclamp_identification.fitting.least_squares import Fit
+from pipeclamp_identification.fitting.observations import Rows
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_models.base.arrays import Array
+
+INDEPENDENT = 0.05
+"""A change of which the law's parameters leave less than this share is one that they make themselves."""
+BY_CHANCE = 2.0
+"""Standard errors by which scatter may have added to what follows the conditions."""
+LOW_HARMONICS = 7
+"""Most of what loops can miss shows up to this harmonic."""
+
+
+DRIFT = 5.0
+"""Standard errors by which a trend of stiffness along cycles must differ from none to be taken for real."""
+
+
+def drifts(loops: Loops) -> bool:
+    """Tell whether stiffness drifts along the cycles inside records, over all runs together."""
+    slopes, weights = [], []
+    for row, force in enumerate(loops.force_per_cycle):
+        cycles = loops.cycles[row]
+        if len(cycles) < 3:
+            continue
+        stiffness = force[:, 1].real / loops.displacement_per_cycle[row][:, 1].real
+        centred = cycles - cycles.mean()
+        spread = float(centred @ centred)
+        slope = float(centred @ stiffness) / spread
+        rest = stiffness - stiffness.mean() - slope * centred
+        error = max(float(rest @ rest) / (len(cycles) - 2), 1e-12 * stiffness.mean() ** 2) / spread
+        slopes.append(slope / stiffness.mean())
+        weights.append(stiffness.mean() ** 2 / error)
+    # Errors from few cycles are rough: runs count by the median of their neighbours, not by luck.
+    weight = np.minimum(weights, np.median(weights)) if weights else np.zeros(1)
+    return bool(len(slopes) > 3 and abs(weight @ np.array(slopes)) > DRIFT * np.sqrt(weight.sum()))
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """Whitened residuals of a fit and their derivatives by the fitted parameters, shapes (R, m) and (R, m, P)."""
+
+    residual: Array
+    jacobian: Array
+
+
+def whitened(result: Fit, observations: WhitenedObservations) -> Whitened:
+    """Give the whitened residuals of a fit at its solution."""
+    slopes = observations.residual_slopes(result.law_force, result.places)
+    return Whitened(observations.residual(result.law_force), np.moveaxis(slopes, 0, -1))
+
+
+@dataclass(frozen=True)
+class LeftOutScore:
+    """How a law foretells groups of runs that it wasn't fitted to.
+
+    Attributes:
+        squares: sum of squared whitened residuals of each run, its group left out, shape (R,).
+        mean_squares: mean square of each run's error in N2, scatter left aside, shape (R,).
+    """
+
+    squares: Array
+    mean_squares: Array
+
+
+def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whitened, groups: Rows) -> LeftOutScore:
+    """Tell how a fit would foretell each group, had it been left out.
+
+    Args:
+        result: the fit to all runs.
+        observations: what it was fitted to.
+        fitted: its whitened residuals and derivatives.
+        groups: the group of each run, shape (R,).
+    """
+    scale = np.linalg.norm(fitted.jacobian, axis=(0, 1))
+    scale = np.where(scale > 0, scale, 1.0)
+    jacobian = fitted.jacobian / scale
+    plain = observations.loops.plain_residual(result.law_force)
+    plain_slopes = np.moveaxis(observations.loops.plain_slopes(result.law_force, result.places), 0, -1) / scale
+    mean_squares = np.empty(len(groups))
+    normal = np.einsum("rmp,rmq->pq", jacobian, jacobian)
+    squares = np.empty(len(groups))
+    for group in range(int(groups.max()) + 1):
+        own = groups == group
+        J = jacobian[own].reshape(-1, jacobian.shape[2])
+        r = fitted.residual[own].ravel()
+        rest = normal - J.T @ J
+        # A direction that this group alone determines can't be foretold without it.
+        step = np.linalg.pinv(np.nan_to_num(rest), rcond=1e-10, hermitian=True) @ np.nan_to_num(J.T @ r)
+        whole = np.sum((r + J @ step).reshape(np.count_nonzero(own), -1) ** 2, axis=1)
+        squares[own] = np.nan_to_num(whole, nan=np.inf)
+        error = np.where(observations.loops.seen[own], plain[own] + plain_slopes[own] @ step, 0.0)
+        mean_squares[own] = error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2
+    return LeftOutScore(squares, mean_squares)
+
+
+@dataclass(frozen=True)
+class LackOfFit:
+    """What of the residuals follows the conditions, against what noise alone would make of it.
+
+    Attributes:
+        p_value: chance that noise alone makes so much: over all harmonics, over the low ones, in one harmonic
+            alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
+        share: force that follows the conditions, rms in N, as a share of the force noise per sample.
+        sure_share: the same, less what scatter may have added to it by chance.
+        by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
+            small.
+    """
+
+    p_value: float
+    share: float
+    sure_share: float
+    by_channel: Array
+
+    @property
+    def excess(self) -> float:
+        """Mean square of what follows the conditions, N2."""
+        return float(self.by_channel.sum())
+
+
+def lack_of_fit(
+    fitted: Whitened, plain: Array, noise: NoiseModel, smooth: Array, directed: Array, noise_rms: Array
+) -> LackOfFit:
+    """Test whether residuals follow the conditions: significance in units of the noise, size in newtons.
+
+    Args:
+        fitted: whitened residuals (R, m) and derivatives (R, m, P).
+        plain: the residuals in N, shape (R, m).
+        noise: the noise model.
+        smooth: orthonormal functions of the conditions, shape (R, q).
+        directed: whitened changes of force that are looked for one by one, in d directions each, (c, d, R, m).
+        noise_rms: force noise per sample of each run, N, shape (R,).
+    """
+    runs, channels, count = fitted.jacobian.shape
+    explained = np.sum((smooth.T @ fitted.residual) ** 2, axis=0)
+    flat = np.linalg.qr(_scaled(fitted.jacobian.reshape(runs * channels, count)))[0]
+    taken = np.sum(np.einsum("rq,rmp->qmp", smooth, flat.reshape(runs, channels, -1)) ** 2, axis=(0, 2))
+    freedoms = smooth.shape[1] - taken
+    low = 2 * LOW_HARMONICS + 1
+    p_values = [float(stats.chi2.sf(explained[:end].sum(), max(freedoms[:end].sum(), 1.0))) for end in (channels, low)]
+    alone = stats.chi2.sf(explained, np.maximum(freedoms, 1.0))
+    p_values.append(min(1.0, channels * float(alone.min())))
+    p_values.append(_least_likely(directed, fitted.residual, flat, runs - smooth.shape[1]))
+    leverage = np.sum(smooth**2, axis=1)
+    seen = noise.variance < UNSEEN
+    variance = np.where(seen, noise.total_variance(), 0.0)
+    expected = (leverage @ variance) * freedoms / smooth.shape[1]
+    by_channel = (np.sum((smooth.T @ np.where(seen, plain, 0.0)) ** 2, axis=0) - expected) / runs
+    # A harmonic's mean square is half its squared amplitude.
+    by_channel[1:] /= 2
+    # Of a sum of as many squares as there are freedoms.
+    error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
+    error[1:] /= 2
+    excess = float(by_channel.sum())
+    share, sure_share = (
+        float(np.sqrt(max(one, 0.0) / float(np.mean(noise_rms**2))))
+        for one in (excess, excess - BY_CHANCE * float(np.linalg.norm(error)))
+    )
+    return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, by_channel)
+
+
+def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:
+    """Give the chance that noise alone makes the largest of several changes as large as it is.
+
+    Args:
+        directed: the changes, each a plane of d directions, shape (c, d, R, m); what the law's parameters can make of
+            them counts for nothing.
+        residual: shape (R, m).
+        basis: orthonormal, of what the parameters can do, shape (R m, P).
+        free: runs that told the size of the scatter.
+    """
+    chances = []
+    for plane in directed.reshape(*directed.shape[:2], -1):
+        own = plane - (plane @ basis) @ basis.T
+        known = np.linalg.norm(own, axis=1) > INDEPENDENT * np.linalg.norm(plane, axis=1)
+        if not known.any():
+            continue
+        span = np.linalg.qr(own[known].T)[0]
+        explained = float(np.sum((span.T @ residual.ravel()) ** 2))
+        chances.append(float(stats.f.sf(explained / span.shape[1], span.shape[1], max(free, 1))))
+    return min(1.0, len(chances) * min(chances, default=1.0))
+
+
+def _scaled(jacobian: Array) -> Array:
+    norms = np.linalg.norm(jacobian, axis=0)
+    return np.asarray(jacobian / np.where(norms > 0, norms, 1.0))

@@ -1,0 +1,269 @@
+"""What is left when the best law is in: harmonics, place in the loop, conditions, locked to time or to motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.thresholds import HALVES_CHANCE, LINE_NOISE_RATIO, LINE_STANDARD_ERRORS
+from pipeclamp_identification.fitting.misfit import RunMisfit
+from pipeclamp_identification.loops.loops import on_grid
+from pipeclamp_models.base.arrays import Array
+
+POINTS = 360
+STRONGEST = 3
+SMALLEST_NAMED = 0.03
+"""Harmonics with less of the whole than this are left out of the words."""
+END_DEG = 25.0
+"""Nearer than this to a reversal, where |y| is above 0.9 A, is at the turning points; so much from y = 0 the middle."""
+VARIES = 0.02
+"""Conditions that vary by less than this share are held constant: drives never hit their set points."""
+WORTH_SAYING = 0.4
+"""A weaker rank correlation is nothing that can be seen in a picture."""
+TOLD_CHANCE = 0.01
+"""Correlations that chance makes more often than this are not told."""
+MOST_NAMED = 4
+"""Lines that are named one by one."""
+NEIGHBOURS = 30
+NEAREST = 3
+"""Bins nearer to a line than this hold some of the line itself."""
+LOBE = 1.6
+"""Half width of a line under a Hann window, in bins: there it is 18 dB below its top."""
+FEWEST_NEIGHBOURS = 8
+"""Bins on either side from which a line's neighbouring level is told."""
+FEWEST_SHARE = 0.2
+"""A line must be looked for in this share of the runs."""
+
+
+HALVES = np.array([0.5, 1.5, 2.5])
+FEWEST_CYCLES = 4
+"""Cycles from which on there are multiples of the record's length beside the halves."""
+FEWEST_RUNS_WITH_LINES = 4
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """A description of what a law leaves over.
+
+    Attributes:
+        words: sentences on what repeats with each cycle, most important first.
+        lines: sentences on what doesn't.
+        phase: degrees of the cycle after the largest displacement, shape (n,).
+        shape: rms over runs of the residual force along the cycle, N, shape (n,).
+        time_locked_Hz: frequencies of lines that don't repeat with the motion.
+        fractions: multiples of the drive's frequency, not whole, at which there are lines.
+    """
+
+    words: tuple[str, ...]
+    lines: tuple[str, ...]
+    phase: Array
+    shape: Array
+    time_locked_Hz: tuple[float, ...]
+    fractions: tuple[float, ...]
+
+    @property
+    def not_periodic(self) -> bool:
+        """Whether something is left that is neither scatter nor repeats with each cycle."""
+        return bool(self.time_locked_Hz or self.fractions)
+
+
+def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> Leftover:
+    """Describe what a law leaves over.
+
+    Args:
+        judged: the law.
+        problem: the data.
+        campaign: the tests, for what isn't periodic in the records.
+        misfits: the law's error on each sample.
+    """
+    residual = problem.harmonics.plain_residual(judged.result.law_force)
+    residual = np.where(problem.harmonics.seen, residual, 0.0)
+    loop = _along_cycle(residual)
+    shape = np.sqrt(np.mean(loop**2, axis=0))
+    phase = 360.0 * np.arange(POINTS) / POINTS
+    # An average leaves noise with zeros of its own, beside which anything looks like a line.
+    smoothed = bool(campaign.smoothing.force)
+    lines = () if smoothed else time_locked_lines(campaign, misfits)
+    words = (_harmonic_words(judged), _place_words(shape, phase), *_condition_words(residual, problem))
+    not_periodic = []
+    if lines:
+        named = ", ".join(f"{line:.2f} Hz" for line in lines[:MOST_NAMED])
+        named += f" and {len(lines) - MOST_NAMED} more" if len(lines) > MOST_NAMED else ""
+        not_periodic.append(f"a force at {named} doesn't repeat with the motion: locked to time, or to several cycles")
+    fractions = () if smoothed else fractional_lines(campaign, misfits)
+    if fractions:
+        named = ", ".join(f"{fraction:.3g}" for fraction in fractions)
+        not_periodic.append(
+            f"a force at {named} times the drive's frequency: it follows the motion, but not every cycle alike"
+        )
+    return Leftover(words, tuple(not_periodic), phase, shape, lines, fractions)
+
+
+def _along_cycle(residual: Array) -> Array:
+    """Give residual harmonics as force along the cycle, shape (R, n)."""
+    harmonics = np.zeros((len(residual), (residual.shape[1] + 1) // 2), dtype=np.complex128)
+    harmonics[:, 0] = residual[:, 0]
+    harmonics[:, 1:] = residual[:, 1::2] + 1j * residual[:, 2::2]
+    return on_grid(harmonics, POINTS)
+
+
+def _harmonic_words(judged: Judged) -> str:
+    excess = np.maximum(judged.lack.by_channel, 0.0)
+    order = np.argsort(-excess)[:STRONGEST]
+    total = max(float(excess.sum()), 1e-300)
+    parts = [
+        f"{_channel(int(channel))} ({excess[channel] / total:.0%})"
+        for channel in order
+        if excess[channel] > SMALLEST_NAMED * total
+    ]
+    return "most of it lies in " + ", ".join(parts) if parts else "it is spread over all harmonics"
+
+
+def _channel(channel: int) -> str:
+    if channel == 0:
+        return "the mean force"
+    order, part = (channel + 1) // 2, "in phase" if channel % 2 else "in quadrature"
+    return f"harmonic {order} {part}"
+
+
+def _place_words(shape: Array, phase: Array) -> str:
+    """Say where along the loop it is largest: turning points, middle, loading or unloading."""
+    angle = float(phase[int(np.argmax(shape))])
+    towards = min(angle % 180.0, 180.0 - angle % 180.0)
+    branch = "unloading from the positive end" if angle < 180.0 else "loading towards the positive end"
+    place = (
+        "at the turning points"
+        if towards < END_DEG
+        else "through the middle"
+        if towards > 90 - END_DEG
+        else "between end and middle"
+    )
+    return f"along the loop it is largest {place} ({branch}, {angle:.0f} deg after the largest displacement)"
+
+
+def _condition_words(residual: Array, problem: Problem) -> list[str]:
+    """Say with which conditions it grows: rank correlation of each run's residual with the conditions."""
+    loops = problem.loops
+    size = np.log(np.sqrt(np.sum(residual**2, axis=1)) + 1e-9)
+    columns = {
+        "A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": loops.temperature_K, "density": loops.density_g_cm3,
+        "cycle number": loops.cycle, **loops.conditions,
+    }  # fmt: skip
+    words = []
+    for name, values in columns.items():
+        if np.all(np.isfinite(values)) and np.ptp(values) > VARIES * np.max(np.abs(values)):
+            ranks = stats.spearmanr(values, size)
+            slope = float(ranks.statistic)
+            if abs(slope) > WORTH_SAYING and ranks.pvalue < TOLD_CHANCE:
+                words.append(f"it {'grows' if slope > 0 else 'falls'} with {name} (rank correlation {slope:.2f})")
+    return words
+
+
+def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates: Array) -> tuple[float, ...]:
+    """Find lines that stand out of their neighbouring spectrum in all runs together.
+
+    Args:
+        campaign: the tests.
+        misfits: the law's error on each sample.
+        candidates: where to look, Hz.
+
+    Returns:
+        candidates whose power, over the local median and averaged over runs, is beyond what noise would make.
+    """
+    level = np.full((len(misfits), len(candidates)), np.nan)
+    for row, (run, misfit) in enumerate(zip(campaign.runs, misfits, strict=True)):
+        time = run.record.time_s[run.cycles.steady]
+        length = time[-1] - time[0]
+        error = misfit.measured - misfit.computed
+        spectrum = np.abs(np.fft.rfft((error - error.mean()) * np.hanning(len(error)))) ** 2
+        width = 1.0 / (length * (1 + 1 / (len(error) - 1)))
+        drive = run.cycles.frequency_Hz
+        place = candidates / width
+        line = np.round(place).astype(np.intp)
+        order = np.arange(len(spectrum)) * width / drive
+        # What repeats with the motion is the law's own lack, not a line of its own.
+        own = np.abs(order - np.round(order)) * drive < LOBE * width
+        inside = (line >= 2) & (line < len(spectrum) - 2)
+        over_noise = np.where(own, np.nan, spectrum / _backgrounds(spectrum, ~own))
+        level[row, inside] = over_noise[line[inside]]
+    seen = np.isfinite(level)
+    count = seen.sum(axis=0)
+    mean = np.where(seen, level, 0.0).sum(axis=0) / np.maximum(count, 1)
+    looked_for = count >= max(FEWEST_RUNS_WITH_LINES, FEWEST_SHARE * len(misfits))
+    middle = np.zeros(len(candidates))
+    middle[looked_for] = np.nanmedian(level[:, looked_for], axis=0)
+    beyond = (
+        looked_for & (middle > LINE_NOISE_RATIO) & (mean > 1 + LINE_STANDARD_ERRORS / np.sqrt(np.maximum(count, 1)))
+    )
+    found = np.array([index for index in np.flatnonzero(beyond) if mean[index] == _largest_near(mean, int(index))], int)
+    # Neighbouring candidates may share their lines in all runs.
+    lines = np.split(found, np.flatnonzero(np.diff(found) > 1) + 1) if len(found) else []
+    return tuple(float(np.mean(candidates[line])) for line in lines)
+
+
+def _backgrounds(spectrum: Array, usable: npt.NDArray[np.bool_]) -> Array:
+    """Give the mean power that noise has at each line, from its neighbours on both sides; NaN where there are too few.
+
+    Coloured noise falls with frequency: the geometric mean of the medians on either side follows the slope.
+    """
+    width = NEIGHBOURS - NEAREST + 1
+    lines = np.where(usable, spectrum, np.nan)
+    lines[0] = np.nan
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(lines, NEIGHBOURS, constant_values=np.nan), width)
+    ordered = np.sort(windows, axis=1)
+    count = np.sum(np.isfinite(ordered), axis=1)
+    row = np.arange(len(ordered))
+    medians = (ordered[row, np.maximum(count - 1, 0) // 2] + ordered[row, np.minimum(count // 2, width - 1)]) / 2
+    medians[count < FEWEST_NEIGHBOURS] = np.nan
+    below, above = medians[: len(spectrum)], medians[NEIGHBOURS + NEAREST :]
+    return np.asarray(np.sqrt(below * above) / np.log(2))
+
+
+def _largest_near(mean: Array, index: int) -> float:
+    """Give the largest of the values within so many places: a line shows in its neighbours too."""
+    return float(mean[max(index - NEIGHBOURS, 0) : index + NEIGHBOURS + 1].max())
+
+
+def time_locked_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tuple[float, ...]:
+    """Find lines at one absolute frequency, Hz, in all runs together: mains hum, say."""
+    longest = max(float(run.record.time_s[-1] - run.record.time_s[0]) for run in campaign.runs)
+    rate = min(len(run.record.time_s) / float(run.record.time_s[-1] - run.record.time_s[0]) for run in campaign.runs)
+    slowest = min(run.cycles.frequency_Hz for run in campaign.runs)
+    candidates = np.arange(2.5 * slowest, 0.45 * rate, 0.5 / longest)
+    return pooled_lines(campaign, misfits, candidates)
+
+
+def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tuple[float, ...]:
+    """Find forces at halves of the drive's frequency, in all runs together: subharmonics of the motion.
+
+    Over an even number of cycles the motion's own harmonics and halves are orthogonal to all other multiples of the
+    record's length, whose power says what noise makes.
+    """
+    halves = np.zeros((0, len(HALVES)))
+    noise = np.zeros((0, len(HALVES)))
+    for run, misfit in zip(campaign.runs, misfits, strict=True):
+        count = run.cycles.count - run.cycles.count % 2
+        if count < FEWEST_CYCLES:
+            continue
+        samples = int(run.cycles.bounds[count] - run.cycles.bounds[0])
+        error = (misfit.measured - misfit.computed)[:samples]
+        phase = run.cycles.phase(run.record)[:samples]
+
+        def power(orders: Array, error: Array = error, phase: Array = phase) -> Array:
+            return np.asarray(np.abs(np.exp(-1j * np.outer(orders, phase)) @ error) ** 2)
+
+        between = np.arange(1, count // 2) / count
+        beside = np.array([power(np.concatenate([half - between, half + between])).mean() for half in HALVES])
+        level = float(np.mean(beside))
+        halves = np.vstack([halves, power(HALVES) / level])
+        noise = np.vstack([noise, beside / level])
+    if len(halves) < FEWEST_RUNS_WITH_LINES:
+        return ()
+    ratio = halves.sum(axis=0) / noise.sum(axis=0)
+    chance = stats.f.sf(ratio, 2 * len(halves), 4 * len(halves))
+    return tuple(float(half) for half, one in zip(HALVES, chance, strict=True) if one < HALVES_CHANCE)

@@ -1,0 +1,285 @@
+"""An honest noise model: what scatters between cycles, and what scatters between runs.
+
+Three parts. White sensor noise, each run with its own level. Slow, coloured noise: how much stronger scatter is at low
+absolute frequencies, pooled over runs. Scatter of stiffness and of damping from run to run: a share by which a whole
+run's elastic or damping force is off, estimated from what of the residuals doesn't follow the conditions smoothly.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.fitting.least_squares import varies
+from pipeclamp_identification.fitting.observations import LoopObservations, Rows
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.realise.force import LawForce
+from pipeclamp_models.realise.motion import Motion
+
+WHITE_FROM = 5
+"""Harmonics from this one on show the white level of a run."""
+DEGREE = 3
+"""Highest total degree of the polynomials over the conditions that count as smooth."""
+FREE_RUNS = 0.35
+"""At least this share of the runs must stay free of the polynomials, to show the scatter between runs."""
+MOST_SCATTER = 0.02
+"""Stiffness or damping that differs by more than this share from run to run is a law's error, not a rig's scatter."""
+UNSEEN = 1e15
+"""Variance in N2 that stands for a harmonic which wasn't measured."""
+
+
+def cycle_variance(loops: Loops) -> Array:
+    """Give the variance of each harmonic's real (and imaginary) part of the mean loop, N2, shape (R, H + 1).
+
+    A run's white level comes from its high harmonics; how far scatter at low absolute frequency lies above it is
+    pooled over runs by octaves of frequency, so that five cycles of one run needn't tell.
+    """
+    count = loops.force.shape[1]
+    single = np.full(loops.force.shape, np.nan)
+    cycles = np.array([len(force) for force in loops.force_per_cycle], dtype=float)
+    for row, force in enumerate(loops.force_per_cycle):
+        if len(force) > 1:
+            deviation = np.abs(force - force.mean(axis=0)) ** 2
+            single[row] = deviation.sum(axis=0) / ((len(force) - 1) * np.where(np.arange(count) > 0, 2.0, 1.0))
+    unseen = ~np.isfinite(loops.force_standard_error)
+    single[unseen] = np.nan
+    fallback = np.where(unseen, np.nan, loops.force_standard_error**2) * cycles[:, None]
+    single = np.where(np.isnan(single), fallback, single)
+    high = single[:, min(WHITE_FROM, count - 1) :]
+    level = np.array([np.mean(row[np.isfinite(row)]) if np.isfinite(row).any() else np.nan for row in high])
+    level = np.where(np.isfinite(level), level, np.nanmean(single, axis=1))
+    ratio = single / level[:, None]
+    # A run that is quieter than most doesn't count for more: what a law misses doesn't ask how quiet the sensor was.
+    per_sample = level * loops.samples / cycles
+    level = level * np.maximum(1.0, np.mean(per_sample) / per_sample)
+    frequency = np.arange(count) * loops.frequency_Hz[:, None]
+    octave = np.where(np.arange(count) > 0, np.floor(np.log2(np.maximum(frequency, 1e-9))), -np.inf)
+    shape = np.ones_like(ratio)
+    for band in np.unique(octave):
+        members = (octave == band) & np.isfinite(ratio)
+        if members.any():
+            shape[octave == band] = max(1.0, float(np.mean(ratio[members])))
+    floor = (1e-6 * loops.force_rms_N[:, None]) ** 2
+    variance = level[:, None] * shape / cycles[:, None] + _from_displacement(loops, cycles)
+    return np.where(unseen, UNSEEN, np.maximum(variance, floor))
+
+
+def _from_displacement(loops: Loops, cycles: Array) -> Array:
+    """Give the variance that the displacement sensor's noise makes in force by the stiffness, N2, shape (R, H + 1)."""
+    stiffness = np.abs(loops.force[:, 1]) / loops.amplitude_mm
+    variance = np.zeros(loops.force.shape)
+    for row, displacement in enumerate(loops.displacement_per_cycle):
+        if len(displacement) > 1:
+            upper = displacement[:, displacement.shape[1] // 2 :]
+            noise = np.mean(np.abs(upper - upper.mean(axis=0)) ** 2) * len(upper) / (len(upper) - 1) / 2
+            variance[row, :2] = stiffness[row] ** 2 * noise / cycles[row]
+    return variance
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """The covariance of each run's harmonics.
+
+    Attributes:
+        variance: from cycles, N2, shape (R, 2 H + 1), ordered as `harmonics_of` orders them.
+        elastic, damping: force by which a run is off when its stiffness or damping is off by 100 %, same shape.
+        stiffness_scatter, damping_scatter: standard deviation of that share from run to run.
+    """
+
+    variance: Array
+    elastic: Array
+    damping: Array
+    stiffness_scatter: float
+    damping_scatter: float
+
+    @property
+    def is_no_rigs(self) -> bool:
+        """Whether more would have to scatter from run to run than on any rig."""
+        return max(self.stiffness_scatter, self.damping_scatter) >= MOST_SCATTER
+
+    def total_variance(self) -> Array:
+        """Give the variance of each harmonic part, scatter between runs included, N2, shape (R, 2 H + 1)."""
+        elastic, damping = self.stiffness_scatter * self.elastic, self.damping_scatter * self.damping
+        return np.asarray(self.variance + elastic**2 + damping**2)
+
+    def whitener(self, discrepancy: float = 0.0) -> Array:
+        """Give the matrices that make each run's residuals independent with variance one, shape (R, m, m).
+
+        Args:
+            discrepancy: variance of each harmonic part that a law's form is granted besides the noise, N2.
+        """
+        runs, size = self.variance.shape
+        covariance = np.zeros((runs, size, size))
+        covariance[:, np.arange(size), np.arange(size)] = self.variance + discrepancy
+        for direction, scatter in ((self.elastic, self.stiffness_scatter), (self.damping, self.damping_scatter)):
+            covariance += scatter**2 * direction[:, :, None] * direction[:, None, :]
+        lower = np.linalg.cholesky(covariance)
+        return np.asarray(np.linalg.solve(lower, np.broadcast_to(np.eye(size), covariance.shape)))
+
+    def share_trends(self, loops: Loops) -> Array:
+        """Give stiffness and damping that follow each condition by itself, N, shape (c, 2, R, m)."""
+        directions = np.stack([self.elastic, self.damping])
+        return np.asarray(trends(loops).T[:, None, :, None] * directions)
+
+
+def noise_model(loops: Loops, residual: Array | None = None) -> NoiseModel:
+    """Estimate the noise model.
+
+    Args:
+        loops: R runs.
+        residual: measured less law in N, shape (R, 2 H + 1), of the best law so far; None leaves out the scatter
+            between runs.
+    """
+    per_harmonic = cycle_variance(loops)
+    variance = np.concatenate([per_harmonic[:, :1], np.repeat(per_harmonic[:, 1:], 2, axis=1)], axis=1)
+    elastic, damping = np.zeros_like(variance), np.zeros_like(variance)
+    elastic[:, 1::2] = loops.force[:, 1:].real
+    damping[:, 2::2] = loops.force[:, 1:].imag
+    scatter = [0.0, 0.0]
+    if residual is not None:
+        smooth = smooth_basis(loops)
+        scatter = [_scatter(residual, direction, variance, smooth) for direction in (elastic, damping)]
+    return NoiseModel(variance, elastic, damping, *scatter)
+
+
+def _scatter(residual: Array, direction: Array, variance: Array, smooth: Array) -> float:
+    """Estimate the scatter from run to run of the share by which a direction's force is off.
+
+    Each run's share is its residual's weighted projection on the direction. What follows the conditions smoothly is
+    taken for missing physics; the rest, less what cycle noise makes of it, is scatter.
+    """
+    weight = np.sum(direction**2 / variance, axis=1)
+    known = weight > 0
+    share = np.sum(residual * direction / variance, axis=1)[known] / weight[known]
+    basis = np.linalg.qr(smooth[known])[0]
+    leverage = np.sum(basis**2, axis=1)
+    rest = share - basis @ (basis.T @ share)
+    free = len(share) - basis.shape[1]
+    if free < 1:
+        return 0.0
+    excess = np.sum(rest**2) - np.sum((1 - leverage) / weight[known])
+    return min(float(np.sqrt(max(excess, 0.0) / free)), MOST_SCATTER)
+
+
+def smooth_basis(loops: Loops) -> Array:
+    """Give the functions of the loops' conditions that count as smooth, one a column, shape (R, q)."""
+    main = (loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K)
+    return smooth_functions(*main, (loops.density_g_cm3, loops.cycle, *loops.conditions.values()), loops.specimen)
+
+
+def trends(loops: Loops) -> Array:
+    """Give each condition that varies, centred and scaled, and each specimen, one a column, shape (R, c)."""
+    columns = _main(loops.amplitude_mm, loops.frequency_Hz, loops.temperature_K)
+    columns += _varied((loops.density_g_cm3, loops.cycle, *loops.conditions.values()))
+    columns += _specimens(loops.specimen)
+    return np.stack(columns, axis=1) if columns else np.zeros((len(loops.run), 0))
+
+
+def smooth_functions(
+    amplitude: Array, frequency: Array, temperature: Array, further: Sequence[Array], specimen: Sequence[str | None]
+) -> Array:
+    """Give the functions of conditions that count as smooth, one a column, shape (R, q).
+
+    Polynomials in log A, log f and T, lines and parabolas in further conditions, one constant a specimen; of as high a
+    degree as leaves enough runs free.
+
+    Args:
+        amplitude: mm, frequency: Hz, temperature: K; shape (R,) each.
+        further: further conditions, shape (R,) each.
+        specimen: label of each run's specimen.
+    """
+    main = _main(amplitude, frequency, temperature)
+    specimens = _specimens(specimen)
+    runs = len(amplitude)
+    for degree in range(DEGREE, 0, -1):
+        functions = [*_monomials(main, degree, runs), *_powers(_varied(further), min(degree, 2)), *specimens]
+        columns = _independent(functions)
+        if columns.shape[1] <= (1 - FREE_RUNS) * runs:
+            return columns
+    return np.full((runs, 1), 1 / np.sqrt(runs))
+
+
+def _specimens(specimen: Sequence[str | None]) -> list[Array]:
+    """Give which runs are of each specimen but the first."""
+    names = sorted({name or "" for name in specimen})[1:]
+    return [np.array([float((name or "") == label) for name in specimen]) for label in names]
+
+
+def _main(amplitude: Array, frequency: Array, temperature: Array) -> list[Array]:
+    """Give log A, log f and T, those that vary, centred and scaled; what is meant to be alike scatters."""
+    known = (np.log(amplitude), varies("A", amplitude)), (np.log(frequency), varies("f", frequency))
+    chosen = [value for value, varied in known if varied]
+    if np.all(np.isfinite(temperature)) and varies("T", temperature):
+        chosen.append(temperature)
+    return [_scaled(value) for value in chosen]
+
+
+def _varied(values: Sequence[Array]) -> list[Array]:
+    """Give those quantities that are known and vary, centred and scaled."""
+    usable = [value for value in values if np.all(np.isfinite(value)) and np.ptp(value) > 1e-3 * np.max(np.abs(value))]
+    return [_scaled(value) for value in usable]
+
+
+def _scaled(values: Array) -> Array:
+    return np.asarray((values - values.mean()) / values.std())
+
+
+def _monomials(values: Sequence[Array], degree: int, runs: int) -> list[Array]:
+    columns = [np.ones(runs)]
+    for order in range(1, degree + 1):
+        columns += [np.prod(chosen, axis=0) for chosen in itertools.combinations_with_replacement(values, order)]
+    return columns
+
+
+def _powers(values: Sequence[Array], degree: int) -> list[Array]:
+    return [value**power for value in values for power in range(1, degree + 1)]
+
+
+def _independent(columns: Sequence[Array]) -> Array:
+    """Give an orthonormal basis of what the columns span; levels that repeat make some of them equal.
+
+    Amplitudes scatter about their levels by design error; what spans only that scatter is no smooth function.
+    """
+    matrix = np.stack(list(columns), axis=1)
+    left, singular, _ = np.linalg.svd(matrix / np.linalg.norm(matrix, axis=0), full_matrices=False)
+    return np.asarray(left[:, singular > 1e-2 * singular[0]])
+
+
+@dataclass(frozen=True)
+class WhitenedObservations:
+    """Harmonics of loops in units in which noise is independent with variance one.
+
+    Attributes:
+        loops: the harmonics as they were measured.
+        whitener: shape (R, m, m).
+    """
+
+    loops: LoopObservations
+    whitener: Array
+
+    @property
+    def motion(self) -> Motion:
+        """The measured motions."""
+        return self.loops.motion
+
+    @property
+    def force_amplitude(self) -> Array:
+        """Half the range of the measured force, N, shape (R,)."""
+        return self.loops.force_amplitude
+
+    def residual(self, law_force: LawForce) -> Array:
+        """Give measured less law, whitened, shape (R, m)."""
+        return np.asarray(np.einsum("rij,rj->ri", self.whitener, self.loops.plain_residual(law_force)))
+
+    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+        """Give the derivatives of the residuals, shape (P, R, m)."""
+        plain = self.loops.plain_slopes(law_force, parameters)
+        return np.asarray(np.einsum("rij,prj->pri", self.whitener, plain))
+
+    def compared(self, law_force: LawForce) -> int:
+        """Give how many of the residuals are evidence; what wasn't measured counts with next to no weight."""
+        return int(np.prod(self.whitener.shape[:2]) - np.count_nonzero(law_force.adrift))

@@ -1,0 +1,209 @@
+"""What tests would tell between rivals: what each foretells, against scatter, its form and its own doubt."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import logsumexp
+
+from pipeclamp_identification.campaign.drive import Profile, tones_motion
+from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
+from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_identification.fitting.least_squares import HELD, WISHED, parameter_bounds
+from pipeclamp_identification.fitting.observations import SAMPLES, Rows, data_scales, harmonics_of
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.realise.force import LawForce, force_of_equations
+from pipeclamp_models.realise.motion import Motion
+
+HARMONICS = 12
+CYCLES = 5
+REPEATS = 3
+"""Runs of a proposed test: what scatters from run to run shows in repeats only."""
+LEAST_DEVIATIONS = 2.0
+"""Standard deviations below which it doesn't tell: one rival would be taken for the other in one case of six."""
+RIDING = 0.25
+RIDING_ORDER = 7
+SINE, RIDDEN = "sine", "small cycles on a large one"
+PROFILES = {
+    SINE: Profile("a sine test", ((1, 1.0),)),
+    RIDDEN: Profile(
+        f"small cycles on a large one ({RIDING:g} of its amplitude at {RIDING_ORDER} times its frequency)",
+        ((1, 1.0), (RIDING_ORDER, RIDING)),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Foreseer:
+    """A rival with what it doesn't know.
+
+    Attributes:
+        judged: the rival.
+        places: of parameters that are in doubt, those that the tests so far hold open included.
+        covariance: of them.
+    """
+
+    judged: Judged
+    places: Rows
+    covariance: Array
+
+
+def foreseer(judged: Judged, diagnosis: Diagnosis) -> Foreseer:
+    """Give a rival with its doubt.
+
+    A parameter that was held, as what it follows didn't vary, is fitted once a test varies it: until then all that is
+    known of it is its bounds, as an even spread between them.
+    """
+    result, observations = judged.result, diagnosis.problem.observations
+    equations = result.equations
+    lower, upper = parameter_bounds(equations, data_scales(observations))
+    held = {name for name, reason in result.frozen.items() if reason not in (HELD, WISHED)}
+    opened = [
+        place
+        for place, name in enumerate(equations.names)
+        if name in held and np.isfinite(upper[place] - lower[place]) and equations.parameters[place].follows
+    ]
+    places = np.array([*result.places, *opened], dtype=np.intp)
+    law = result.law
+    law_force = force_of_equations(
+        equations, law.vector(equations), (law.v_r, law.y_r), observations.motion, derivatives=True
+    )
+    slopes = np.nan_to_num(observations.residual_slopes(law_force, places).reshape(len(places), -1))
+    information = slopes @ slopes.T
+    evenly = np.arange(len(result.places), len(places))
+    information[evenly, evenly] += 12.0 / (upper - lower)[opened] ** 2
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    covariance = np.linalg.pinv(information / np.outer(scale, scale), rcond=1e-12, hermitian=True)
+    return Foreseer(judged, places, covariance / np.outer(scale, scale))
+
+
+Conditions = Mapping[str, Array]
+"""Slow signals of the conditions that are looked at, each of shape (R,); T in K."""
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What tests of one profile would tell: for R conditions.
+
+    Attributes:
+        profile: SINE or RIDDEN.
+        grid: the conditions.
+        motion: R motions.
+        forces: of each rival, N, shape (rivals, R, n).
+        mistaken: log of the chance of taking one rival for another, summed over pairs, shape (R,).
+        apart: standard deviations between the two rivals, of each pair, shape (pairs, R).
+    """
+
+    profile: str
+    grid: Conditions
+    motion: Motion
+    forces: Array
+    mistaken: Array
+    apart: Array
+
+    @property
+    def peak_forces(self) -> Array:
+        """The largest force that any rival foretells, N, shape (R,)."""
+        return np.asarray(np.max(np.abs(self.forces), axis=(0, 2)))
+
+    @property
+    def tells(self) -> npt.NDArray[np.bool_]:
+        """Whether at least two rivals are told apart, shape (R,)."""
+        return np.asarray(self.apart.max(axis=0) >= LEAST_DEVIATIONS)
+
+    def rows(self, chosen: npt.NDArray[np.intp]) -> Outlook:
+        """Give some of the conditions."""
+        grid = {name: values[chosen] for name, values in self.grid.items()}
+        return Outlook(
+            self.profile, grid, self.motion.rows(chosen), self.forces[:, chosen], self.mistaken[chosen],
+            self.apart[:, chosen],
+        )  # fmt: skip
+
+
+def outlook_of(profile: str, grid: Conditions, rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> Outlook:
+    """Tell what tests of a profile at a grid of conditions would tell."""
+    motion = _motions(grid, profile, diagnosis)
+    without = harmonics_of(_law_force(diagnosis.law, motion).force, HARMONICS)
+    law_forces = [_law_force(rival.judged, motion) for rival in rivals]
+    noise, form = _noise(motion, without, diagnosis), _form(law_forces, without)
+    pairs = list(itertools.combinations(range(len(rivals)), 2))
+    known = np.stack([_distance(rivals, law_forces, pair, noise + form) for pair in pairs])
+    apart = np.stack([_distance(rivals, law_forces, pair, noise) for pair in pairs])
+    forces = np.stack([law_force.force for law_force in law_forces])
+    return Outlook(profile, grid, motion, forces, logsumexp(-(known**2) / 8, axis=0), apart)
+
+
+def _motions(grid: Conditions, profile: str, diagnosis: Diagnosis) -> Motion:
+    """Give the motions of a grid of conditions; those that it doesn't name as in the middle run."""
+    column = {name: values[:, None] for name, values in grid.items()}
+    A, f = column["A"], column["f"]
+    theta = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    y, v, a = tones_motion(PROFILES[profile].tones, A, f, theta)
+    tested = diagnosis.problem.observations.motion.slow
+    middle = {name: np.full_like(A, float(np.median(values))) for name, values in tested.items()}
+    return Motion(y, v, a, {**middle, **column}, 1.0 / (f * SAMPLES))
+
+
+def _law_force(judged: Judged, motion: Motion) -> LawForce:
+    law, equations = judged.result.law, judged.result.equations
+    return force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
+
+
+def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
+    """Give the covariance of the mean harmonics of repeated runs: noise and scatter between runs, shape (R, m, m).
+
+    Args:
+        motion: R motions.
+        force: its harmonics by the law as it is, N, shape (R, m).
+        diagnosis: how much noise and scatter there is, at the sampling of the tests so far.
+    """
+    loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
+    rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
+    white = float(np.median(loops.noise_rms_N)) ** 2 * 2 / CYCLES
+    samples = np.maximum(rate / motion.slow["f"], 1.0)
+    covariance = np.eye(force.shape[1]) * (white / samples)[:, :, None]
+    for part, scatter in ((slice(1, None, 2), noise.stiffness_scatter), (slice(2, None, 2), noise.damping_scatter)):
+        direction = np.zeros_like(force)
+        direction[:, part] = scatter * force[:, part]
+        covariance = covariance + direction[:, :, None] * direction[:, None, :]
+    return covariance / REPEATS
+
+
+def _form(law_forces: Sequence[LawForce], without: Array) -> Array:
+    """Give the covariance of harmonics that effects of another form than the catalogue's may leave over, (R, m, m).
+
+    Args:
+        law_forces: of the rivals on R motions.
+        without: harmonics of the law without any of them, N, shape (R, m).
+    """
+    beyond = [np.sum((harmonics_of(each.force, HARMONICS) - without) ** 2, axis=1) for each in law_forces]
+    return np.asarray(np.eye(without.shape[1]) * (FORM_SHARE**2 * np.max(beyond, axis=0))[:, None, None])
+
+
+def _distance(
+    rivals: Sequence[Foreseer], law_forces: Sequence[LawForce], pair: tuple[int, int], granted: Array
+) -> Array:
+    """Give the Mahalanobis distance of what two rivals foretell when the other is refitted to either, shape (R,).
+
+    Args:
+        rivals: all of them.
+        law_forces: of each on R motions.
+        pair: the two.
+        granted: covariance of harmonics that tells nothing, N2, shape (R, m, m).
+    """
+    foretold = [harmonics_of(law_forces[place].force, HARMONICS) for place in pair]
+    difference = foretold[0] - foretold[1]
+    squares = np.full(len(difference), np.inf)
+    for place in pair:
+        jacobian = law_forces[place].jacobian
+        assert jacobian is not None
+        slopes = harmonics_of(jacobian[rivals[place].places], HARMONICS)
+        covariance = granted + np.einsum("prm,pq,qrn->rmn", slopes, rivals[place].covariance, slopes, optimize=True)
+        solved = np.linalg.solve(covariance, difference[..., None])[..., 0]
+        squares = np.minimum(squares, np.sum(difference * solved, axis=1))
+    return np.asarray(np.sqrt(np.maximum(np.nan_to_num(squares), 0.0)))

@@ -1,0 +1,240 @@
+"""A diagnosis's data, prepared once, and the evidence of each law that is held against it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from joblib import Parallel, delayed, effective_n_jobs
+
+from pipeclamp_identification.diagnosis.evidence import (
+    LackOfFit,
+    LeftOutScore,
+    Whitened,
+    drifts,
+    lack_of_fit,
+    left_out_score,
+    whitened,
+)
+from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
+from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
+from pipeclamp_identification.fitting.identify import fit_structure
+from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.observations import LoopObservations, Rows, loop_observations
+from pipeclamp_identification.loops.loops import Loops, per_cycle
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.law import Structure
+
+CLOSELY = 1e-7
+"""Tolerance of a candidate's fit."""
+WORTH_PROCESSES = 100
+"""Rows from which on fits are shared out to processes, which take some seconds to start."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The data of a diagnosis.
+
+    Attributes:
+        loops: one row a run; one a run and cycle where the law, or the stiffness, changes along the cycles.
+        harmonics: the same, as they were measured.
+        noise: the noise model.
+        smooth: smooth functions of the conditions, (R, q).
+        groups: (amplitude, frequency) group of each row.
+        further_groups: other groups that are left out to see how laws foretell them, by name.
+        discrepancy: variance of each harmonic part that the laws' form is granted besides the noise, N2. Where the
+            best law misses far more than noise, noise alone would let the quietest harmonics rule.
+    """
+
+    loops: Loops
+    harmonics: LoopObservations
+    noise: NoiseModel
+    smooth: Array
+    groups: Rows
+    further_groups: Mapping[str, Rows]
+    discrepancy: float = 0.0
+
+    @property
+    def is_large(self) -> bool:
+        """Whether fits take so long that starting processes for them pays."""
+        return len(self.loops.run) >= WORTH_PROCESSES
+
+    @cached_property
+    def observations(self) -> WhitenedObservations:
+        """What laws are fitted to: whitened by noise and discrepancy."""
+        return WhitenedObservations(self.harmonics, self.noise.whitener(self.discrepancy))
+
+    @cached_property
+    def against_noise(self) -> WhitenedObservations:
+        """What lack of fit is told from: whitened by the noise alone."""
+        return WhitenedObservations(self.harmonics, self.noise.whitener())
+
+    @cached_property
+    def share_trends(self) -> Array:
+        """Stiffness and damping that follow one condition each, against the noise, shape (c, 2, R, m)."""
+        return np.asarray(np.einsum("rij,cdrj->cdri", self.against_noise.whitener, self.noise.share_trends(self.loops)))
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A law, refitted jointly, with its evidence.
+
+    Attributes:
+        effects: what was added to the law as it is.
+        result: the fit; its force holds no derivatives.
+        fitted: whitened residuals and derivatives at the fit.
+        score: how it foretells groups that were left out.
+        lack: what it leaves over.
+        heldout_nrmse: error on left-out groups as a share of the force, scatter included.
+        heldout_by: the same for other groups that were left out (temperatures, specimens, further conditions).
+        objections: why it can't be named, in words; empty where nothing speaks against it.
+        akaike: Akaike's criterion of the fit to all data: squares, what free means cost, two per parameter.
+    """
+
+    effects: tuple[str, ...]
+    result: Fit
+    fitted: Whitened
+    score: LeftOutScore
+    lack: LackOfFit
+    heldout_nrmse: float
+    heldout_by: Mapping[str, float]
+    objections: tuple[str, ...]
+    akaike: float
+
+    def squares_by_run(self, loops: Loops) -> Array:
+        """Give the squared whitened residuals of each record, its cycles together, left out with its group."""
+        records = np.unique(loops.run, return_inverse=True)[1]
+        return np.bincount(records, weights=self.score.squares).astype(np.float64)
+
+    @property
+    def squares(self) -> float:
+        """Sum of squared whitened residuals on left-out groups."""
+        return float(self.score.squares.sum())
+
+
+def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
+    """Fit the law as it is, estimate the noise, and fit it again in the noise's units."""
+    ages = "N" in {str(symbol) for symbol in structure.equations.slow_signals}
+    loops = per_cycle(loops) if ages or drifts(loops) else loops
+    harmonics = loop_observations(loops)
+    first = fit_structure(structure, loops, harmonics)
+    noise = noise_model(loops, harmonics.plain_residual(first.law_force))
+    groups = condition_groups(loops)
+    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops))
+    return problem, judge((), structure, first.law.values, problem)
+
+
+def weighed_for(problem: Problem, best: Fit) -> Problem:
+    """Estimate noise and discrepancy with the best law so far: the better it is, the less physics hides in them."""
+    residual = problem.harmonics.plain_residual(best.law_force)
+    again = noise_model(problem.loops, residual)
+    noise = replace(
+        again,
+        stiffness_scatter=min(again.stiffness_scatter, problem.noise.stiffness_scatter),
+        damping_scatter=min(again.damping_scatter, problem.noise.damping_scatter),
+    )
+    seen = problem.harmonics.seen
+    excess = np.where(seen, residual**2 - noise.total_variance(), 0.0)
+    return replace(problem, noise=noise, discrepancy=max(float(excess.sum()) / np.count_nonzero(seen), 0.0))
+
+
+def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, float], problem: Problem) -> Judged:
+    """Fit a structure to the problem and gather the evidence.
+
+    Args:
+        effects: what the structure has beyond the law as it is.
+        structure: what is fitted.
+        start: values to start from.
+        problem: the data.
+    """
+    result = fit(structure, problem.observations, start=start, tolerance=CLOSELY)
+    fitted = whitened(result, problem.observations)
+    against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
+    score = left_out_score(result, problem.observations, fitted, problem.groups)
+    plain = problem.harmonics.plain_residual(result.law_force)
+    lack = lack_of_fit(
+        against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.noise_rms_N
+    )
+    further = {
+        name: _share_of_force(left_out_score(result, problem.observations, fitted, groups), problem.loops)
+        for name, groups in problem.further_groups.items()
+    }
+    error = _share_of_force(score, problem.loops)
+    price = _price_of_free_means(result, problem)
+    score = replace(score, squares=score.squares + price)
+    akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
+    lean = replace(result, law_force=replace(result.law_force, jacobian=None))
+    return Judged(effects, lean, fitted, score, lack, error, further, objections(effects, result), akaike)
+
+
+def _share_of_force(score: LeftOutScore, loops: Loops) -> float:
+    """Give the error on left-out groups as a share of the force, scatter included."""
+    return float(np.sqrt(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2)))
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A law to be judged: what it has beyond the law as it is, its structure, and values to start from."""
+
+    effects: tuple[str, ...]
+    structure: Structure
+    start: Mapping[str, float]
+
+
+def judge_each(
+    contenders: Sequence[Contender], problem: Problem, jobs: int, tell: Callable[[str], None]
+) -> list[Judged]:
+    """Judge laws side by side.
+
+    Args:
+        contenders: the laws.
+        problem: the data.
+        jobs: processes; -1 for as many as there are cores.
+        tell: is told which law is done.
+
+    Returns:
+        what came of each, in the same order.
+    """
+    processes = min(effective_n_jobs(jobs), len(contenders)) if problem.is_large else 1
+    work = (delayed(judge)(each.effects, each.structure, each.start, problem) for each in contenders)
+    judged = []
+    for result in Parallel(n_jobs=max(processes, 1), return_as="generator")(work):
+        tell(f"fitted {' and '.join(result.effects)}")
+        judged.append(result)
+    return judged
+
+
+def _price_of_free_means(result: Fit, problem: Problem) -> Array:
+    """Give what it costs each run that a law leaves the mean force of runs open, shape (R,).
+
+    An element that never slips keeps whatever mean force it began with, so such a run's mean is no evidence against it.
+    But a law that could have any mean foretells none: the means count as random, of the size that they turn out to
+    have, and the logarithm of that size over the noise is the price, as it is in any likelihood.
+    """
+    adrift = result.law_force.adrift
+    price = np.zeros(len(adrift))
+    if adrift.any():
+        off = problem.harmonics.harmonics[:, 0] - result.law_force.force.mean(axis=1)
+        noise = problem.noise.variance[:, 0]
+        size = float(np.mean(off[adrift] ** 2))
+        price[adrift] = (np.log1p(size / noise) + off**2 / (size + noise))[adrift]
+    return price
+
+
+def objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
+    """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing."""
+    against: list[str] = []
+    errors = result.standard_errors()
+    added = {effect.name: effect for effect in result.equations.effects}
+    for name in effects:
+        parameters = [parameter.name for parameter in added[name].parameters]
+        against += [
+            f"{parameter} ran into its bound ({result.law.values[parameter]:.4g})"
+            for parameter in parameters
+            if parameter in result.at_bound
+        ]
+        if not any(parameter in errors for parameter in parameters):
+            against.append(f"the data determines no parameter of {name}")
+    return tuple(against)

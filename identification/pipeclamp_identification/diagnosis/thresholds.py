@@ -1,0 +1,45 @@
+"""What decides a verdict on records, each threshold with its kind in its name and its reason.
+
+A *chance* is that of noise alone; a *share* is of the force noise, of the force, or of the lack of fit, as said; a
+*likelihood* is a difference of Akaike's criterion.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+REAL_LACK_CHANCE = 1e-3
+"""Lack of fit less likely than this under noise alone is real."""
+MATERIAL_NOISE_SHARE = 0.1
+"""Lack of fit below this share of the force noise (rms) isn't worth an effect: it costs half a percent of the floor."""
+MATERIAL_FORCE_SHARE = 2e-4
+"""Nor is what lies below this share of the force (rms): few load cells are truer."""
+FORM_SHARE = 0.1
+"""An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
+exact form."""
+MOST_FORM_NOISE_SHARE = 1.0
+"""But a law that leaves over more than the force noise itself is not complete, whatever its effects' form."""
+UNEXPLAINED_SHARE = 0.3
+"""A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
+ALONE_SHARE = UNEXPLAINED_SHARE**2
+"""Of two effects that explain it together, the one to name must explain this share (mean square) alone: two that do so
+only against each other are terms of a series, not physics."""
+RIVAL_DRAWS_SHARE = 0.1
+"""A rival stays in the answer's set when resampling the runs makes it the best in this share of the draws."""
+RIVAL_LIKELIHOOD = 2 * np.log(100.0)
+"""A rival also stays when the fit to all data leaves it a hundredth of the best's likelihood: where few conditions were
+tested, leaving one out asks for what the rest can't tell, and its errors aren't evidence."""
+WORTH_FITTING_SHARE = 0.01
+"""A candidate passes the screen when one step promises this share of what the best promises."""
+LARGER_MEMBER_SQUARES = 10.0
+"""Difference in squares on left-out groups that is no reason for an effect's larger member."""
+FEWEST_RUNS = 4
+"""Fewer can't show what a law lacks."""
+
+LINE_NOISE_RATIO = 2.0
+"""A line is locked to time when half of the runs show it so many times above the noise: a few spectra have outliers of
+their own."""
+LINE_STANDARD_ERRORS = 12.0
+"""And when its pooled power exceeds its neighbours' by so many standard errors: hundreds of bins are looked at."""
+HALVES_CHANCE = 1e-4
+"""Halves of the drive's frequency that noise makes so strong with less than this chance are there."""

@@ -1,0 +1,98 @@
+"""Left-out groups: how well a law that was fitted to some conditions foretells the others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.fitting.least_squares import fit
+from pipeclamp_identification.fitting.observations import LoopObservations, Rows
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import Level, number_levels
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_law
+
+FOLDS = 8
+SAME = 0.05
+"""Conditions closer than this share of each other count as the same: drives never hit their set points. Where they lie
+so dense that they would all be the same, classes of them are left out."""
+
+
+def condition_groups(loops: Loops) -> npt.NDArray[np.intp]:
+    """Give each loop the number of its (amplitude, frequency) group, shape (R,).
+
+    Where all tests are at one amplitude and frequency, each run is a group of its own.
+    """
+    conditions = (loops.amplitude_mm, loops.frequency_Hz)
+    levels = np.stack([_numbers(number_levels(values, relative=SAME)) for values in conditions], axis=1)
+    groups = np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1)
+    if groups.max() == 0:
+        groups = np.unique(loops.run, return_inverse=True)[1]
+    return groups.astype(np.intp)
+
+
+def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
+    """Give other ways to leave runs out: by temperature, specimen or further condition, each run's group by name.
+
+    A condition needs three levels: what it does can't be foretold from one.
+    """
+    conditions = {"temperature": loops.temperature_K, "density": loops.density_g_cm3, **loops.conditions}
+    groups = {}
+    for name, values in conditions.items():
+        levels = number_levels(values, relative=SAME)
+        if len(levels) >= 3:
+            groups[name] = _numbers(levels)
+    specimens = np.unique([name or "" for name in loops.specimen], return_inverse=True)[1]
+    if specimens.max() > 0:
+        groups["specimen"] = specimens.astype(np.intp)
+    return groups
+
+
+def _numbers(levels: Sequence[Level]) -> npt.NDArray[np.intp]:
+    """Give the number of each run's level."""
+    numbers = np.empty(sum(len(level.rows) for level in levels), dtype=np.intp)
+    for number, level in enumerate(levels):
+        numbers[level.rows] = number
+    return numbers
+
+
+def folds(groups: npt.NDArray[np.intp], most: int) -> Iterator[tuple[Rows, Rows]]:
+    """Give (rows to fit, rows left out), whole groups left out at a time, in at most so many folds.
+
+    Raises:
+        UserError: there is one group alone.
+    """
+    count = int(groups.max()) + 1
+    if count == 1:
+        raise UserError("one test alone: nothing is left to fit once it is left out; expected two tests or more")
+    number = min(most, count)
+    for fold in range(number):
+        left_out = groups % number == fold
+        yield np.flatnonzero(~left_out), np.flatnonzero(left_out)
+
+
+def heldout_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> float:
+    """Give the error of a law's structure on (amplitude, frequency) groups that weren't used to fit it.
+
+    Args:
+        law: the law, as fitted to all; each fit begins there and weighs by what it leaves over.
+        loops: the tests.
+        observations: the same, as observations.
+        most: most folds.
+
+    Returns:
+        error over all left-out loops as a share of their force, scatter included.
+    """
+    groups = condition_groups(loops)
+    widened = observations.with_discrepancy(force_of_law(law, observations.motion))
+    error = force = 0.0
+    for used, left_out in folds(groups, most):
+        refitted = fit(law.structure, widened.rows(used), start=law.values).law
+        beyond = observations.rows(left_out)
+        misfit = beyond.mean_squares(force_of_law(refitted, beyond.motion))
+        error += float(np.sum(misfit + loops.noise_rms_N[left_out] ** 2))
+        force += float(np.sum(loops.force_rms_N[left_out] ** 2))
+    return float(np.sqrt(error / force))

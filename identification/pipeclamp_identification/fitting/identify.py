@@ -1,0 +1,296 @@
+"""Identification: a law fitted to all runs of a campaign at once, with everything its parameter file states."""
+
+from __future__ import annotations
+
+import importlib.metadata
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from pipeclamp_identification.campaign.reading import Campaign, LeftOut
+from pipeclamp_identification.fitting.least_squares import HELD, WISHED, Fit, fit, unfitted
+from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
+from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
+from pipeclamp_identification.fitting.series_orders import choose_series
+from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
+from pipeclamp_identification.loops.loops import Loops, loops_of, per_cycle
+from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.toml_file import unknown
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import (
+    SCHEMA,
+    CoefficientEntry,
+    CoefficientState,
+    Correlation,
+    Covariance,
+    DataSource,
+    FitQuality,
+    HistoryStep,
+    Interval,
+    LawFile,
+    LeftOutRun,
+    RunQuality,
+)
+from pipeclamp_models.law.law import Equations, Structure
+from pipeclamp_models.law.range import intervals_of, rounded
+
+Method = Literal["joint", "surfaces"]
+
+ROUGHLY = 1e-5
+"""Tolerance of the fit that only serves to see what the law leaves over."""
+
+
+@dataclass(frozen=True)
+class Identification:
+    """A law identified from a campaign.
+
+    Attributes:
+        fit: the fit.
+        loops: the campaign's loops.
+        misfits: its error on each run.
+        method: how it was found.
+    """
+
+    fit: Fit
+    loops: Loops
+    misfits: tuple[RunMisfit, ...]
+    method: Method
+
+
+def identify(
+    campaign: Campaign,
+    *,
+    base: str = "power",
+    effects: Sequence[str] = (),
+    frozen: Mapping[str, float] | None = None,
+    method: Method = "joint",
+    declared: Iterable[Declaration] = (),
+    progress: Progress | None = None,
+) -> Identification:
+    """Identify a law from all runs of a campaign.
+
+    Args:
+        campaign: the tests.
+        base: name of the base law; "series" chooses its orders by their accuracy on left-out conditions.
+        effects: names of effects fitted with it.
+        frozen: values of parameters that are not to be fitted, by name.
+        method: "joint" fits everything at once; "surfaces" is the paper's route by itself, loop by loop and then
+            surfaces over the conditions (power base without effects).
+        declared: a user's own effects.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: an unknown base or effect, data that can't determine the law, or no temperature where it's needed.
+    """
+    tell = progress or (lambda _: None)
+    tell(f"loops of {len(campaign.runs)} runs")
+    loops = loops_of(campaign)
+    observations = loop_observations(loops)
+    structure = Structure(base, tuple(effects)).with_declared(declared)
+    if base == "series":
+        tell("orders of the series")
+        structure = choose_series(loops, observations, structure)
+    structure = replace(structure, frozen=tuple(sorted((frozen or {}).items())))
+    refuse_unknown(structure)
+    result = fit_structure(structure, loops, observations, method=method, progress=tell)
+    tell("error on every sample")
+    return Identification(result, loops, misfits(result.law, campaign, loops), method)
+
+
+def refuse_unknown(structure: Structure) -> None:
+    """Refuse to hold parameters that the law doesn't have."""
+    names = structure.equations.names
+    for name, _ in structure.frozen:
+        if name not in names:
+            raise UsageError(f"--freeze: {unknown(name, list(names), 'parameter')}")
+
+
+def fit_structure(
+    structure: Structure,
+    loops: Loops,
+    observations: LoopObservations | None = None,
+    *,
+    start: Mapping[str, float] | None = None,
+    method: Method = "joint",
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
+
+    Effects that change from cycle to cycle are fitted to every cycle by itself.
+
+    Raises:
+        UserError: the data can't serve the structure.
+    """
+    equations = structure.equations
+    if ages(equations):
+        loops = per_cycle(loops)
+        observations = None
+    observations = observations or loop_observations(loops)
+    from_surfaces = surface_values(structure, loops)
+    if method == "surfaces":
+        if not from_surfaces or structure.effects:
+            raise UsageError(
+                f"method surfaces: got base {structure.base!r} with effects {list(structure.effects)}; "
+                "expected base power or memory without effects (the joint method fits the others)"
+            )
+        return unfitted(structure, observations, from_surfaces)
+    tell = progress or (lambda _: None)
+    tell(f"fit of {len(equations.parameters)} parameters to {len(loops.run)} loops")
+    # With elements that slip, the loop's area isn't the power's alone: only the elastic surfaces are a fair start then.
+    fair = elastic_values(from_surfaces) if equations.states else from_surfaces
+    begin = {**fair, **(start or {})}
+    first = fit(structure, observations, start=begin, tolerance=ROUGHLY, progress=progress)
+    widened = observations.with_discrepancy(first.law_force)
+    return fit(structure, widened, start=first.law.values, progress=progress)
+
+
+def law_file(
+    identification: Identification,
+    campaign: Campaign,
+    *,
+    name: str,
+    command: str,
+    date: str | None,
+    history: Iterable[HistoryStep] = (),
+) -> LawFile:
+    """Give the parameter file of an identified law.
+
+    Args:
+        identification: what was found.
+        campaign: the tests it was found from.
+        name: name of the law.
+        command: the command that makes this file again.
+        date: when it was made; None leaves the line out.
+        history: what was added before, and what the error did.
+    """
+    runs = identification.misfits
+    quality = FitQuality(
+        method=identification.method,
+        nrmse=rounded(overall_nrmse(runs)),
+        noise_nrmse=_rounded(known_noise(runs, identification.loops)),
+        runs=tuple(
+            RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse) if many else None)
+            for run, many in zip(runs, identification.loops.shows_scatter, strict=True)
+        ),
+        unsettled=int(np.count_nonzero(identification.fit.law_force.unsettled)) or None,
+    )
+    data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
+    covered = range_of(identification.loops, aged=ages(identification.fit.equations))
+    return file_of_fit(
+        identification.fit, covered, data, quality,
+        name=name, command=command, date=date, history=history,
+    )  # fmt: skip
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else rounded(value)
+
+
+def data_source(name: str, fingerprint: str, runs_used: int, left_out: Iterable[LeftOut]) -> DataSource:
+    """Give what a parameter file says of the data that its law was identified from."""
+    entries = tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in left_out)
+    return DataSource(name=name, fingerprint=fingerprint, runs_used=runs_used, left_out=entries)
+
+
+def file_of_fit(
+    result: Fit,
+    range: Mapping[str, Interval],
+    data: DataSource,
+    quality: FitQuality,
+    *,
+    name: str,
+    command: str,
+    date: str | None,
+    history: Iterable[HistoryStep] = (),
+) -> LawFile:
+    """Give the parameter file of a fit, whatever it was fitted to.
+
+    Args:
+        result: the fit.
+        range: of the conditions that the data cover.
+        data: where it comes from.
+        quality: how well the law fits it.
+        name: name of the law.
+        command: the command that makes this file again.
+        date: when it was made; None leaves the line out.
+        history: what was added before, and what the error did.
+    """
+    order = np.argsort(np.array(result.fitted))
+    names = tuple(result.fitted[index] for index in order)
+    matrix = result.covariance[np.ix_(order, order)]
+    structure = result.law.structure
+    step = HistoryStep(step=" + ".join((structure.base, *structure.effects)), nrmse=quality.nrmse)
+    return LawFile(
+        schema=SCHEMA,
+        name=name,
+        base=structure.base,
+        effects=structure.effects,
+        declared=tuple(entry for entry in structure.declared if entry.id in structure.effects),
+        smoothing={"v_r": rounded(result.law.v_r), "y_r": rounded(result.law.y_r)},
+        coefficients=coefficient_entries(result),
+        covariance=Covariance(names=names, matrix=tuple(tuple(rounded(entry) for entry in row) for row in matrix)),
+        correlations=tuple(
+            Correlation(pair=(one, other), value=round(value, 4)) for one, other, value in result.strong_correlations()
+        ),
+        range=dict(range),
+        data=data,
+        fit=quality,
+        history=(*history, step),
+        software=software(),
+        command=command,
+        date=date,
+    )
+
+
+def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
+    """Give the file's entry of each parameter: value, standard error, and how it came about."""
+    errors = result.standard_errors()
+    entries = {}
+    for parameter in result.equations.parameters:
+        name = parameter.name
+        if name in result.frozen:
+            state: CoefficientState = "held" if result.frozen[name] in (HELD, WISHED) else "frozen"
+        elif name in result.at_bound:
+            state = "at_bound"
+        else:
+            state = "fitted"
+        entries[name] = CoefficientEntry(
+            value=rounded(result.law.values[name]),
+            unit=parameter.unit,
+            standard_error=rounded(errors[name]) if name in errors else None,
+            state=state,
+            meaning=parameter.meaning,
+            reason=result.frozen.get(name, ""),
+        )
+    return entries
+
+
+def ages(equations: Equations) -> bool:
+    """Tell whether a law depends on the load cycles that the specimen has seen."""
+    return symbols.N in equations.slow_signals
+
+
+def range_of(loops: Loops, *, aged: bool = False) -> dict[str, Interval]:
+    """Give the range of conditions that the loops cover; conditions that aren't known are left out.
+
+    Args:
+        loops: the tests.
+        aged: whether the load cycles belong to it.
+    """
+    slow = {
+        "A": loops.amplitude_mm,
+        "f": loops.frequency_Hz,
+        "T": loops.temperature_K,
+        "rho": loops.density_g_cm3,
+    }
+    cycles = {"N": np.concatenate(loops.cycles)} if aged else {}
+    return intervals_of({**slow, **cycles, **loops.conditions})
+
+
+def software() -> str:
+    """Give the program's name and version."""
+    return f"pipeclamp {importlib.metadata.version('pipeclamp')}"

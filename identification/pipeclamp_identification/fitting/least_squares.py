@@ -1,0 +1,489 @@
+"""Joint nonlinear least squares of a law to all observations at once, with exact Jacobians."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import sympy as sp
+
+from pipeclamp_identification.fitting.observations import Observations, data_scales
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.equations.effect import Parameter
+from pipeclamp_models.law.law import Equations, Law, Structure, find_base, smoothing
+from pipeclamp_models.realise.force import LawForce, force_of_equations
+from pipeclamp_models.realise.motion import refuse_unknown_conditions
+from pipeclamp_models.realise.sizes import number_of
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
+
+TOLERANCE = 1e-10
+HELD = "held by the law's structure"
+WISHED = "held by wish"
+VARIES = {"A": 0.05}
+VARIES_OTHERWISE = 0.02
+"""A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
+by a few percent."""
+LEVELS_APART = 0.04
+"""Values of a condition further apart than this share of its range are different levels."""
+MOST_EVALUATIONS = 100
+BEYOND_REASON = 1e100
+"""Residuals in units of their standard errors that no arithmetic can square and sum."""
+SINGULAR = 1e-7
+"""Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
+ALIKE = 1e-3
+"""Parameters whose shares of an undetermined direction differ by less are alike in it."""
+AT_BOUND = 1e-6
+"""A parameter is at a bound when no more than this share of the allowed range lies between."""
+STRONG_CORRELATION = 0.95
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted law with its uncertainty.
+
+    Attributes:
+        law: structure and values.
+        equations: the composed law.
+        fitted: names of the fitted parameters, in the order of `covariance`.
+        covariance: shape (fitted, fitted).
+        frozen: why a parameter was held, by name.
+        at_bound: parameters that ended at a bound.
+        law_force: force (R, n) and Jacobian at the solution.
+        cost: half the sum of squared weighted residuals.
+    """
+
+    law: Law
+    equations: Equations
+    fitted: tuple[str, ...]
+    covariance: Array
+    frozen: Mapping[str, str]
+    at_bound: frozenset[str]
+    law_force: LawForce
+    cost: float
+
+    @property
+    def places(self) -> npt.NDArray[np.intp]:
+        """Places of the fitted parameters among all of the law's."""
+        place = {name: index for index, name in enumerate(self.equations.names)}
+        return np.array([place[name] for name in self.fitted], dtype=np.intp)
+
+    def standard_errors(self) -> dict[str, float]:
+        """Give the standard error of each fitted parameter by name."""
+        return dict(zip(self.fitted, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    def strong_correlations(self, limit: float = STRONG_CORRELATION) -> list[tuple[str, str, float]]:
+        """Give the pairs of parameters whose correlation exceeds the limit, strongest first."""
+        scale = np.sqrt(np.diag(self.covariance))
+        correlation = self.covariance / np.outer(scale, scale)
+        pairs = [
+            (self.fitted[i], self.fitted[j], float(np.clip(correlation[i, j], -1, 1)))
+            for i, j in itertools.combinations(range(len(self.fitted)), 2)
+            if abs(correlation[i, j]) > limit
+        ]
+        return sorted(pairs, key=lambda pair: -abs(pair[2]))
+
+
+@dataclass
+class _Remembered:
+    """The law's force and Jacobian at values of its parameters; remembers the last two evaluations.
+
+    Two, for a step that is tried and refused leaves the fit at the point before.
+    """
+
+    observations: Observations
+    equations: Equations
+    smoothing: tuple[float, float]
+    _known: dict[bytes, LawForce] = field(default_factory=dict)
+
+    def at(self, values: Array) -> LawForce:
+        """Give force and Jacobian at values in the order of the equations' parameters."""
+        key = values.tobytes()
+        if key not in self._known:
+            while len(self._known) > 1:
+                del self._known[next(iter(self._known))]
+            self._known[key] = force_of_equations(
+                self.equations, values, self.smoothing, self.observations.motion, derivatives=True
+            )
+        return self._known[key]
+
+
+@dataclass(frozen=True)
+class _Evaluator:
+    """The law's weighted residuals as a function of the free parameters, the others at their values."""
+
+    law: _Remembered
+    values: Array
+    free: npt.NDArray[np.intp]
+
+    @property
+    def observations(self) -> Observations:
+        """What the law is held against."""
+        return self.law.observations
+
+    def law_force(self, free_values: Array) -> LawForce:
+        """Give force and Jacobian for values of the free parameters."""
+        values = self.values.copy()
+        values[self.free] = free_values
+        return self.law.at(values)
+
+    def residual(self, free_values: Array) -> Array:
+        """Give the weighted residuals, flat; values beyond all reason count as huge, not as NaN."""
+        residual = self.observations.residual(self.law_force(free_values))
+        return np.nan_to_num(residual, nan=1e6, posinf=1e6, neginf=-1e6).ravel()
+
+    def jacobian(self, free_values: Array) -> Array:
+        """Give the residuals' derivatives by the free parameters, shape (residuals, free)."""
+        slopes = self.observations.residual_slopes(self.law_force(free_values), self.free)
+        return np.nan_to_num(slopes.reshape(len(self.free), slopes.shape[1] * slopes.shape[2]).T)
+
+
+def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
+    """Give the parameters that nothing uses, or whose condition does not vary in the data, with the reason."""
+    reasons: dict[str, str] = {}
+    used = equations.used_symbols
+    for parameter in equations.parameters:
+        if parameter.symbol not in used:
+            reasons[parameter.name] = "the law has nothing that it scales"
+            continue
+        for signal in parameter.follows:
+            values = observations.motion.slow.get(str(signal))
+            if str(signal) in observations.motion.assumed:
+                reasons[parameter.name] = f"{signal} isn't known"
+            elif values is None or not np.all(np.isfinite(values)):
+                reasons[parameter.name] = f"{signal} isn't known in every run"
+            elif (count := _levels(str(signal), values)) < parameter.levels:
+                reasons[parameter.name] = (
+                    f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
+                )
+    return reasons
+
+
+def _reasons(structure: Structure, equations: Equations, observations: Observations) -> dict[str, str]:
+    """Give the parameters that aren't fitted, with the reason: held by the base's form, by wish, or undetermined."""
+    fixed = find_base(structure.base).fixed
+    held = {name: HELD if fixed.get(name) == value else WISHED for name, value in structure.held().items()}
+    return {**undetermined(equations, observations), **{name: held[name] for name in held if name in equations.names}}
+
+
+def varies(signal: str, values: Array) -> bool:
+    """Tell whether a condition varies by more than tests scatter that were meant to be alike."""
+    share = VARIES.get(signal, VARIES_OTHERWISE)
+    return bool(np.ptp(values) > share * np.max(np.abs(values)))
+
+
+def _levels(signal: str, values: Array) -> int:
+    """Count the levels of a condition: clusters of values; one where it doesn't vary."""
+    if not varies(signal, values):
+        return 1
+    ordered = np.sort(values, axis=None)
+    apart = LEVELS_APART * (ordered[-1] - ordered[0])
+    count, begin = 1, ordered[0]
+    for value in ordered:
+        # From the level's own beginning, so that a condition that varies finely has many levels, not one.
+        if value > begin + apart:
+            count, begin = count + 1, value
+    return count
+
+
+def fit(
+    structure: Structure,
+    observations: Observations,
+    *,
+    start: Mapping[str, float] | None = None,
+    tolerance: float = TOLERANCE,
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit all parameters of a law jointly.
+
+    Args:
+        structure: the law's structure; parameters that its base or `frozen` hold stay there.
+        observations: what is fitted.
+        start: values to start from, by name; the other parameters start where their effects say. Without a value here,
+            an effect with several starts is tried from each of them.
+        tolerance: relative change of cost or parameters below which the fit ends.
+        progress: is told what is being done.
+
+    Returns:
+        The best fit over all starts.
+
+    Raises:
+        UserError: there are fewer observations than free parameters.
+    """
+    equations = structure.equations
+    refuse_unknown_conditions(sorted(map(str, equations.slow_signals)), observations.motion)
+    held = structure.held()
+    reasons = _reasons(structure, equations, observations)
+    scales = data_scales(observations)
+    neutral = {parameter.name: _neutral(parameter, scales) for parameter in equations.parameters}
+    A, f = observations.motion.slow["A"], observations.motion.slow["f"]
+    smooth = smoothing(float(np.min(A)), float(np.min(f)))
+    best: tuple[float, Array] | None = None
+    starts = _starts(equations, start or {}, scales)
+    with one_thread():
+        law = _Remembered(observations, equations, smooth)
+        for attempt, values in enumerate(starts):
+            if progress and len(starts) > 1:
+                progress(f"fit from start {attempt + 1} of {len(starts)}")
+            begin = np.array(
+                [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]
+            )
+            cost, solution = _minimise(law, begin, frozenset(reasons), scales, tolerance)
+            if best is None or cost < best[0]:
+                best = cost, solution
+        assert best is not None
+        return _finish(structure, law, best[1], reasons, scales)
+
+
+def starting_points(
+    structure: Structure, observations: Observations, given: Mapping[str, float]
+) -> list[dict[str, float]]:
+    """Give the points that a fit starts from: each effect's own starts in combination, given values as they are."""
+    return _starts(structure.equations, given, data_scales(observations))
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """A law's weighted residuals at a point, flat, with their derivatives by the parameters that a fit would free.
+
+    Attributes:
+        free: names of those parameters.
+        residual: shape (residuals,).
+        jacobian: shape (residuals, free).
+    """
+
+    free: tuple[str, ...]
+    residual: Array
+    jacobian: Array
+
+    def cost_after_one_step(self) -> float:
+        """Give half the sum of squared residuals that the derivatives can't explain: a cheap screen before a fit."""
+        with one_thread():
+            norms = np.linalg.norm(self.jacobian, axis=0)
+            basis = self.jacobian / np.where(norms > 0, norms, 1.0)
+            gain = basis.T @ self.residual
+            explained = gain @ np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True) @ gain
+        return float(self.residual @ self.residual - explained) / 2
+
+
+def linearised(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Linearised:
+    """Give a law's residuals at a point, linearised.
+
+    Args:
+        structure: the law's structure.
+        observations: what it would be fitted to.
+        values: the point, a value for each parameter.
+    """
+    equations = structure.equations
+    out = set(structure.held()) | set(undetermined(equations, observations))
+    free = np.array([index for index, name in enumerate(equations.names) if name not in out], dtype=np.intp)
+    A, f = observations.motion.slow["A"], observations.motion.slow["f"]
+    smooth = smoothing(float(np.min(A)), float(np.min(f)))
+    begin = np.array([structure.held().get(name, values[name]) for name in equations.names])
+    evaluator = _Evaluator(_Remembered(observations, equations, smooth), begin, free)
+    with one_thread():
+        residual, jacobian = evaluator.residual(begin[free]), evaluator.jacobian(begin[free])
+    return Linearised(tuple(equations.names[index] for index in free), residual, jacobian)
+
+
+def unfitted(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Fit:
+    """Give a law with the given values as it stands against observations, nothing fitted.
+
+    Args:
+        structure: the law's structure.
+        observations: what it is held against.
+        values: a value for each parameter; what is missing is neutral.
+    """
+    equations = structure.equations
+    scales = data_scales(observations)
+    chosen = {
+        parameter.name: values.get(parameter.name, _neutral(parameter, scales)) for parameter in equations.parameters
+    }
+    A, f = observations.motion.slow["A"], observations.motion.slow["f"]
+    law = Law(structure, chosen, *smoothing(float(np.min(A)), float(np.min(f))))
+    law_force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), observations.motion)
+    residual = observations.residual(law_force)
+    return Fit(
+        law=law,
+        equations=equations,
+        fitted=(),
+        covariance=np.zeros((0, 0)),
+        frozen=_reasons(structure, equations, observations),
+        at_bound=frozenset(),
+        law_force=law_force,
+        cost=float(np.sum(residual**2)) / 2,
+    )
+
+
+def _neutral(parameter: Parameter, scales: Mapping[sp.Symbol, float]) -> float:
+    return parameter.neutral if parameter.neutral is not None else number_of(parameter.starts[0], scales)
+
+
+def parameter_bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) -> tuple[Array, Array]:
+    """Give the lower and the upper bound of each parameter of a law, for data of these scales."""
+    lower = np.array([number_of(parameter.lower, scales) for parameter in equations.parameters])
+    upper = np.array([number_of(parameter.upper, scales) for parameter in equations.parameters])
+    return lower, upper
+
+
+def _starts(
+    equations: Equations, given: Mapping[str, float], scales: Mapping[sp.Symbol, float]
+) -> list[dict[str, float]]:
+    """Give the starting points: for each effect with several starts, every one of them in combination."""
+    choices: list[list[dict[str, float]]] = []
+    for effect in equations.effects:
+        count = max((len(parameter.starts) for parameter in effect.parameters), default=1)
+        if all(parameter.name in given for parameter in effect.parameters):
+            count = 1
+        choices.append(
+            [
+                {
+                    parameter.name: given.get(
+                        parameter.name, number_of(parameter.starts[min(index, len(parameter.starts) - 1)], scales)
+                    )
+                    for parameter in effect.parameters
+                }
+                for index in range(count)
+            ]
+        )
+    return [{name: value for part in parts for name, value in part.items()} for parts in itertools.product(*choices)]
+
+
+def _minimise(
+    law: _Remembered,
+    begin: Array,
+    held: frozenset[str],
+    scales: Mapping[sp.Symbol, float],
+    tolerance: float,
+) -> tuple[float, Array]:
+    """Minimise from one start; give the cost and all values."""
+    equations = law.equations
+    free = np.array([index for index, name in enumerate(equations.names) if name not in held], dtype=np.intp)
+    evaluator = _Evaluator(law, begin, free)
+    if len(free) == 0:
+        residual = evaluator.residual(begin[free])
+        return float(residual @ residual) / 2, begin
+    lower, upper = (bound[free] for bound in parameter_bounds(equations, scales))
+    x0 = np.clip(begin[free], lower, upper)
+    inside = 1e-9 * np.maximum(1.0, np.abs(x0))
+    x0 = np.clip(x0, lower + inside, upper - inside)
+    if len(evaluator.residual(x0)) < len(free):
+        raise UserError(
+            f"{len(evaluator.residual(x0))} observations can't determine {len(free)} parameters; "
+            "expected at least as many: add runs, or leave effects out"
+        )
+    if not np.max(np.abs(evaluator.residual(x0))) < BEYOND_REASON:
+        raise UserError(
+            f"the law gives forces beyond all reason at {dict(zip(equations.names, begin.tolist(), strict=True))}; "
+            "expected held values of the size that the tests show"
+        )
+
+    # What only holds a law against tests does without it: it takes as long to load as all the rest.
+    from scipy.optimize import least_squares
+
+    def minimise(method: str, at: Array) -> OptimizeResult:
+        return least_squares(
+            evaluator.residual,
+            at,
+            jac=evaluator.jacobian,
+            bounds=(lower, upper),
+            x_scale="jac",
+            method=method,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            max_nfev=MOST_EVALUATIONS,
+        )
+
+    result = minimise("trf", x0)
+    if result.status == 0:
+        # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
+        result = minimise("dogbox", result.x)
+    values = begin.copy()
+    values[free] = result.x
+    return float(result.cost), values
+
+
+def _finish(
+    structure: Structure,
+    law: _Remembered,
+    values: Array,
+    reasons: Mapping[str, str],
+    scales: Mapping[sp.Symbol, float],
+) -> Fit:
+    """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
+    equations = law.equations
+    lower, upper = parameter_bounds(equations, scales)
+    frozen = dict(reasons)
+    allowed = upper - lower
+    width = AT_BOUND * np.where(np.isfinite(allowed), allowed, np.maximum(np.abs(values), 1e-3))
+    at_bound = {
+        name
+        for index, name in enumerate(equations.names)
+        if name not in frozen
+        and (values[index] - lower[index] <= width[index] or upper[index] - values[index] <= width[index])
+    }
+    free = np.array(
+        [index for index, name in enumerate(equations.names) if name not in frozen and name not in at_bound],
+        dtype=np.intp,
+    )
+    while True:
+        evaluator = _Evaluator(law, values, free)
+        jacobian = evaluator.jacobian(values[free])
+        norms = np.linalg.norm(jacobian, axis=0)
+        scaled = jacobian / np.where(norms > 0, norms, 1.0)
+        _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
+        if len(free) == 0 or (np.all(norms > 0) and singular[-1] > SINGULAR * singular[0]):
+            break
+        weak = int(np.argmin(norms)) if np.any(norms == 0) else _last_of_largest(np.abs(directions[-1]))
+        frozen[equations.names[free[weak]]] = "the data doesn't determine it"
+        free = np.delete(free, weak)
+    residual = evaluator.residual(values[free])
+    law_force = evaluator.law_force(values[free])
+    by_run = residual.reshape(law.observations.motion.y.shape[0], -1)
+    return Fit(
+        law=Law(structure, dict(zip(equations.names, values.tolist(), strict=True)), *law.smoothing),
+        equations=equations,
+        fitted=tuple(equations.names[index] for index in free),
+        covariance=_covariance(scaled, norms, by_run, law.observations.compared(law_force)),
+        frozen=frozen,
+        at_bound=frozenset(at_bound),
+        law_force=law_force,
+        cost=float(residual @ residual) / 2,
+    )
+
+
+def _last_of_largest(shares: Array) -> int:
+    """Give the last of the largest entries: rounding mustn't choose between parameters that only show together."""
+    return int(np.flatnonzero(shares > (1 - ALIKE) * shares.max())[-1])
+
+
+def _covariance(scaled: Array, norms: Array, residual: Array, compared: int) -> Array:
+    """Give the covariance from the scaled Jacobian (residuals, P), its norms (P,) and the residuals by run (R, m).
+
+    So many of the residuals are compared: the others are zero, whatever the law.
+
+    Residuals of one run share their causes (its temperature, its scatter), so they are counted run by run: the
+    covariance is the sandwich of run sums, where there are runs enough for it, and never below the one that trusts the
+    stated uncertainties.
+    """
+    runs, count = residual.shape[0], scaled.shape[1]
+    if count == 0:
+        return np.zeros((0, 0))
+    inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
+    spread = max(1.0, float(np.sum(residual**2)) / max(compared - count, 1))
+    plain = inverse * spread
+    if runs > 2 * count:
+        scores = np.einsum("rmp,rm->rp", scaled.reshape(runs, -1, count), residual)
+        sandwich = inverse @ (scores.T @ scores) @ inverse * runs / (runs - count)
+        scale = np.sqrt(np.maximum(np.diag(sandwich) / np.diag(plain), 1.0))
+        plain = plain * np.outer(scale, scale)
+    return np.asarray(plain / np.outer(norms, norms))

@@ -1,0 +1,285 @@
+"""What a fit compares: the harmonics of measured loops."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+import sympy as sp
+
+from pipeclamp_identification.campaign.smoothing import averaged
+from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
+from pipeclamp_identification.signals.reversals import Bridged
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.realise.force import LawForce
+from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.sizes import data_sizes
+
+FEW_SAMPLES = 400
+"""Below so many samples a cycle, a law is seen through the record's own sampling."""
+SAMPLES = 512
+"""Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
+
+
+Rows = npt.NDArray[np.intp]
+
+
+class Observations(Protocol):
+    """Measured quantities, in units of their own uncertainty, on known motions."""
+
+    @property
+    def motion(self) -> Motion:
+        """The motions at which the law's force is wanted, one a row."""
+
+    @property
+    def force_amplitude(self) -> Array:
+        """Half the range of the measured force in N, shape (R,)."""
+
+    def residual(self, law_force: LawForce) -> Array:
+        """Give the weighted residuals, measured less law, shape (R, m), for the law's force on the motion."""
+
+    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+        """Give the derivatives of the residuals by some of the parameters, shape (P, R, m)."""
+
+    def compared(self, law_force: LawForce) -> int:
+        """Give how many of the residuals are evidence; the others are zero, whatever the law."""
+
+
+def harmonics_of(samples: Array, count: int) -> Array:
+    """Give harmonics 0..count of periodic rows as real numbers: mean, then real and imaginary parts.
+
+    Args:
+        samples: shape (..., n), equally spaced over one cycle.
+        count: highest harmonic.
+
+    Returns:
+        shape (..., 2 count + 1): F_0, Re F_1, Im F_1, ..., where F = Re sum F_n exp(i n theta).
+    """
+    n = samples.shape[-1]
+    transform = np.fft.rfft(samples, axis=-1)[..., : count + 1] * (2.0 / n)
+    harmonics = np.empty((*samples.shape[:-1], 2 * count + 1))
+    harmonics[..., 0] = transform[..., 0].real / 2
+    harmonics[..., 1::2] = transform[..., 1:].real
+    harmonics[..., 2::2] = transform[..., 1:].imag
+    return harmonics
+
+
+def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: int) -> Array:
+    """Give the matrix that turns a force on the grid into harmonics as a record's own sampling would show them.
+
+    A force with a step at its reversals has harmonics far beyond those that are kept; where a record has few samples a
+    cycle, always at the same phases, they fold down onto the low ones. A law must be seen through the same sampling.
+
+    Args:
+        phase: of each sample within the cycle, rad, shape (N,).
+        at_reversals: the samples that were bridged in the record.
+        samples: points of the grid, n.
+        count: highest harmonic.
+
+    Returns:
+        shape (n, 2 count + 1), ordered as `harmonics_of`.
+    """
+    # Most records have samples enough to do without it.
+    from scipy import sparse
+
+    order = np.arange(1, count + 1)
+    basis = np.empty((len(phase), 2 * count + 1))
+    basis[:, 0] = 1.0
+    basis[:, 1::2] = np.cos(np.outer(phase, order))
+    basis[:, 2::2] = -np.sin(np.outer(phase, order))
+    place = (phase % (2 * np.pi)) * (samples / (2 * np.pi))
+    left = np.floor(place).astype(np.intp) % samples
+    share = place - np.floor(place)
+    points = np.concatenate([left, (left + 1) % samples])
+    weights = np.concatenate([1 - share, share])
+    rows = np.tile(np.arange(len(phase)), 2)
+    interpolation = sparse.csr_array((weights, (points, rows)), shape=(samples, len(phase)))
+    transform = np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T
+    near = at_reversals.places.ravel()
+    left_over = (interpolation[:, near].toarray() - transform @ basis[near].T).reshape(samples, 3, -1)
+    sums = np.where(np.arange(basis.shape[1]) > 0, 2.0, 1.0) * basis[at_reversals.sample] / len(phase)
+    return np.asarray(transform + at_reversals.change(left_over) @ sums)
+
+
+def _transforms(loops: Loops) -> Array | None:
+    """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
+    few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=True)]
+    if not any(few) and not loops.force_average:
+        return None
+    count = loops.force.shape[1] - 1
+    plain = harmonics_of(np.eye(SAMPLES), count)
+    own = np.tile(plain, (len(loops.run), 1, 1))
+    with one_thread():
+        for row in np.flatnonzero(few):
+            carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
+            own[row, :, : 2 * carried + 1] = sampled_transform(
+                loops.phases[row], loops.at_reversals[row], SAMPLES, carried
+            )
+    # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
+    return averaged(own, loops.force_average, axis=1)
+
+
+def _chosen(law_force: LawForce, parameters: Rows) -> Array:
+    """Give the derivatives of the force by some of the parameters, shape (P, R, n)."""
+    if law_force.jacobian is None:
+        raise ValueError("the force was computed without derivatives")
+    # All of them are many megabytes, which needn't be copied.
+    every = np.array_equal(parameters, np.arange(len(law_force.jacobian)))
+    return law_force.jacobian if every else law_force.jacobian[parameters]
+
+
+@dataclass(frozen=True)
+class LoopObservations:
+    """Harmonics of measured loops.
+
+    Attributes:
+        motion: the measured motions, R rows.
+        harmonics: measured force in N as `harmonics_of` gives it, shape (R, 2 H + 1).
+        standard_error: of each of them, same shape; infinite where there is none.
+        force_amplitude: N, shape (R,).
+        transforms: how each record's sampling turns force into harmonics, shape (R, n, 2 H + 1); None where it is
+            fine enough for that not to matter.
+    """
+
+    motion: Motion
+    harmonics: Array
+    standard_error: Array
+    force_amplitude: Array
+    transforms: Array | None = None
+
+    def transformed(self, force: Array) -> Array:
+        """Give the harmonics of force on the motion's grid, shape (..., R, n), as the records would show them."""
+        if self.transforms is None:
+            return harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
+        by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
+        return np.asarray(np.moveaxis(by_run @ self.transforms, 0, 1).reshape(*force.shape[:-1], -1))
+
+    @property
+    def seen(self) -> npt.NDArray[np.bool_]:
+        """Whether each entry was measured; sampling may not carry the highest harmonics."""
+        return np.isfinite(self.standard_error)
+
+    def plain_residual(self, law_force: LawForce) -> Array:
+        """Give measured less law in N; the mean force of a row that is adrift is no evidence."""
+        residual = self.harmonics - self.transformed(law_force.force)
+        residual[law_force.adrift, 0] = 0.0
+        return np.asarray(residual)
+
+    def plain_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+        """Give the derivatives of the plain residuals; the transform is linear."""
+        slopes = -self.transformed(_chosen(law_force, parameters))
+        slopes[:, law_force.adrift, 0] = 0.0
+        return np.asarray(slopes)
+
+    def residual(self, law_force: LawForce) -> Array:
+        """Give (measured - law)/standard error."""
+        return np.asarray(self.plain_residual(law_force) / self.standard_error)
+
+    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+        """Give the derivatives of the residuals."""
+        return np.asarray(self.plain_slopes(law_force, parameters) / self.standard_error)
+
+    def compared(self, law_force: LawForce) -> int:
+        """Give how many of the residuals are evidence."""
+        return int(np.count_nonzero(self.seen) - np.count_nonzero(law_force.adrift & self.seen[:, 0]))
+
+    def rows(self, chosen: Rows) -> LoopObservations:
+        """Give the observations of some of the loops."""
+        return LoopObservations(
+            self.motion.rows(chosen),
+            self.harmonics[chosen],
+            self.standard_error[chosen],
+            self.force_amplitude[chosen],
+            None if self.transforms is None else self.transforms[chosen],
+        )
+
+    def mean_squares(self, law_force: LawForce) -> Array:
+        """Give the mean square of each loop's error, N2, shape (R,), by Parseval; scatter left aside."""
+        error = np.where(self.seen, self.plain_residual(law_force), 0.0)
+        return np.asarray(error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2)
+
+    def with_discrepancy(self, law_force: LawForce) -> LoopObservations:
+        """Widen the uncertainty by what a law leaves over beyond the noise, as if it were spread over all harmonics.
+
+        Where the law misses something, noise alone would let the quietest runs and the quietest harmonics rule the
+        fit. Spread evenly, a law that misses much is fitted for the smallest rms force, and one that misses nothing by
+        the noise.
+        """
+        used = np.isfinite(self.standard_error)
+        error = np.where(used, self.plain_residual(law_force), 0.0)
+        noise = np.where(used, self.standard_error, 0.0) ** 2
+        excess = max(float(np.sum(error**2 - noise)) / np.count_nonzero(used), 0.0)
+        return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))
+
+
+def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
+    """Give the measured motions of loops over one cycle, for laws to be evaluated on.
+
+    Further conditions are named as in the campaign.
+
+    Raises:
+        UserError: the temperature is known for some runs only.
+    """
+    slow = {
+        "A": loops.amplitude_mm,
+        "f": loops.frequency_Hz,
+        "T": known_temperature(loops.temperature_K, loops.run),
+        "N": loops.cycle,
+        "rho": loops.density_g_cm3,
+        **{str(symbols.condition_symbol(name)): values for name, values in loops.conditions.items()},
+    }
+    y, v, a = displacement_on_grid(loops, samples)
+    columns = {name: values[:, None] for name, values in slow.items()}
+    h = 1.0 / (loops.frequency_Hz[:, None] * samples)
+    return Motion(y, v, a, columns, h, assumed=assumed_signals(loops.temperature_K))
+
+
+def assumed_signals(temperature: Array) -> frozenset[str]:
+    """Give the slow signals whose values are assumed: T, where no run's temperature, in K, is known."""
+    return frozenset() if np.any(np.isfinite(temperature)) else frozenset({"T"})
+
+
+def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
+    """Give the temperatures in K; where none is known at all the reference, so that a law without T can be identified.
+
+    Args:
+        temperature: K, nan where it isn't known, shape (R,).
+        runs: names of the runs.
+
+    Raises:
+        UserError: it is known for some runs only.
+    """
+    known = np.isfinite(temperature)
+    if not known.any():
+        return np.full(len(temperature), float(symbols.REFERENCES[symbols.T_0]))
+    if not known.all():
+        blank = [run for run, there in zip(runs, known, strict=True) if not there]
+        raise UserError(
+            f"the temperature is known for {known.sum()} of {len(temperature)} runs only, not for "
+            f"{', '.join(blank[:5])}{' ...' if len(blank) > 5 else ''}; fill in temperature_C in runs.csv, or blank it "
+            "everywhere"
+        )
+    return temperature
+
+
+def loop_observations(loops: Loops) -> LoopObservations:
+    """Give the harmonics of loops as observations, in units of their scatter."""
+    harmonics = np.empty((len(loops.run), 2 * loops.force.shape[1] - 1))
+    harmonics[:, 0] = loops.force[:, 0].real
+    harmonics[:, 1::2] = loops.force[:, 1:].real
+    harmonics[:, 2::2] = loops.force[:, 1:].imag
+    error = loops.force_standard_error
+    both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
+    amplitude = np.ptp(on_grid(loops.force, SAMPLES), axis=1) / 2
+    return LoopObservations(loop_motion(loops), harmonics, both, amplitude, _transforms(loops))
+
+
+def data_scales(observations: Observations) -> Mapping[sp.Symbol, float]:
+    """Give the sizes of the data in which starts and bounds of parameters are stated."""
+    return data_sizes(observations.motion.slow, observations.force_amplitude)

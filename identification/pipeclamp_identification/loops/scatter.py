@@ -1,0 +1,121 @@
+"""Scatter: what of a run's force and displacement is not periodic, and what of it drifts from cycle to cycle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pipeclamp_identification.signals.harmonics import unit_phasor
+from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
+
+NOISE_FREEDOMS = 4.0
+"""The weight, in degrees of freedom, of the noise level as a first estimate of each harmonic's own scatter: keeps five
+cycles that agree by chance from weighing far too much."""
+JUMP_STANDARD_DEVIATIONS = 6.0
+"""Deviations beyond this many robust standard deviations are jumps of the loop itself."""
+PHASE_BINS = 24
+"""Parts of the cycle, of equal phase, over which the scatter is told."""
+DRIFT_BY_CHANCE = 1e-4
+"""A harmonic drifts when scatter alone would make so steady a change from cycle to cycle less often than this."""
+
+
+def drifting_force(per_cycle: ComplexArray, elapsed: Array, phase: Array) -> Array | None:
+    """Return the force that steadily changes from cycle to cycle, less its mean loop; None where none does.
+
+    A harmonic drifts when a line through its cycles leaves so little over that scatter would hardly do so: with two
+    freedoms for the line's slope and 2 (cycles - 2) for the rest, the F distribution's tail is a power.
+
+    Args:
+        per_cycle: harmonics of the force, (cycles, H + 1).
+        elapsed: cycles since the first sample, (N,).
+        phase: (N,) rad.
+    """
+    cycles = len(per_cycle)
+    if cycles < 3:
+        return None
+    along = np.arange(cycles) - (cycles - 1) / 2
+    deviation = per_cycle - np.mean(per_cycle, axis=0)
+    slope = along @ deviation / (along @ along)
+    explained = np.abs(slope) ** 2 * (along @ along)
+    rest = np.sum(np.abs(deviation - along[:, None] * slope) ** 2, axis=0)
+    drifting = np.flatnonzero(explained > (DRIFT_BY_CHANCE ** (-1 / (cycles - 2)) - 1) * rest)
+    if len(drifting) == 0:
+        return None
+    # a cycle's harmonics are those at its middle; before the first middle and after the last the line goes on
+    place = elapsed - 0.5
+    left = np.clip(np.floor(place).astype(np.intp), 0, cycles - 2)
+    share = place - left
+    force = np.zeros(len(phase))
+    for order in drifting:
+        between = (1 - share) * deviation[left, order] + share * deviation[left + 1, order]
+        force += (between * unit_phasor(order * phase)).real
+    return force
+
+
+def phase_bin(phase: Array) -> IntArray:
+    """Return the part of the cycle, 0 to PHASE_BINS - 1, in which each phase in rad lies."""
+    place = np.floor(phase * (PHASE_BINS / (2 * np.pi))).astype(np.intp)
+    return np.asarray(place % PHASE_BINS)
+
+
+def noise_by_phase(phase: Array, residual: Array) -> tuple[float, Array]:
+    """Return the rms of what is not periodic, and how its power spreads over the cycle, from neighbours in phase.
+
+    Neighbours in phase come from different cycles. What a sample differs by from the line through the one before and
+    the one after holds the noise of all three and next to nothing of the loop: its mean square gives the noise
+    variance (Gasser, Sroka and Jennen-Steinmetz, Biometrika 1986) and needs no count of fitted parameters. A jump of
+    the loop, such as friction makes at a reversal, shows in a few samples among hundreds, far beyond the others.
+
+    Args:
+        phase: (N,) rad, ascending.
+        residual: (N,) force without its harmonics.
+    """
+    spacing = np.maximum(np.diff(phase), 1e-12)
+    before = spacing[1:] / (spacing[1:] + spacing[:-1])
+    off = residual[1:-1] - before * residual[:-2] - (1 - before) * residual[2:]
+    off /= np.sqrt(1 + before**2 + (1 - before) ** 2)
+    typical = float(np.median(np.abs(off))) / 0.6745
+    # quantised readings of equal phase may agree exactly more often than not
+    usual = np.abs(off) <= JUMP_STANDARD_DEVIATIONS * typical if typical > 0.0 else np.ones(len(off), dtype=np.bool_)
+    squares = off[usual] ** 2
+    power = np.bincount(phase_bin(phase[1:-1][usual]), squares, PHASE_BINS)
+    whole = float(np.sum(power))
+    shares = power / whole if whole > 0.0 else np.full(PHASE_BINS, 1 / PHASE_BINS)
+    return math.sqrt(np.mean(squares)), shares
+
+
+def displacement_noise(per_cycle_harmonics: ComplexArray) -> float:
+    """Return the noise level of a cycle's harmonics of displacement: most of them hold nothing else.
+
+    Args:
+        per_cycle_harmonics: (cycles, H + 1).
+
+    Returns:
+        The variance of the real part, in the harmonics' unit squared.
+    """
+    cycles = len(per_cycle_harmonics)
+    if cycles > 1:
+        spread = np.sum(np.abs(per_cycle_harmonics - np.mean(per_cycle_harmonics, axis=0)) ** 2, axis=0)
+        return float(np.median(spread[1:])) / (2 * (cycles - 1))
+    # one cycle has no scatter: the upper half of its harmonics is the best that is known of the noise
+    upper = np.abs(per_cycle_harmonics[0, per_cycle_harmonics.shape[1] // 2 + 1 :]) ** 2
+    return float(np.median(upper)) / 2 if len(upper) else 0.0
+
+
+def harmonic_variance(per_cycle_harmonics: ComplexArray, noise: float) -> Array:
+    """Return each harmonic's variance from cycle to cycle, of the real and of the imaginary part each.
+
+    Args:
+        per_cycle_harmonics: (cycles, H + 1).
+        noise: the variance that noise alone gives the real part of a harmonic above 0.
+
+    Returns:
+        (H + 1,), a mean of the scatter and the noise level, weighted by their degrees of freedom.
+    """
+    cycles, count = per_cycle_harmonics.shape
+    parts = np.where(np.arange(count) > 0, 2.0, 1.0)
+    freedoms = parts * (cycles - 1)
+    spread = np.sum(np.abs(per_cycle_harmonics - np.mean(per_cycle_harmonics, axis=0)) ** 2, axis=0)
+    # the mean has half the variance of a harmonic's part
+    return np.asarray((NOISE_FREEDOMS * noise * parts / 2 + spread) / (NOISE_FREEDOMS + freedoms))

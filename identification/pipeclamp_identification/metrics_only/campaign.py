@@ -1,0 +1,217 @@
+"""Campaigns of metrics: loops whose records aren't there, known by their dissipated and elastic energy alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeclamp_identification.campaign.description import CampaignDescription
+from pipeclamp_identification.campaign.reading import LeftOut, fingerprint
+from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUMNS, RunRow, RunsTable
+from pipeclamp_identification.fitting.observations import assumed_signals, known_temperature
+from pipeclamp_identification.metrics_only.observations import MetricObservations
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.realise.motion import sinusoids
+
+SCATTER = 0.01
+"""Share by which metrics scatter from run to run before any data says so: a good rig's fraction of a percent, and what
+reading a loop's extremes adds."""
+SAMPLES = 256
+"""Points of the cycle at which laws are evaluated: an extreme between two of them is higher by less than 0.01 %."""
+ALIKE = 0.01
+"""A third metric that is stated beside two others must agree with them to this share, rounding aside."""
+
+
+@dataclass(frozen=True)
+class MetricRun:
+    """One loop: what was set (None where not known), its energies in J, and what rounding leaves open of each, as a
+    share."""
+
+    name: str
+    specimen: str | None
+    amplitude_mm: float
+    frequency_Hz: float
+    temperature_C: float | None
+    density_g_cm3: float | None
+    first_cycle: float
+    conditions: Mapping[str, float]
+    dissipated_energy_J: float
+    max_elastic_energy_J: float
+    rounding: tuple[float, float]
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness in N/mm that belongs to W: k = 2 W/X0^2, Eq. 4."""
+        return 2e3 * self.max_elastic_energy_J / self.amplitude_mm**2
+
+    @property
+    def loss_factor(self) -> float:
+        """Loss factor, eta = dW/(2 pi W), Eq. 6."""
+        return self.dissipated_energy_J / (2 * math.pi * self.max_elastic_energy_J)
+
+
+@dataclass(frozen=True)
+class MetricCampaign:
+    """The loops of one clamp by their metrics, in runs.csv's order, and those that were left out."""
+
+    name: str
+    notes: str
+    fingerprint: str
+    runs: tuple[MetricRun, ...]
+    left_out: tuple[LeftOut, ...]
+    condition_columns: tuple[str, ...]
+
+
+def metric_campaign_of(
+    folder: Path, description: CampaignDescription, table: RunsTable, strict: bool
+) -> MetricCampaign:
+    """Give the metrics of a campaign whose description and table have been read.
+
+    Raises:
+        UserError: no run can be used; or, with `strict`, one can't.
+    """
+    _refuse_half(folder / FILE_NAME, table)
+    runs: list[MetricRun] = []
+    left_out: list[LeftOut] = []
+    for row in table.rows:
+        reason = _unusable(row)
+        run = None if reason else _run(folder / FILE_NAME, row)
+        twin = next((other.name for other in runs if run and _same(run, other)), None)
+        if twin:
+            reason = f"it has the same numbers as run {twin!r}: one measurement, counted once"
+        if reason:
+            left_out.append(LeftOut(row.run, reason))
+        elif run:
+            runs.append(run)
+    if left_out and (strict or not runs):
+        heading = f"{folder}: {len(left_out)} of {len(table.rows)} runs can't be used; fill in or take out their rows"
+        raise UserError("\n".join([heading, *(f"  {one}" for one in left_out)]))
+    return MetricCampaign(
+        name=description.name,
+        notes=description.notes,
+        fingerprint=fingerprint(folder, {}),
+        runs=tuple(runs),
+        left_out=tuple(left_out),
+        condition_columns=table.condition_columns,
+    )
+
+
+def _refuse_half(path: Path, table: RunsTable) -> None:
+    """Refuse a table that tells only how much loops dissipate, or only how stiff they are."""
+    stated = {column for row in table.rows for column in row.metrics}
+    if len(stated) < 2 or stated == {"max_elastic_energy_J", "stiffness_N_mm"}:
+        raise UserError(
+            f"{path}: states {' and '.join(sorted(stated)) or 'no metric'} only; expected two of "
+            f"{', '.join(METRIC_COLUMNS)} that give dW and W: a law's damping follows from one, its stiffness from the "
+            "other"
+        )
+
+
+def _unusable(row: RunRow) -> str:
+    """Say why a row can't be used; empty where it can."""
+    for column, value in (("amplitude_mm", row.amplitude_mm), ("frequency_Hz", row.frequency_Hz)):
+        if value is None:
+            return f"{column} isn't known, and there is no record to measure it from"
+    stated = set(row.metrics)
+    if not stated & {"max_elastic_energy_J", "stiffness_N_mm"} and not stated >= {"dissipated_energy_J", "loss_factor"}:
+        return "its elastic energy isn't known"
+    if not stated & {"dissipated_energy_J", "loss_factor"}:
+        return "its dissipated energy isn't known"
+    return ""
+
+
+def _run(path: Path, row: RunRow) -> MetricRun:
+    """Give a row's dW and W, from whichever two metrics it states; a third must agree."""
+    assert row.amplitude_mm is not None
+    assert row.frequency_Hz is not None
+    half_square = row.amplitude_mm**2 / 2e3
+    stated = {column: (metric.value, metric.rounding / metric.value) for column, metric in row.metrics.items()}
+    stiffness, factor = stated.get("stiffness_N_mm"), stated.get("loss_factor")
+    elastic, dissipated = stated.get("max_elastic_energy_J"), stated.get("dissipated_energy_J")
+    if elastic is None:
+        if stiffness is not None:
+            elastic = stiffness[0] * half_square, stiffness[1]
+        else:
+            assert dissipated is not None
+            assert factor is not None
+            elastic = dissipated[0] / (2 * math.pi * factor[0]), math.hypot(dissipated[1], factor[1])
+    if dissipated is None:
+        assert factor is not None
+        dissipated = 2 * math.pi * factor[0] * elastic[0], math.hypot(factor[1], elastic[1])
+    expected = {
+        "stiffness_N_mm": elastic[0] / half_square,
+        "loss_factor": dissipated[0] / (2 * math.pi * elastic[0]),
+    }
+    for column, value in expected.items():
+        if column in stated:
+            got, rounding = stated[column]
+            if abs(got / value - 1) > ALIKE + 4 * math.hypot(rounding, dissipated[1], elastic[1]):
+                raise UserError(
+                    f"{path}, row {row.row}, column {column!r}: got {got:g}, but the row's energies make it "
+                    f"{value:.4g}; expected eta = dW/(2 pi W) and k = 2 W/X0^2 with X0 the amplitude; check the units"
+                )
+    return MetricRun(
+        name=row.run,
+        specimen=row.specimen,
+        amplitude_mm=row.amplitude_mm,
+        frequency_Hz=row.frequency_Hz,
+        temperature_C=row.temperature_C,
+        density_g_cm3=row.density_g_cm3,
+        first_cycle=row.first_cycle,
+        conditions=row.conditions,
+        dissipated_energy_J=dissipated[0],
+        max_elastic_energy_J=elastic[0],
+        rounding=(dissipated[1], elastic[1]),
+    )
+
+
+def _same(one: MetricRun, other: MetricRun) -> bool:
+    """Tell whether two rows are one measurement: tables repeat the row that they have in common."""
+    return replace(one, name=other.name) == other
+
+
+def metric_observations(
+    campaign: MetricCampaign, scatter: float = SCATTER, samples: int = SAMPLES
+) -> MetricObservations:
+    """Give a campaign's metrics as observations.
+
+    Args:
+        campaign: R runs.
+        scatter: share by which dW and W scatter, rounding aside.
+        samples: points of the cycle at which laws are evaluated.
+
+    Raises:
+        UserError: the temperature is known for some runs only.
+    """
+    runs = campaign.runs
+    T = np.array([math.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs])
+    motion = sinusoids(
+        [run.amplitude_mm for run in runs],
+        [run.frequency_Hz for run in runs],
+        known_temperature(T, [run.name for run in runs]),
+        samples,
+    )
+    rounding = np.array([run.rounding for run in runs])
+    density = [math.nan if run.density_g_cm3 is None else run.density_g_cm3 for run in runs]
+    columns = {
+        "N": [run.first_cycle for run in runs],
+        "rho": density,
+        **{
+            str(symbols.condition_symbol(name)): [run.conditions[name] for run in runs]
+            for name in campaign.condition_columns
+        },
+    }
+    slow = {**motion.slow, **{name: np.array(values)[:, None] for name, values in columns.items()}}
+    return MetricObservations(
+        replace(motion, slow=slow, assumed=assumed_signals(T)),
+        np.array([run.dissipated_energy_J for run in runs]),
+        np.array([run.max_elastic_energy_J for run in runs]),
+        np.hypot(scatter, rounding),
+        rounding,
+    )

@@ -1,0 +1,118 @@
+"""A law diagnosed on metrics without records: the verdict in words, and the test to run next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.next_test import NoTest
+from pipeclamp_identification.diagnosis.verdict import Verdict
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
+from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
+from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis, diagnose_metrics
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import LawFile, structure_of
+
+HEADLINES: dict[Verdict, str] = {
+    "complete": "Complete, as far as dW and W can show: what is left is scatter.",
+    "missing": "Missing: {}.",
+    "ambiguous": "One of these is missing, and these metrics can't tell which: {}.",
+    "unknown": "These metrics can't say what is missing.",
+}
+CONDITIONS = {"A": "amplitude", "f": "frequency", "T": "temperature", "N": "cycle number", "rho": "density"}
+
+
+@dataclass(frozen=True)
+class MetricDiagnosed:
+    """A law diagnosed on metrics.
+
+    Attributes:
+        diagnosis: the verdict and its evidence.
+        campaign: the metrics.
+        comparison: the law as it is in its file against them.
+        proposal: the test to run next, where rivals are left and one within the limits tells them apart.
+        no_test: why there is none, where rivals are left.
+    """
+
+    diagnosis: MetricDiagnosis
+    campaign: MetricCampaign
+    comparison: MetricComparison
+    proposal: MetricProposal | None
+    no_test: str = ""
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict."""
+        return self.diagnosis.verdict
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """What is missing, or may be, as `add` takes it; best first."""
+        return self.diagnosis.effects
+
+    def headline(self) -> str:
+        """Give the verdict in words."""
+        return HEADLINES[self.verdict].format(" or ".join(self.diagnosis.effects))
+
+    def words(self) -> list[str]:
+        """Say why, what it rests on, and what metrics can't show."""
+        return [*self.diagnosis.reasons, *self.cautions(), *_hidden_words(self.diagnosis)]
+
+    def cautions(self) -> list[str]:
+        """Warn where what was named rests on single measurements."""
+        diagnosis, words = self.diagnosis, []
+        name = "".join(diagnosis.effects[:1])
+        if diagnosis.rests_on:
+            rows = "; ".join(_place(self.campaign, row) for row in diagnosis.rests_on)
+            one = len(diagnosis.rests_on) == 1
+            few, without, tests = (
+                ("one row", "without", "that test") if one else ("single rows", "without any one of", "these tests")
+            )
+            words.append(
+                f"warning: {name} rests on {few}: {without} {rows}, less than half of its gain is left; repeat {tests} "
+                "before you trust it"
+            )
+        words += [
+            f"warning: every {CONDITIONS.get(signal, signal)} but one was tested once: each rests on one row, and "
+            f"nothing shows how far {name} scatters there"
+            for signal in diagnosis.tested_once
+        ]
+        return words
+
+
+def metrics_diagnosed(
+    file: LawFile,
+    campaign: MetricCampaign,
+    *,
+    declared: Iterable[Declaration] = (),
+    limits: Limits | None = None,
+    progress: Progress | None = None,
+) -> MetricDiagnosed:
+    """Diagnose the law of a parameter file on a campaign of metrics.
+
+    Raises:
+        UserError: the metrics can't serve the law.
+    """
+    comparison = compare_metrics(file, campaign)
+    diagnosis = diagnose_metrics(structure_of(file).with_declared(declared), campaign, progress=progress)
+    found = next_metric_test(diagnosis, limits)
+    if isinstance(found, NoTest):
+        return MetricDiagnosed(diagnosis, campaign, comparison, None, found.words)
+    return MetricDiagnosed(diagnosis, campaign, comparison, found)
+
+
+def _place(campaign: MetricCampaign, row: int) -> str:
+    run = campaign.runs[row]
+    T = "" if run.temperature_C is None else f", {run.temperature_C:g} °C"
+    return f"{run.name} ({run.amplitude_mm:g} mm, {run.frequency_Hz:g} Hz{T})"
+
+
+def _hidden_words(diagnosis: MetricDiagnosis) -> list[str]:
+    reasons: dict[str, list[str]] = {}
+    for name, reason in diagnosis.hidden.items():
+        reasons.setdefault(reason, []).append(name)
+    return [f"not visible in these metrics, so neither found nor refuted: {', '.join(names)} ({reason})"
+            for reason, names in reasons.items()]  # fmt: skip

@@ -1,0 +1,156 @@
+"""What `diagnose` answers of metrics without records; errors are rms log ratios of dW and W."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from pydantic import Field
+
+from pipeclamp_identification.diagnosis.answer import AddedEffect, HeldoutErrors, LawErrors
+from pipeclamp_identification.diagnosis.verdict import Verdict
+from pipeclamp_identification.metrics_only.comparison_answer import MEASURE
+from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
+from pipeclamp_identification.metrics_only.evidence import MetricJudged
+from pipeclamp_identification.metrics_only.law import rms
+from pipeclamp_identification.metrics_only.next_test import MetricProposal
+from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+
+
+class MetricCandidateAnswer(AnswerModel):
+    """An effect, refitted jointly with the law."""
+
+    effect: str = Field(description="as `add` takes it")
+    heldout_nrmse: float = Field(description="error on conditions that were left out")
+    nrmse: float
+    explained: float = Field(description="share of what the richest law explains that it explains alone")
+    chance: float = Field(description="that scatter alone makes what it gains, once for each effect tried")
+    objections: tuple[str, ...] = Field(description="what speaks physically against it")
+    parameters: Mapping[str, float]
+
+
+class MetricScatterAnswer(AnswerModel):
+    """Scatter of dW and W as shares, and the degrees of freedom that each is known by."""
+
+    dissipated_energy: float
+    max_elastic_energy: float
+    degrees_of_freedom: tuple[float, ...]
+
+
+class MetricNextTestAnswer(AnswerModel):
+    """A test that would tell rivals apart."""
+
+    amplitude_mm: float
+    frequency_Hz: float
+    temperature_C: float | None
+    profile: str
+    peak_displacement_mm: float
+    highest_frequency_Hz: float
+    peak_velocity_mm_s: float
+    separation: float
+    between: tuple[str, ...]
+    words: str
+
+
+class MetricDiagnosisAnswer(AnswerModel):
+    """The answer of `pipeclamp diagnose --json` for metrics without records."""
+
+    verdict: Verdict
+    effects: tuple[str, ...] = Field(description="as `add` takes them, best first")
+    measure: str = Field(description="what the errors measure")
+    candidates: tuple[MetricCandidateAnswer, ...]
+    screened_out: tuple[str, ...] = Field(description="effects that were fitted and gain next to nothing")
+    not_visible: Mapping[str, str] = Field(description="effects that metrics can't show here, and why")
+    nrmse: LawErrors
+    heldout_nrmse: HeldoutErrors
+    scatter: MetricScatterAnswer
+    richest_law: tuple[str, ...] = Field(description="the effects that the metrics support together")
+    rests_on: tuple[str, ...] = Field(description="runs without any one of which the named effect gains little")
+    next_test: MetricNextTestAnswer | None
+    no_next_test: str | None = Field(description="why no test is proposed, where rivals are left")
+    left_over: tuple[str, ...]
+    reasons: tuple[str, ...]
+    left_out: tuple[LeftOutRun, ...]
+    added: tuple[AddedEffect, ...]
+    next_command: str = Field(description="the shell line to run next")
+
+
+def metric_diagnosis_answer(
+    found: MetricDiagnosed, added: tuple[AddedEffect, ...], next_command: str
+) -> MetricDiagnosisAnswer:
+    """Give what a diagnosis found, what was added before it, and the command to run next."""
+    diagnosis, proposal = found.diagnosis, found.proposal
+    dissipated, elastic = diagnosis.scatter.share
+    return MetricDiagnosisAnswer(
+        verdict=found.verdict,
+        effects=found.effects,
+        measure=MEASURE,
+        candidates=tuple(_candidate(judged, diagnosis) for judged in diagnosis.candidates),
+        screened_out=diagnosis.screened_out,
+        not_visible=diagnosis.hidden,
+        nrmse=LawErrors(
+            law=found.comparison.nrmse,
+            best=error(diagnosis.best, diagnosis),
+            noise=float(np.sqrt((dissipated**2 + elastic**2) / 2)),
+        ),
+        heldout_nrmse=HeldoutErrors(law=diagnosis.heldout[""], best=diagnosis.heldout["".join(diagnosis.best.effects)]),
+        scatter=MetricScatterAnswer(
+            dissipated_energy=float(dissipated),
+            max_elastic_energy=float(elastic),
+            degrees_of_freedom=tuple(diagnosis.scatter.freedoms.tolist()),
+        ),
+        richest_law=diagnosis.richest.effects,
+        rests_on=tuple(found.campaign.runs[row].name for row in diagnosis.rests_on),
+        next_test=_next_test(proposal) if proposal else None,
+        no_next_test=found.no_test or None,
+        left_over=(),
+        reasons=tuple(found.words()),
+        left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.campaign.left_out),
+        added=added,
+        next_command=next_command,
+    )
+
+
+def error(judged: MetricJudged, diagnosis: MetricDiagnosis) -> float:
+    """Give the rms log ratio that a law leaves."""
+    return rms(judged.residual * diagnosis.observations.relative_error)
+
+
+def explained(judged: MetricJudged, diagnosis: MetricDiagnosis) -> float:
+    """Give the share of what the richest law explains beyond the law as it is that a candidate explains alone."""
+    whole = diagnosis.law.squares - min(diagnosis.richest.squares, judged.squares)
+    return float(np.clip((diagnosis.law.squares - judged.squares) / whole, 0.0, 1.0)) if whole > 0 else 0.0
+
+
+def _candidate(judged: MetricJudged, diagnosis: MetricDiagnosis) -> MetricCandidateAnswer:
+    name = judged.effects[0]
+    return MetricCandidateAnswer(
+        effect=name,
+        heldout_nrmse=diagnosis.heldout[name],
+        nrmse=error(judged, diagnosis),
+        explained=explained(judged, diagnosis),
+        chance=diagnosis.chances[name],
+        objections=judged.objections,
+        parameters={
+            parameter.name: judged.result.law.values[parameter.name]
+            for effect in judged.result.equations.effects
+            if effect.name == name
+            for parameter in effect.parameters
+        },
+    )
+
+
+def _next_test(proposal: MetricProposal) -> MetricNextTestAnswer:
+    return MetricNextTestAnswer(
+        amplitude_mm=proposal.amplitude_mm,
+        frequency_Hz=proposal.frequency_Hz,
+        temperature_C=proposal.temperature_C,
+        profile="sine",
+        peak_displacement_mm=proposal.plan.peak_displacement,
+        highest_frequency_Hz=proposal.plan.highest_frequency,
+        peak_velocity_mm_s=proposal.plan.peak_velocity,
+        separation=proposal.separation,
+        between=proposal.rivals,
+        words=proposal.words(),
+    )

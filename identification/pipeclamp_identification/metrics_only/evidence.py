@@ -1,0 +1,232 @@
+"""Evidence from loop metrics: how a refitted law does on them, on conditions left out, and on which rows that rests.
+
+Metrics are few and seldom repeated, so their scatter is told from what the best law leaves, counted per degree of
+freedom, together with an expectation from before the data that weighs as much as a few degrees of freedom.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+from pipeclamp_identification.diagnosis.problem import objections
+from pipeclamp_identification.fitting.heldout import folds
+from pipeclamp_identification.fitting.least_squares import SINGULAR, Fit, fit
+from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
+from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.force import force_of_law
+
+CLOSELY = 1e-7
+"""Tolerance of a candidate's fit."""
+EXPECTED_FREEDOMS = 4.0
+"""Degrees of freedom that the expected scatter weighs: keeps two or three rows that agree by chance from weighing far
+too much."""
+MOST_FOLDS = 12
+"""Conditions are left out one by one, in so many folds at most."""
+ROUGHLY = 1e-4
+"""Tolerance of a fit that serves to foretell left-out conditions, or to choose between starts."""
+ROWS_TRIED = 12
+"""Rows that are left out to see whether an effect rests on them, at most: those that it helps most."""
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """What of dW and W no law explains, shapes (2,).
+
+    Attributes:
+        share: standard deviation of the log, rounding aside.
+        freedoms: degrees of freedom that it is known by.
+    """
+
+    share: Array
+    freedoms: Array
+
+    def of(self, rounding: Array) -> Array:
+        """Give the standard error of each metric, rounding (R, 2) included."""
+        return np.hypot(self.share, rounding)
+
+
+@dataclass(frozen=True)
+class MetricJudged:
+    """A law, refitted jointly to metrics.
+
+    Attributes:
+        effects: what was added to the law as it is.
+        structure: what was fitted.
+        result: the fit.
+        residual: logs of measured over computed dW and W over their standard errors, shape (R, 2).
+        objections: why it can't be named; empty where nothing speaks against it.
+    """
+
+    effects: tuple[str, ...]
+    structure: Structure
+    result: Fit
+    residual: Array
+    objections: tuple[str, ...]
+
+    @property
+    def squares(self) -> float:
+        """Sum of squared residuals in units of the scatter."""
+        return float(np.sum(self.residual**2))
+
+    @property
+    def parameters(self) -> int:
+        """Number of parameters that the data determines."""
+        return len(self.result.fitted) + len(self.result.at_bound)
+
+    @property
+    def freedoms(self) -> int:
+        """Metrics less parameters."""
+        return self.residual.size - self.parameters
+
+    @property
+    def score(self) -> float:
+        """Squares with the price of each parameter (Akaike's)."""
+        return self.squares + 2.0 * self.parameters
+
+
+def judge_metrics(
+    effects: tuple[str, ...],
+    structure: Structure,
+    start: Mapping[str, float],
+    observations: MetricObservations,
+    tolerance: float = CLOSELY,
+) -> MetricJudged:
+    """Fit a structure to metrics and say what speaks against it.
+
+    Args:
+        effects: what the structure has beyond the law as it is.
+        structure: what is fitted.
+        start: values to start from.
+        observations: the metrics, in units of their scatter.
+        tolerance: of the fit.
+    """
+    result = fit(structure, observations, start=start, tolerance=tolerance)
+    return MetricJudged(
+        effects,
+        structure,
+        result,
+        observations.residual(result.law_force),
+        objections(effects, result),
+    )
+
+
+def scatter_of(judged: MetricJudged, observations: MetricObservations, expected: float) -> Scatter:
+    """Tell the scatter from what a law leaves, metric by metric, and what was expected before.
+
+    Args:
+        judged: the richest law that the data supports.
+        observations: what it was fitted to.
+        expected: share that was expected.
+    """
+    logs = judged.residual * observations.relative_error
+    taken = np.sum(_basis(judged, observations) ** 2, axis=1).reshape(logs.shape).sum(axis=0)
+    freedoms = np.maximum(len(logs) - taken, 0.0)
+    total = EXPECTED_FREEDOMS + freedoms
+    return Scatter(np.sqrt((EXPECTED_FREEDOMS * expected**2 + np.sum(logs**2, axis=0)) / total), total)
+
+
+def _basis(judged: MetricJudged, observations: MetricObservations) -> Array:
+    """Give an orthonormal basis of what the fitted parameters move in the residuals, shape (2 R, P)."""
+    slopes = np.moveaxis(observations.residual_slopes(judged.result.law_force, judged.result.places), 0, -1)
+    return orthonormal(slopes.reshape(judged.residual.size, -1))
+
+
+def orthonormal(columns: Array) -> Array:
+    """Give an orthonormal basis of what columns span, each counted by its direction, not its size."""
+    norms = np.linalg.norm(columns, axis=0)
+    left, singular, _ = np.linalg.svd(columns / np.where(norms > 0, norms, 1.0), full_matrices=False)
+    return np.asarray(left[:, singular > SINGULAR * max(singular.max(initial=0.0), SINGULAR)])
+
+
+def heldout_error(structure: Structure, observations: MetricObservations, start: Mapping[str, float]) -> float:
+    """Give the rms log ratio of a structure on conditions that weren't used to fit it.
+
+    Each distinct condition is left out by itself, or with few others where there are many. What only the left-out
+    condition could tell is unknown to the fit, as it would be before that test was run.
+    """
+    squares = 0.0
+    for used, left_out in folds(distinct_conditions(observations), MOST_FOLDS):
+        law = fit(structure, observations.rows(used), start=start, tolerance=ROUGHLY).law
+        beyond = observations.rows(left_out)
+        squares += float(np.sum(beyond.logs(force_of_law(law, beyond.motion).force) ** 2))
+    return float(np.sqrt(squares / (len(METRICS) * len(observations.dissipated_energy))))
+
+
+def distinct_conditions(observations: MetricObservations) -> npt.NDArray[np.intp]:
+    """Number the distinct conditions, shape (R,)."""
+    columns = np.nan_to_num(np.hstack(list(observations.motion.slow.values())))
+    return np.unique(columns, axis=0, return_inverse=True)[1].reshape(-1).astype(np.intp)
+
+
+def chance(law: MetricJudged, larger: MetricJudged, scatter: Scatter) -> float:
+    """Give the chance that scatter alone makes a larger law do so much better (F test)."""
+    more = max(larger.parameters - law.parameters, 1)
+    return float(stats.f.sf((law.squares - larger.squares) / more, more, float(scatter.freedoms.min())))
+
+
+def chance_of_lack(judged: MetricJudged, observations: MetricObservations, smooth: Array, expected: float) -> float:
+    """Give the chance that scatter alone makes what a law leaves over: it is too large, or it follows the conditions.
+
+    Args:
+        judged: the law.
+        observations: what it was fitted to.
+        smooth: orthonormal functions of the conditions, shape (R, q).
+        expected: share of scatter that was expected.
+    """
+    if judged.freedoms < 1:
+        return 1.0
+    logs = judged.residual * observations.relative_error
+    allowed = np.hypot(expected, observations.rounding)
+    plain = float(np.sum((logs / allowed) ** 2))
+    too_large = stats.f.sf(plain / judged.freedoms, judged.freedoms, EXPECTED_FREEDOMS)
+    leverage = _basis(judged, observations).reshape(len(logs), len(METRICS), -1)
+    following = np.sum((smooth.T @ judged.residual) ** 2)
+    taken = np.sum(np.einsum("rq,rmp->qmp", smooth, leverage) ** 2)
+    freedoms = max(smooth.shape[1] * len(METRICS) - taken, 1.0)
+    others = max(judged.freedoms - freedoms, 0.0)
+    rest = (
+        np.sum(judged.residual**2)
+        - following
+        + EXPECTED_FREEDOMS * np.mean((allowed / observations.relative_error) ** 2)
+    )
+    follows = stats.f.sf(
+        following / freedoms * (others + EXPECTED_FREEDOMS) / rest, freedoms, others + EXPECTED_FREEDOMS
+    )
+    return float(min(1.0, 2 * min(too_large, follows)))
+
+
+def single_rows(larger: Fit, without: Structure, observations: MetricObservations) -> tuple[int, ...]:
+    """Give the rows without any one of which a law gains little over the one without its last effect.
+
+    Args:
+        larger: the law with the effect.
+        without: the structure without it.
+        observations: what both are fitted to.
+    """
+    structure, values = larger.law.structure, larger.law.values
+
+    def fits(rows: npt.NDArray[np.intp]) -> tuple[Fit, Fit]:
+        part = observations.rows(rows)
+        return (
+            fit(without, part, start=values, tolerance=CLOSELY),
+            fit(structure, part, start=values, tolerance=CLOSELY),
+        )
+
+    everything = np.arange(len(observations.dissipated_energy))
+    plain, richer = fits(everything)
+    whole = plain.cost - richer.cost
+    helped = np.sum(observations.residual(plain.law_force) ** 2 - observations.residual(richer.law_force) ** 2, axis=1)
+    tried = np.sort(np.argsort(-helped)[:ROWS_TRIED])
+    resting = []
+    for row in tried:
+        plain, richer = fits(np.delete(everything, row))
+        if plain.cost - richer.cost < RESTS_ON_SHARE * whole:
+            resting.append(int(row))
+    return tuple(resting)

@@ -1,0 +1,94 @@
+"""What a fit compares where there are no records: loops' dissipated and elastic energy, by the logs of their ratios."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.fitting.observations import Rows
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.realise.force import LawForce
+from pipeclamp_models.realise.motion import Motion
+
+METRICS = ("dW", "W")
+
+
+@dataclass(frozen=True)
+class MetricObservations:
+    """Dissipated and elastic energy of loops whose records aren't there, compared by the logs of their ratios.
+
+    Attributes:
+        motion: sinusoids of the conditions, R rows.
+        dissipated_energy, elastic_energy: dW and W in J, shape (R,).
+        relative_error: standard error of dW and of W as a share, shape (R, 2).
+        rounding: the part of it that rounding to the printed digits makes, same shape.
+    """
+
+    motion: Motion
+    dissipated_energy: Array
+    elastic_energy: Array
+    relative_error: Array
+    rounding: Array
+
+    def rows(self, chosen: Rows) -> MetricObservations:
+        """Give the observations of some of the loops."""
+        return MetricObservations(
+            self.motion.rows(chosen),
+            self.dissipated_energy[chosen],
+            self.elastic_energy[chosen],
+            self.relative_error[chosen],
+            self.rounding[chosen],
+        )
+
+    def with_scatter(self, share: npt.ArrayLike) -> MetricObservations:
+        """Give the same with another scatter beside the rounding: a share, or one of dW and one of W, shape (2,)."""
+        return replace(self, relative_error=np.hypot(np.asarray(share), self.rounding))
+
+    @property
+    def force_amplitude(self) -> Array:
+        """Half the force's range, from W = F X0/2."""
+        return 2e3 * self.elastic_energy / self.motion.slow["A"][:, 0]
+
+    def logs(self, force: Array) -> Array:
+        """Give the logs of measured over computed dW and W, shape (R, 2), for forces on the motion.
+
+        Where a law makes energy instead of dissipating it, nan.
+        """
+        measured = np.stack([self.dissipated_energy, self.elastic_energy], axis=1)
+        computed = np.stack(loop_energies(self.motion, force), axis=1)
+        return np.asarray(np.log(measured / np.where(computed > 0, computed, np.nan)))
+
+    def residual(self, law_force: LawForce) -> Array:
+        """Give the logs of measured over computed dW and W, over the relative error; shape (R, 2)."""
+        return np.asarray(self.logs(law_force.force) / self.relative_error)
+
+    def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
+        """Give the derivatives of the residuals; a maximum's derivative is that at its place."""
+        return np.asarray(-metric_slopes(self.motion, law_force, parameters) / self.relative_error)
+
+    def compared(self, law_force: LawForce) -> int:
+        """Give how many of the residuals are evidence: all of them."""
+        return self.relative_error.size
+
+
+def metric_slopes(motion: Motion, law_force: LawForce, parameters: Rows) -> Array:
+    """Give the derivatives of log dW and log W by some of the parameters, shape (P, R, 2)."""
+    if law_force.jacobian is None:
+        raise ValueError("the force was computed without derivatives")
+    force, jacobian = law_force.force, law_force.jacobian[parameters]
+    dissipated, elastic = loop_energies(motion, force)
+    rows = np.arange(len(force))
+    d_dissipated = np.sum(jacobian * motion.v * motion.h, axis=2) / 1e3
+    top = jacobian[:, rows, np.argmax(force, axis=1)]
+    bottom = jacobian[:, rows, np.argmin(force, axis=1)]
+    d_elastic = (top - bottom) / 2 * motion.slow["A"][:, 0] / 2e3
+    return np.stack([d_dissipated / dissipated, d_elastic / elastic], axis=2)
+
+
+def loop_energies(motion: Motion, force: Array) -> tuple[Array, Array]:
+    """Give dW and W in J of periodic loops, Eq. 2 and 4: dW = sum F v h, W = (Fmax - Fmin)/2 X0/2; shape (R,) each."""
+    dissipated = np.sum(force * motion.v * motion.h, axis=1) / 1e3
+    elastic = (force.max(axis=1) - force.min(axis=1)) / 2 * motion.slow["A"][:, 0] / 2e3
+    return dissipated, elastic

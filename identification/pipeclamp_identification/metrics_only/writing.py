@@ -1,0 +1,88 @@
+"""A campaign's loops turned into a campaign of metrics: what a table in a paper would have kept of them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator
+
+from pipeclamp_identification.campaign.description import description_text
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.loops.metrics import metrics_of
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun
+from pipeclamp_models.base.units import CELSIUS
+
+DIGITS = 6
+"""Significant digits of metrics and measured conditions: more than loops repeat to."""
+
+
+def as_metrics(campaign: Campaign, loops: Loops) -> MetricCampaign:
+    """Give a campaign's loops by their metrics; amplitude and frequency are the measured ones.
+
+    Args:
+        campaign: the tests.
+        loops: `loops_of(campaign)`.
+    """
+    metrics = metrics_of(loops)
+    half_a_unit = 0.5 * 10.0 ** (1 - DIGITS) / math.sqrt(3)
+    runs = tuple(
+        MetricRun(
+            name=run.name,
+            specimen=run.specimen,
+            amplitude_mm=_digits(loops.amplitude_mm[row]),
+            frequency_Hz=_digits(loops.frequency_Hz[row]),
+            temperature_C=_known(loops.temperature_K[row] - CELSIUS),
+            density_g_cm3=_known(loops.density_g_cm3[row]),
+            first_cycle=_digits(loops.cycle[row]),
+            conditions={name: float(values[row]) for name, values in loops.conditions.items()},
+            dissipated_energy_J=_digits(metrics.dissipated_energy_J[row]),
+            max_elastic_energy_J=_digits(metrics.max_elastic_energy_J[row]),
+            rounding=(half_a_unit, half_a_unit),
+        )
+        for row, run in enumerate(campaign.runs)
+    )
+    return MetricCampaign(
+        campaign.name, campaign.notes, campaign.fingerprint, runs, campaign.left_out, campaign.condition_columns
+    )
+
+
+def metric_rows(campaign: MetricCampaign) -> list[dict[str, str | float | None]]:
+    """Give a campaign of metrics as the rows of its runs.csv."""
+    return [
+        {
+            "run": run.name,
+            "specimen": run.specimen,
+            "amplitude_mm": run.amplitude_mm,
+            "frequency_Hz": run.frequency_Hz,
+            "temperature_C": run.temperature_C,
+            "density_g_cm3": run.density_g_cm3,
+            "first_cycle": run.first_cycle,
+            **{name: _known(run.conditions[name]) for name in campaign.condition_columns},
+            "dissipated_energy_J": run.dissipated_energy_J,
+            "max_elastic_energy_J": run.max_elastic_energy_J,
+            "loss_factor": _digits(run.loss_factor),
+            "stiffness_N_mm": _digits(run.stiffness),
+        }
+        for run in campaign.runs
+    ]
+
+
+def metric_files(campaign: MetricCampaign) -> Iterator[tuple[str, bytes]]:
+    """Give the files of a campaign of metrics as (path inside the folder, content)."""
+    rows = metric_rows(campaign)
+    stream = io.StringIO()
+    table = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+    table.writeheader()
+    table.writerows({name: "" if cell is None else cell for name, cell in row.items()} for row in rows)
+    yield "runs.csv", stream.getvalue().encode()
+    yield "campaign.toml", description_text(campaign.name, campaign.notes).encode()
+
+
+def _digits(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _known(value: float) -> float | None:
+    return _digits(value) if math.isfinite(value) else None

@@ -1,0 +1,292 @@
+"""The coupled model at the sines of a measurement: what its probes should have shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, PipeMeasurement, SteadyMeasurement
+from pipeclamp_identification.signals.levels import number_levels
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.pipe.description import PipeDescription, Place, read_pipe
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce, reduce_likewise
+from pipeclamp_system.description.measured_table import DRIVES, Drive
+from pipeclamp_system.description.system import SystemDescription, read_system
+from pipeclamp_system.steady.balance import Passage, SteadyState, SteadySystem, passages
+from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.described import steady_clamps
+from pipeclamp_system.steady.points import Balanced, Operation, balance, fundamentals
+
+Complex = NDArray[np.complex128]
+Rows = NDArray[np.intp]
+
+SAME_LEVEL = 0.06
+"""Sines whose excitation differs by less, as a share, are of one level."""
+
+HARMONICS = 3
+"""Up to which the clamps' motion is balanced where the system has no [response] that says it."""
+
+SAMPLES = 128
+"""Of a cycle, at which the clamps' laws are evaluated; 256 change a response by less than 0.1 %."""
+
+REDUCTION = 1e-3
+"""Error of the pipe's reduction: well below what sensors err by."""
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledModel:
+    """A pipe with its clamps, as harmonic balance needs it.
+
+    Attributes:
+        pipe: the pipe, with the measurement's probes in their order.
+        clamps: which of the pipe's clamps have a law, and the law, by temperature in degC; None: the system's own.
+        clamp_names: of those, in their order.
+        harmonics: up to which their motion is balanced.
+        stated: the pipe as it is stated, in modes; `pipe` may differ from it a little.
+    """
+
+    pipe: PipeDescription
+    clamps: Mapping[float | None, tuple[tuple[int, SteadyClamp], ...]]
+    clamp_names: tuple[str, ...]
+    harmonics: int
+    stated: ReducedPipe
+
+    @property
+    def reduced(self) -> ReducedPipe:
+        """The pipe in as many modes as the stated one."""
+        return _reduced(self.pipe, self.stated)
+
+    def system(self, temperature: float | None, excitation: Callable[[float], float]) -> SteadySystem:
+        """Give pipe and clamps at a temperature (degC) under a sine; the excitation's amplitude is m/s2 or N over Hz.
+
+        Raises:
+            UserError: the pipe can't be reduced.
+        """
+        return SteadySystem(self.reduced, self.clamps[temperature], excitation, self.harmonics)
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What a model's probes show.
+
+    Attributes:
+        response: as of `SteadyMeasurement`, nan where no steady state was found, (P, probes).
+        clamps: fundamental of each clamp's displacement, mm, (P, clamps).
+        balanced: the steady states of each temperature's sines.
+        branches: how many stable states there are, (P,); 1 unless it was looked for.
+    """
+
+    response: Complex
+    clamps: Complex
+    balanced: tuple[Balanced, ...]
+    branches: Rows
+
+
+@lru_cache(maxsize=64)
+def _reduced(description: PipeDescription, neighbour: ReducedPipe) -> ReducedPipe:
+    return reduce_likewise(description, neighbour)
+
+
+def read_model(
+    path: Path, description: MeasurementDescription, drives: Iterable[Drive], clamps_at: Iterable[float | None]
+) -> tuple[SystemDescription, CoupledModel]:
+    """Read a coupled system, with the probes of a measurement on its pipe.
+
+    Args:
+        path: SYSTEM.toml.
+        description: of the measurement.
+        drives: columns that its excitation stands in.
+        clamps_at: temperatures of the clamps, degC; None for the system's own.
+
+    Raises:
+        UserError: the system can't be read or built, or the measurement doesn't belong to it.
+    """
+    system, pipe = _measured_pipe(path, description, drives)
+    reduced = reduce(pipe)
+    clamps = {
+        temperature: tuple(
+            (index, replace(clamp, samples=SAMPLES))
+            for index, clamp in steady_clamps(system, reduced, path.parent, temperature, str(path))
+        )
+        for temperature in clamps_at
+    }
+    names = tuple(source.at for source in system.clamps)
+    harmonics = system.response.harmonics if system.response else HARMONICS
+    return system, CoupledModel(pipe, clamps, names, harmonics, reduced)
+
+
+def _measured_pipe(
+    path: Path, description: MeasurementDescription, drives: Iterable[Drive]
+) -> tuple[SystemDescription, PipeDescription]:
+    """Read a coupled system; give it, and its pipe with a measurement's probes.
+
+    Raises:
+        UserError: they can't be read, or the measurement doesn't belong to them.
+    """
+    system = read_system(path)
+    if system.pipe.file is None:
+        raise UserError(
+            f"{path}: pipe: a comparison needs the pipe's equations; expected file = 'PIPE.toml', not an FMU"
+        )
+    pipe_path = path.parent / system.pipe.file
+    pipe = with_probes(read_pipe(pipe_path), description, str(pipe_path))
+    for drive in sorted(drives):
+        kind = DRIVES[drive].shakes
+        if kind != pipe.excitation.kind:
+            raise UserError(
+                f"{pipe_path}: excitation: the pipe is excited by {pipe.excitation.kind}, the measurement by {kind} "
+                f"({drive}); expected the same; set excitation.kind = {kind!r}"
+            )
+    modes = pipe.modes.model_copy(update={"error": min(pipe.modes.error, REDUCTION)})
+    return system, pipe.model_copy(update={"modes": modes})
+
+
+def with_probes(pipe: PipeDescription, measurement: MeasurementDescription, where: str) -> PipeDescription:
+    """Give a pipe with the probes of a measurement in place of its own; `where` is named in errors.
+
+    Raises:
+        UserError: a probe's position isn't known, or is beyond the pipe's end.
+    """
+    known = {place.name: place.position_m for place in (*pipe.probes, *pipe.clamps)}
+    places = []
+    for probe in measurement.probes:
+        position = known.get(probe.name) if probe.position_m is None else probe.position_m
+        if position is None:
+            raise UserError(
+                f"measurement: probe {probe.name!r} has no position_m, and {where} names no such probe or clamp; "
+                "expected its position along the pipe in m"
+            )
+        if position > pipe.pipe.length_m:
+            raise UserError(
+                f"measurement: probe {probe.name!r}: got position_m = {position:g}; expected at most the pipe's "
+                f"length_m = {pipe.pipe.length_m:g} ({where})"
+            )
+        places.append(Place(name=probe.name, position_m=position))
+    return pipe.model_copy(update={"probes": tuple(places)})
+
+
+def temperatures(measured: SteadyMeasurement) -> Iterator[tuple[float | None, Rows]]:
+    """Give each temperature of the clamps, None for the system's own, and the sines at it."""
+    own = np.isnan(measured.temperature)
+    if own.any():
+        yield None, np.flatnonzero(own)
+    for temperature in np.unique(measured.temperature[~own]).tolist():
+        yield temperature, np.flatnonzero(measured.temperature == temperature)
+
+
+def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction | None = None) -> Prediction:
+    """Give what a model's probes show at a measurement's sines.
+
+    Where the response has several stable branches, a sweep up follows the one from low frequencies, a sweep down that
+    from high ones, and otherwise it is the one nearest to the measured response.
+
+    Args:
+        model: pipe and clamps.
+        measurement: the sines.
+        near: of a neighbouring model, whose branches are kept; else they are found by following the response.
+
+    Raises:
+        UserError: the pipe can't be reduced.
+    """
+    measured = measurement.steady
+    shape = measured.response.shape
+    response, clamps = np.full(shape, np.nan + 0j), np.full((shape[0], len(model.clamp_names)), np.nan + 0j)
+    branches = np.ones(shape[0], dtype=np.intp) if near is None else near.branches
+    balanced = []
+    for index, (temperature, rows) in enumerate(temperatures(measured)):
+        operation = Operation(measured.frequency[rows], measured.drive[rows])
+        system = model.system(temperature, lambda frequency: 1.0)
+        if near is None:
+            guess, branches[rows] = _first_guess(model, temperature, measurement, rows)
+            solved = balance(system, operation, guess)
+        else:
+            solved = balance(system, operation, near.balanced[index].unknowns, near.balanced[index].slopes)
+            if not solved.found.all():
+                solved = _again_from_rest(system, operation, solved)
+        moved = fundamentals(system, operation, solved)
+        count = len(model.clamp_names)
+        clamps[rows] = 1e3 * operation.drive[:, None] * moved[:, :count]
+        response[rows] = as_measured(moved[:, count:], operation.frequency, measurement, model.pipe)
+        balanced.append(solved)
+    return Prediction(response, clamps, tuple(balanced), branches)
+
+
+def as_measured(moved: Complex, frequency: Array, measurement: PipeMeasurement, pipe: PipeDescription) -> Complex:
+    """Turn displacements relative to the base over the excitation into what the probes measure, (P, probes)."""
+    turn = 2j * np.pi * frequency
+    columns = []
+    for column, probe in zip(moved.T, measurement.description.probes, strict=True):
+        base = 1 / turn**2 if probe.absolute and pipe.excitation.kind == "base" else 0.0
+        columns.append((column + base) * turn**probe.order)
+    return np.column_stack(columns).astype(np.complex128)
+
+
+def _first_guess(
+    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: Rows
+) -> tuple[Array, Rows]:
+    """Give unknowns near the steady states of some sines, and how many stable ones there are at each.
+
+    The response is followed by describing functions, its fundamental alone: a fifth of the time.
+    """
+    measured = measurement.steady
+    whole, fundamental = model.system(temperature, lambda f: 1.0), replace(model, harmonics=1)
+    guess, branches = np.zeros((rows.size, whole.size)), np.ones(rows.size, np.intp)
+    for level in number_levels(measured.level[rows], relative=SAME_LEVEL):
+        own = rows[level.rows]
+        frequency, inverse = np.unique(measured.frequency[own], return_inverse=True)
+        drive = np.bincount(inverse, measured.drive[own]) / np.bincount(inverse)
+        system = fundamental.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
+        states = _states(system, float(frequency[0]), float(frequency[-1]))
+        for place, row in zip(level.rows, own, strict=True):
+            everywhere = _passages(states, float(measured.frequency[row]))
+            found = [entry for entry in everywhere if entry.stable]
+            branches[place] = max(1, len(found))
+            found = found or everywhere
+            if not found:
+                continue
+            chosen = found[0] if measured.sweep[row] >= 0 else found[-1]
+            if len(found) > 1 and measured.sweep[row] == 0:
+                seen = [_seen(entry.probes[:, 1], int(row), measurement, model.pipe) for entry in found]
+                off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
+                chosen = found[int(np.argmin(off))]
+            harmonics = np.pad(chosen.clamps, ((0, 0), (0, model.harmonics - 1)))
+            guess[place] = whole.packed(harmonics[None])[0]
+    return guess, branches
+
+
+def _again_from_rest(system: SteadySystem, operation: Operation, solved: Balanced) -> Balanced:
+    """Look once more for the steady states that weren't found, from rest."""
+    lost = np.flatnonzero(~solved.found)
+    again = balance(system, operation.rows(lost), np.zeros((lost.size, system.size)))
+    unknowns, slopes, found = solved.unknowns.copy(), solved.slopes.copy(), solved.found.copy()
+    unknowns[lost], slopes[lost], found[lost] = again.unknowns, again.slopes, again.found
+    return Balanced(unknowns, slopes, found, solved.responses)
+
+
+def _passages(states: list[SteadyState], frequency: float) -> list[Passage]:
+    """Give where a response passes a frequency (Hz); a single state stands for itself."""
+    if len(states) == 1:
+        return [Passage(states[0].clamps, states[0].probes, states[0].stable)]
+    return passages(states, frequency)
+
+
+def _seen(probes: Complex, row: int, measurement: PipeMeasurement, pipe: PipeDescription) -> Complex:
+    """Give what the probes measure of displacements in mm at one sine, (probes,)."""
+    measured = measurement.steady
+    moved = 1e-3 * probes[None] / (-1j * measured.drive[row])
+    seen = as_measured(moved, measured.frequency[row : row + 1], measurement, pipe)[0]
+    return np.asarray(np.where(measured.phased[row], seen, np.abs(seen)), dtype=np.complex128)
+
+
+def _states(system: SteadySystem, first: float, last: float) -> list[SteadyState]:
+    """Follow the response over a range of frequencies (Hz), from its other end where the first doesn't reach it."""
+    if first == last:
+        state = system.at(first)
+        return [] if state is None else [state]
+    return list(system.followed(first, last).states)

@@ -1,0 +1,93 @@
+"""Levels of a test condition: the set points that measured values scatter about, or classes where there are none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_models.base.arrays import Array
+
+MOST = 10
+"""More set points than this are shown as classes."""
+CLASSES = 6
+SPREAD = 3.0
+"""Values that reach farther than this many steps without a gap are no set point that they scatter about."""
+MOST_DIGITS = 7
+
+Rows = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Level:
+    """The runs at one level of a condition.
+
+    Attributes:
+        label: the set point, "low to high" for a class, or a name.
+        low, high: the ends in words.
+        rows: of the runs.
+        known: whether the condition is known for them.
+    """
+
+    label: str
+    low: str
+    high: str
+    rows: Rows
+    known: bool = True
+
+
+def number_levels(values: Array, *, relative: float | None = None, absolute: float = math.inf) -> tuple[Level, ...]:
+    """Give the levels of a numeric condition, rising; those runs last for which it isn't known.
+
+    Args:
+        values: of each run, nan where not known, shape (R,).
+        relative, absolute: neighbouring values that differ by no more than this share, and by no more than this,
+            belong to one set point.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    order = known[np.argsort(values[known], kind="stable")]
+    rising = values[order]
+    step = np.full(len(rising), absolute)
+    if relative is not None:
+        step = np.minimum(step, relative * np.abs(rising))
+    groups = np.split(np.arange(len(order)), np.flatnonzero(np.diff(rising) > step[1:]) + 1) if len(order) else []
+    wide = any(np.ptp(rising[group]) > SPREAD * np.mean(step[group]) for group in groups)
+    if wide or len(groups) > MOST:
+        edges = np.unique(np.quantile(rising, np.arange(1, CLASSES) / CLASSES))
+        groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
+        groups = [group for group in groups if len(group)]
+        ends = np.array([(rising[group[0]], rising[group[-1]]) for group in groups])
+        texts = _distinct(ends.ravel())
+        found = [
+            Level(low if low == high else f"{low} to {high}", low, high, order[group])
+            for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
+        ]
+    else:
+        texts = _distinct(np.array([np.mean(rising[group]) for group in groups]))
+        found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
+    return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
+
+
+def name_levels(names: Sequence[str | None]) -> tuple[Level, ...]:
+    """Give the levels of a condition that is a name, in alphabetical order; nameless runs last."""
+    found = sorted({name for name in names if name})
+    rows = {name: np.flatnonzero([entry == name for entry in names]) for name in found}
+    levels = [Level(name, name, name, rows[name]) for name in found]
+    return (*levels, *_unknown(np.flatnonzero([not name for name in names])))
+
+
+def _unknown(rows: Rows) -> tuple[Level, ...]:
+    return (Level("not known", "", "", rows, known=False),) if len(rows) else ()
+
+
+def _distinct(values: Array) -> list[str]:
+    """Give numbers as text, with as few digits (two at least) as keep different ones apart."""
+    different = len(np.unique(values))
+    for digits in range(2, MOST_DIGITS):
+        texts = [f"{float(f'{value:.{digits}g}'):g}" for value in values]
+        if len(set(texts)) >= different:
+            break
+    return texts

@@ -1,0 +1,109 @@
+"""Add an effect to a law: refit everything, and say what the error did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from pipeclamp_identification.workflow.tests import Tests, silent
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import HistoryStep, LawFile, law_of, structure_of
+from pipeclamp_models.law.law import Structure, with_effect
+from pipeclamp_models.law.range import rounded
+
+
+@dataclass(frozen=True)
+class Addition:
+    """What adding an effect did.
+
+    Attributes:
+        effect: what was changed: + or - and the effect's name.
+        before, after: the law's file before, and the one with the effect.
+        nrmse: error on the campaign before and after, as a share of the force.
+        heldout: error on left-out groups of conditions before and after.
+        noise_nrmse: the scatter that no law can explain; None where it isn't known.
+    """
+
+    effect: str
+    before: LawFile
+    after: LawFile
+    nrmse: tuple[float, float]
+    heldout: tuple[float, float]
+    noise_nrmse: float | None
+
+
+def add_effect(
+    file: LawFile,
+    effect: str,
+    tests: Tests,
+    *,
+    command: str,
+    date: str | None,
+    declared: Iterable[Declaration] = (),
+    progress: Progress = silent,
+) -> Addition:
+    """Add an effect to a law and refit everything to tests.
+
+    Args:
+        file: the law.
+        effect: name of the effect.
+        tests: what it is refitted to.
+        declared: a user's own effects.
+        command: the command that makes the new file again.
+        date: when it is made; None leaves the line out.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: the effect isn't known or is there already, or the data can't serve it.
+    """
+    new = with_effect(structure_of(file).with_declared(declared), effect)
+    return _changed(file, new, f"+ {effect}", tests, command=command, date=date, progress=progress)
+
+
+def remove_effect(
+    file: LawFile,
+    effect: str,
+    tests: Tests,
+    *,
+    command: str,
+    date: str | None,
+    progress: Progress = silent,
+) -> Addition:
+    """Take an effect out of a law and refit the rest to tests; arguments as for `add_effect`.
+
+    Raises:
+        UserError: the law hasn't got the effect.
+    """
+    old = structure_of(file)
+    if effect not in old.effects:
+        raise UserError(f"effect {effect!r} isn't in the law; it has {', '.join(old.effects) or 'no effects'}")
+    new = replace(old, effects=tuple(name for name in old.effects if name != effect))
+    return _changed(file, new, f"- {effect}", tests, command=command, date=date, progress=progress)
+
+
+def _changed(
+    file: LawFile,
+    new: Structure,
+    step: str,
+    tests: Tests,
+    *,
+    command: str,
+    date: str | None,
+    progress: Progress,
+) -> Addition:
+    """Refit a law with another structure and state the error before and after."""
+    done = tests.refit(file, new, _shared_values(law_of(file).values, new), progress)
+    after = done.fitted.file(name=file.name, command=command, date=date)
+    history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
+    history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(done.heldout[0])}))
+    last = HistoryStep(step=step, nrmse=rounded(done.nrmse[1]), heldout_nrmse=rounded(done.heldout[1]))
+    after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
+    return Addition(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)
+
+
+def _shared_values(values: Mapping[str, float], structure: Structure) -> dict[str, float]:
+    """Give the values of those parameters that both laws have."""
+    names = set(structure.equations.names)
+    return {name: value for name, value in values.items() if name in names}

@@ -1,0 +1,52 @@
+"""The command to run after a diagnosis."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import PurePath
+
+from pipeclamp_identification.workflow.tests import Diagnosed
+
+NEXT_TEST = "next_test"
+"""What the next test's drive signal and its campaign are called, where nobody has named them."""
+
+
+def next_command(
+    found: Diagnosed, law: str, tests: str, declared: Mapping[str, str] | None = None, *, driven: bool = False
+) -> str:
+    """Give the shell line to run next.
+
+    Args:
+        found: the diagnosis.
+        law, tests: as they are called: a file or a bundled law, a folder or a bundled campaign.
+        declared: files of a user's own effects, by id.
+        driven: whether the drive signal of the next test has been written, so that the test is what comes next.
+    """
+    if found.verdict == "missing":
+        effect = found.effects[0]
+        return _line("add", law, (declared or {}).get(effect, effect), tests, "-o", _following(law))
+    if found.verdict == "complete":
+        return _line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
+    if found.proposal:
+        if driven:
+            return _line("join", tests, NEXT_TEST, "-o", f"{PurePath(tests).name}_and_{NEXT_TEST}")
+        return _line("diagnose", law, tests, "--drive", f"{NEXT_TEST}.csv")
+    return _line("compare", law, tests, "--report", "compare.html")
+
+
+def _line(*words: str) -> str:
+    """Join words; double quotes are understood by the shells of Windows too."""
+    return " ".join(["pipeclamp", *(f'"{word}"' if re.search(r"\s", word) else word for word in words)])
+
+
+def _stem(law: str) -> str:
+    return PurePath(law).stem if law.endswith(".json") else law
+
+
+def _following(law: str) -> str:
+    """Give the name of the file for a law's next version: clamp7_2.json after clamp7.json, clamp7_3.json after that."""
+    stem, _, number = _stem(law).rpartition("_")
+    counted = bool(stem) and number.isascii() and number.isdigit()
+    name = f"{stem}_{int(number) + 1}" if counted else f"{_stem(law)}_2"
+    return str(PurePath(law).with_name(f"{name}.json"))

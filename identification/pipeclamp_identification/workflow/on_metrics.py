@@ -1,0 +1,134 @@
+"""Tests whose loops are known by their metrics alone: what can be done with them.
+
+A diagnosis, and what only it needs, is imported where it is asked for: fits and comparisons start without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from pipeclamp_identification.campaign.reading import LeftOut
+from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.fitting.identify import Method
+from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
+from pipeclamp_identification.metrics_only.law import (
+    MetricComparison,
+    compare_metrics,
+    identify_metrics,
+    metric_law_file,
+    rms,
+)
+from pipeclamp_identification.workflow.tests import Refitted, silent
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.law import Structure
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
+
+
+@dataclass(frozen=True)
+class FittedToMetrics:
+    """A law fitted to metrics."""
+
+    campaign: MetricCampaign
+    fit: Fit
+
+    @cached_property
+    def held(self) -> MetricComparison:
+        """The law against the metrics that it was fitted to."""
+        return compare_metrics(self.file(name=self.campaign.name, command="", date=None), self.campaign)
+
+    def file(self, *, name: str, command: str, date: str | None) -> LawFile:
+        """Give its parameter file, see `metrics_only.law.metric_law_file`."""
+        return metric_law_file(self.fit, self.campaign, name=name, command=command, date=date)
+
+
+@dataclass(frozen=True)
+class MetricTests:
+    """Tests known by metrics; errors are rms log ratios of dW and W."""
+
+    campaign: MetricCampaign
+
+    @property
+    def name(self) -> str:
+        """The campaign's name."""
+        return self.campaign.name
+
+    @property
+    def notes(self) -> str:
+        """What its description says."""
+        return self.campaign.notes
+
+    @property
+    def left_out(self) -> Sequence[LeftOut]:
+        """Runs that can't be used, and why."""
+        return self.campaign.left_out
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """What to know of the runs that are used: nothing, of metrics."""
+        return ()
+
+    def identify(
+        self,
+        *,
+        base: str = "power",
+        effects: Sequence[str] = (),
+        frozen: Mapping[str, float] | None = None,
+        method: Method = "joint",
+        declared: Iterable[Declaration] = (),
+        progress: Progress = silent,
+    ) -> FittedToMetrics:
+        """Fit a law to all metrics, see `Tests.identify`."""
+        if method != "joint":
+            raise UserError(f"method {method}: {self.name} holds metrics without records; expected the joint method")
+        found = identify_metrics(
+            self.campaign, base=base, effects=effects, frozen=frozen, declared=declared, progress=progress
+        )
+        return FittedToMetrics(self.campaign, found)
+
+    def compare(self, file: LawFile) -> MetricComparison:
+        """Hold a law against the metrics, see `Tests.compare`."""
+        return compare_metrics(file, self.campaign)
+
+    def metrics(self) -> MetricCampaign:
+        """Give the metrics, see `Tests.metrics`."""
+        return self.campaign
+
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+        """Refit a law with another structure, see `Tests.refit`; the scatter is the one that was expected."""
+        from pipeclamp_identification.metrics_only.evidence import heldout_error
+
+        law = law_of(file)
+        observations = metric_observations(self.campaign)
+        before = compare_metrics(file, self.campaign).nrmse
+        progress("refit")
+        result = fit(structure, observations, start=start, progress=progress)
+        progress("error on left-out conditions")
+        heldout = (
+            heldout_error(law.structure, observations, law.values),
+            heldout_error(structure, observations, result.law.values),
+        )
+        after = rms(observations.logs(result.law_force.force))
+        return Refitted(FittedToMetrics(self.campaign, result), (before, after), heldout, SCATTER)
+
+    def diagnose(
+        self,
+        file: LawFile,
+        *,
+        declared: Iterable[Declaration] = (),
+        limits: Limits | None = None,
+        jobs: int = 1,
+        progress: Progress = silent,
+    ) -> MetricDiagnosed:
+        """Find which effect a law lacks, see `Tests.diagnose`; so few numbers need one process only."""
+        from pipeclamp_identification.metrics_only.diagnosed import metrics_diagnosed
+
+        return metrics_diagnosed(file, self.campaign, declared=declared, limits=limits, progress=progress)

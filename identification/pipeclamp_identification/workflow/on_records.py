@@ -1,0 +1,138 @@
+"""Tests with records: what can be done with them.
+
+A diagnosis, and what only it needs, is imported where it is asked for: fits and comparisons start without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from pipeclamp_identification.campaign.reading import Campaign, LeftOut
+from pipeclamp_identification.comparison.compare import Comparison, compare
+from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.fitting.heldout import heldout_nrmse
+from pipeclamp_identification.fitting.identify import Identification, Method, fit_structure, identify, law_file
+from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
+from pipeclamp_identification.fitting.observations import loop_observations
+from pipeclamp_identification.loops.loops import Loops, loops_of
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.metrics_only.writing import as_metrics
+from pipeclamp_identification.workflow.tests import Refitted, silent
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.law import Structure
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+
+
+@dataclass(frozen=True)
+class FittedToRecords:
+    """A law fitted to records."""
+
+    campaign: Campaign
+    identification: Identification
+
+    @cached_property
+    def held(self) -> Comparison:
+        """The law against the records that it was fitted to."""
+        found = self.identification
+        return Comparison(found.fit.law, self.campaign, found.loops, found.misfits, {})
+
+    def file(self, *, name: str, command: str, date: str | None) -> LawFile:
+        """Give its parameter file, see `fitting.identify.law_file`."""
+        return law_file(self.identification, self.campaign, name=name, command=command, date=date)
+
+
+@dataclass(frozen=True)
+class RecordTests:
+    """Tests with records."""
+
+    campaign: Campaign
+
+    @cached_property
+    def loops(self) -> Loops:
+        """The records as loops, one row a run."""
+        return loops_of(self.campaign)
+
+    @property
+    def name(self) -> str:
+        """The campaign's name."""
+        return self.campaign.name
+
+    @property
+    def notes(self) -> str:
+        """What its description says."""
+        return self.campaign.notes
+
+    @property
+    def left_out(self) -> Sequence[LeftOut]:
+        """Runs that can't be used, and why."""
+        return self.campaign.left_out
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """What to know of the runs that are used: settings that records contradict, a moving average."""
+        return tuple(filter(None, (*self.campaign.remarks, self.campaign.smoothing.words())))
+
+    def identify(
+        self,
+        *,
+        base: str = "power",
+        effects: Sequence[str] = (),
+        frozen: Mapping[str, float] | None = None,
+        method: Method = "joint",
+        declared: Iterable[Declaration] = (),
+        progress: Progress = silent,
+    ) -> FittedToRecords:
+        """Fit a law to all records, see `Tests.identify`."""
+        found = identify(
+            self.campaign, base=base, effects=effects, frozen=frozen, method=method, declared=declared,
+            progress=progress,
+        )  # fmt: skip
+        return FittedToRecords(self.campaign, found)
+
+    def compare(self, file: LawFile) -> Comparison:
+        """Hold a law against the records, see `Tests.compare`."""
+        return compare(file, self.campaign, self.loops)
+
+    def metrics(self) -> MetricCampaign:
+        """Give the loops by their metrics alone, see `Tests.metrics`."""
+        return as_metrics(self.campaign, self.loops)
+
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+        """Refit a law with another structure, see `Tests.refit`."""
+        law = law_of(file)
+        observations = loop_observations(self.loops)
+        progress("error of the law as it is")
+        before = overall_nrmse(misfits(law, self.campaign, self.loops))
+        progress("refit")
+        result = fit_structure(structure, self.loops, observations, start=start, progress=progress)
+        runs = misfits(result.law, self.campaign, self.loops)
+        progress("error on left-out conditions")
+        heldout = (
+            heldout_nrmse(law, self.loops, observations),
+            heldout_nrmse(result.law, self.loops, observations),
+        )
+        fitted = FittedToRecords(self.campaign, Identification(result, self.loops, runs, "joint"))
+        return Refitted(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
+
+    def diagnose(
+        self,
+        file: LawFile,
+        *,
+        declared: Iterable[Declaration] = (),
+        limits: Limits | None = None,
+        jobs: int = 1,
+        progress: Progress = silent,
+    ) -> Diagnosed:
+        """Find which effect a law lacks, see `Tests.diagnose`."""
+        from pipeclamp_identification.diagnosis.diagnosed import diagnosed
+
+        return diagnosed(
+            file, self.campaign, self.loops, declared=declared, limits=limits, jobs=jobs, progress=progress
+        )

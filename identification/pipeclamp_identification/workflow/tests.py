@@ -1,0 +1,189 @@
+"""Tests of whatever kind, records or metrics alone, and what can be done with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from pipeclamp_identification.campaign.drive import DrivePlan
+from pipeclamp_identification.campaign.reading import LeftOut
+from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.fitting.identify import Method
+from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.law import Structure
+
+
+def silent(what: str) -> None:
+    """Tell nobody what is being done."""
+
+
+class Held(Protocol):
+    """A law held against tests."""
+
+    @property
+    def nrmse(self) -> float:
+        """Error over all runs, as a share."""
+
+
+class Proposed(Protocol):
+    """A test that would tell rivals apart."""
+
+    @property
+    def plan(self) -> DrivePlan:
+        """What the machine is asked to do."""
+
+    def words(self) -> str:
+        """Say what to do."""
+
+    def drive_words(self) -> str:
+        """Say what the drive signal asks of the machine."""
+
+
+class Diagnosed(Protocol):
+    """A diagnosis: which effect a law lacks, or which test would tell."""
+
+    @property
+    def verdict(self) -> str:
+        """See docs/reference/answers.md."""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """What is missing, or may be, as `add` takes it; best first."""
+
+    @property
+    def proposal(self) -> Proposed | None:
+        """The test to run next, where rivals are left and one within the limits tells them apart."""
+
+    @property
+    def no_test(self) -> str:
+        """Why there is none, where rivals are left."""
+
+    def headline(self) -> str:
+        """Give the verdict in words."""
+
+    def words(self) -> Sequence[str]:
+        """Say why, and what is left over."""
+
+    def cautions(self) -> Sequence[str]:
+        """Say what to mind of what was named."""
+
+
+class Identified(Protocol):
+    """A law fitted to tests."""
+
+    @property
+    def held(self) -> Held:
+        """The law against the tests that it was fitted to."""
+
+    def file(self, *, name: str, command: str, date: str | None) -> LawFile:
+        """Give its parameter file: its name, the command that makes it again, when it was made."""
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """A law refitted with another structure.
+
+    Attributes:
+        fitted: the law.
+        nrmse: error on the tests, before and after, as a share.
+        heldout: error on groups of conditions that were left out, before and after.
+        noise_nrmse: the scatter that no law can explain; None where it isn't known.
+    """
+
+    fitted: Identified
+    nrmse: tuple[float, float]
+    heldout: tuple[float, float]
+    noise_nrmse: float | None
+
+
+class Tests(Protocol):
+    """The loop tests of one clamp: records, or metrics alone."""
+
+    @property
+    def name(self) -> str:
+        """The campaign's name."""
+
+    @property
+    def notes(self) -> str:
+        """What its description says."""
+
+    @property
+    def left_out(self) -> Sequence[LeftOut]:
+        """Runs that can't be used, and why."""
+
+    @property
+    def remarks(self) -> Sequence[str]:
+        """What to know of the runs that are used."""
+
+    def identify(
+        self,
+        *,
+        base: str = "power",
+        effects: Sequence[str] = (),
+        frozen: Mapping[str, float] | None = None,
+        method: Method = "joint",
+        declared: Iterable[Declaration] = (),
+        progress: Progress = silent,
+    ) -> Identified:
+        """Fit a law to all runs.
+
+        Args:
+            base: name of the base law.
+            effects: names of effects fitted with it.
+            frozen: values of parameters that are held, by name.
+            method: "joint", or "surfaces", the paper's route by itself.
+            declared: a user's own effects.
+            progress: is told what is being done.
+
+        Raises:
+            UserError: the tests can't serve the law.
+        """
+
+    def compare(self, file: LawFile) -> Held:
+        """Hold a law against the tests.
+
+        Raises:
+            UserError: the law needs a condition that the tests don't state.
+        """
+
+    def metrics(self) -> MetricCampaign:
+        """Give the loops by their metrics alone: what a table in a paper would have kept of them."""
+
+    def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
+        """Refit a law with another structure.
+
+        Args:
+            file: the law.
+            structure: what is fitted in its place.
+            start: values to start from, by name.
+            progress: is told what is being done.
+
+        Raises:
+            UserError: the tests can't serve the structure.
+        """
+
+    def diagnose(
+        self,
+        file: LawFile,
+        *,
+        declared: Iterable[Declaration] = (),
+        limits: Limits | None = None,
+        jobs: int = 1,
+        progress: Progress = silent,
+    ) -> Diagnosed:
+        """Find which effect a law lacks, or which test would tell.
+
+        Args:
+            file: the law.
+            declared: a user's own effects: candidates too.
+            limits: what the rig can do, for the next test.
+            jobs: processes; -1 for as many as there are cores.
+            progress: is told what is being done.
+
+        Raises:
+            UserError: the tests can't serve the law.
+        """

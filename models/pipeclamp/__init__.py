@@ -1,1 +1,0 @@
-"""The physics of the clamp and of the pipe: effects, law, parameter file, pipe."""

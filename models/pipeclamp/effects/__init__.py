@@ -1,1 +1,0 @@
-"""One file per effect; the folder is the registry."""

@@ -1,0 +1,39 @@
+"""Damping over temperature: c times exp(c_T1 t + c_T2 t^2 + c_T3 t^3), t = (T - T0)/100 K."""
+
+import sympy as sp
+
+from pipeclamp_models.equations.effect import Effect, Parameter
+from pipeclamp_models.equations.literature import JIANG, NASHIF
+from pipeclamp_models.equations.symbols import T_0, T
+
+c_T1, c_T2, c_T3 = sp.symbols("c_T1 c_T2 c_T3", real=True)
+t = (T - T_0) / 100
+
+EFFECT = Effect(
+    id="damping_temperature",
+    part="clamp",
+    does="damping follows the temperature smoothly",
+    source=f"{JIANG}, Table 5: dW over T has a minimum near 200 degC; {NASHIF}, on damping over temperature",
+    looks_like="the loop's area is wrong by the same share at every A and f, and that share changes with T",
+    imitated_by=("loosening",),
+    told_apart_by="the temperatures tested in another order: a share that follows T, not the cycle number",
+    parameters=(
+        Parameter(
+            c_T1, "-", "log change of c per 100 K at T0", 0.0, -2.0, 2.0, neutral=0.0, follows=(T,), typical=-0.17
+        ),
+        Parameter(
+            c_T2,
+            "-",
+            "bend of the log of c per (100 K)^2",
+            0.0,
+            -1.0,
+            1.0,
+            neutral=0.0,
+            follows=(T,),
+            levels=3,
+            typical=0.058,
+        ),
+        Parameter(c_T3, "-", "its change per (100 K)^3", 0.0, -0.5, 0.5, neutral=0.0, follows=(T,), levels=4),
+    ),
+    scales={"damping": sp.exp(c_T1 * t + c_T2 * t**2 + c_T3 * t**3)},
+)

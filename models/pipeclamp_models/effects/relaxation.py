@@ -1,0 +1,36 @@
+"""Relaxation: a Maxwell arm, dq/dt = k_m v - q/tau, exact for a displacement that is linear over a step."""
+
+import sympy as sp
+
+from pipeclamp_models.equations.effect import Effect, Parameter, State
+from pipeclamp_models.equations.literature import BOGRAD, FERRY
+from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, f_highest, f_lowest, h, y, y_previous
+
+k_m, tau, q = sp.symbols("k_m tau q", real=True)
+decay = sp.exp(-h / tau)
+ramp = sp.Piecewise((tau / h * (1 - decay), h > 0), (1, True))
+slowest, fastest = 1 / (2 * sp.pi * f_lowest), 1 / (2 * sp.pi * f_highest)
+
+EFFECT = Effect(
+    id="relaxation",
+    part="clamp",
+    does="a Maxwell arm: spring and dashpot in series",
+    source=f"{FERRY}, on the Maxwell element; {BOGRAD}",
+    looks_like="stiffness that rises with f and damping with a hump over f, both in proportion to A",
+    imitated_by=("viscous", "stiffness_frequency"),
+    told_apart_by="a wider range of frequency: the stiffness levels off and the damping falls again",
+    parameters=(
+        Parameter(k_m, "N/mm", "stiffness of the arm", (0.05 * F_typical / A_typical,) * 3, lower=0.0),
+        Parameter(
+            tau,
+            "s",
+            "relaxation time",
+            (slowest, sp.sqrt(slowest * fastest), fastest),
+            lower=fastest / 20,
+            upper=slowest * 20,
+        ),
+    ),
+    force=q,
+    states=(State(q, "N", "force of the arm", update=decay * q + k_m * ramp * (y - y_previous)),),
+    energy=compliance(k_m) * q**2 / 2,
+)

@@ -1,0 +1,191 @@
+"""What an effect states: the contract of every file in `effects/` and of users' declarations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import sympy as sp
+
+from pipeclamp_models.equations import symbols
+
+NOTHING = sp.Integer(0)
+
+Part = Literal["base", "clamp", "rig"]
+Role = Literal["stiffness", "damping", "slip"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of an effect that is identified from tests.
+
+    Attributes:
+        symbol: its symbol, unique within a law.
+        unit: unit in the house's system (mm, N, s, K, Hz).
+        meaning: one phrase.
+        start: where the fit starts: one value, or several where the error has several valleys
+            (the parameters of one effect then have equally many). A value may be an expression
+            in the data's scales (`symbols.SCALES`).
+        lower, upper: bounds that physics sets; numbers or expressions in the data's scales.
+        neutral: the value at which it changes nothing, where there is one. A parameter that the
+            data can't determine is frozen there.
+        follows: the slow signals that must vary in the data for it to be determined.
+        levels: how many distinct levels of them it takes.
+        typical: a size at which the effect shows in a loop, where `start` has none: to try it out on the virtual rig.
+    """
+
+    symbol: sp.Symbol
+    unit: str
+    meaning: str
+    start: sp.Expr | float | tuple[sp.Expr | float, ...]
+    lower: sp.Expr | float = -math.inf
+    upper: sp.Expr | float = math.inf
+    neutral: float | None = None
+    follows: tuple[sp.Symbol, ...] = ()
+    levels: int = 2
+    typical: sp.Expr | float | None = None
+
+    @property
+    def name(self) -> str:
+        """The symbol as text, as it stands in parameter files."""
+        return str(self.symbol)
+
+    @property
+    def starts(self) -> tuple[sp.Expr | float, ...]:
+        """All starts as a tuple."""
+        return self.start if isinstance(self.start, tuple) else (self.start,)
+
+    @property
+    def size(self) -> sp.Expr | float:
+        """A typical size, such as real clamps and rigs have: what is stated, or the middle one of the starts."""
+        return self.typical if self.typical is not None else self.starts[len(self.starts) // 2]
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A named factor of a force that depends on slow signals; modifiers scale it by name or role."""
+
+    symbol: sp.Symbol
+    unit: str
+    role: Role | None
+    expression: sp.Expr
+
+
+@dataclass(frozen=True)
+class State:
+    """Memory of an effect: `update` is the value after a step from `y_previous` to `y` lasting `h`.
+
+    In `update` the symbol stands for the value before the step, in forces for the value after it.
+    """
+
+    symbol: sp.Symbol
+    unit: str
+    meaning: str
+    update: sp.Expr
+    start: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """The next larger member of an effect's family, which does all that the effect does, and more.
+
+    Attributes:
+        name: the larger member, as commands and files name it.
+        start: makes starting values of all of the larger member's parameters from the effect's own fitted ones, both
+            by name.
+        at_once: whether a diagnosis that would add the effect tries the larger member too, without being asked again.
+        seen_in_metrics: whether dW and W of a loop can tell the larger member from the effect.
+    """
+
+    name: str
+    start: Callable[[Mapping[str, float]], dict[str, float]]
+    at_once: bool = True
+    seen_in_metrics: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """One physical effect: a term (adds `force`), a modifier (`scales`, `replaces`), or both.
+
+    Attributes:
+        id: the name that stays, without the argument of a family.
+        part: "clamp" travels into the FMU; "rig" corrects the measurement and stays out of it;
+            "base" is a term of a base law.
+        does: what it does, in a phrase.
+        source: the publication that the equation comes from: author, title, journal or book, year.
+        looks_like: what a person sees in a loop when the effect is missing.
+        imitated_by: ids of what looks alike.
+        told_apart_by: the test that tells them apart.
+        parameters: what is identified.
+        coefficients: named factors that modifiers may scale.
+        force: the force it adds, N; zero for a pure modifier.
+        states: its memory.
+        energy: the energy that it stores, N mm, so that what is dissipated can be accounted for.
+        scales: factors on coefficients, by coefficient name or by role; roles that no term has are passed over.
+        replaces: what stands in place of a fast signal, for effects in series with a path.
+        lag: time in s by which the measured force is late; for rig effects.
+        argument: the argument that made it of a family, "" otherwise.
+        refinement: the next larger member of its family; None where there is none.
+    """
+
+    id: str
+    part: Part
+    does: str
+    source: str
+    looks_like: str
+    imitated_by: tuple[str, ...]
+    told_apart_by: str
+    parameters: tuple[Parameter, ...]
+    coefficients: tuple[Coefficient, ...] = ()
+    force: sp.Expr = NOTHING
+    states: tuple[State, ...] = ()
+    energy: sp.Expr = NOTHING
+    scales: Mapping[str, sp.Expr] = field(default_factory=dict)
+    replaces: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+    lag: sp.Expr = NOTHING
+    argument: str = ""
+    refinement: Refinement | None = None
+
+    @property
+    def name(self) -> str:
+        """The id with its argument, as it is written in commands and files."""
+        return f"{self.id}:{self.argument}" if self.argument else self.id
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Effects that take an argument in their name, such as `memory:2` or `condition:current_A`.
+
+    Attributes:
+        id: the name before the colon.
+        argument_means: what stands after the colon.
+        default: the argument that the bare id stands for; None where one must be given, the name of a further column of
+            runs.csv.
+        build: makes the effect; raises ValueError with what was expected for a bad argument.
+        numbered: whether the argument is a number, by which members are larger and smaller; a law has one of them, and
+            they are one effect to a diagnosis. Otherwise each member is an effect of its own.
+    """
+
+    id: str
+    argument_means: str
+    default: str | None
+    build: Callable[[str], Effect]
+    numbered: bool = False
+
+
+def power_surface(reference: sp.Expr, exponents: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """A power surface over ratios: reference (A/A0)^a (f/f0)^b (T/T0)^d, as Eq. 20 to 24 of Jiang et al. 2020."""
+    ratio = {
+        symbols.A: symbols.A / symbols.A_0,
+        symbols.f: symbols.f / symbols.f_0,
+        symbols.T: symbols.T / symbols.T_0,
+    }
+    return sp.Mul(reference, *(ratio[signal] ** exponent for signal, exponent in exponents.items()))
+
+
+def exponent(symbol: sp.Symbol, of: str, over: sp.Symbol, limit: float, typical: float | None = None) -> Parameter:
+    """The exponent of a power surface: neutral at zero, free only where the signal varies."""
+    meaning = f"exponent of {of} over {over}"
+    return Parameter(symbol, "-", meaning, 0.0, -limit, limit, neutral=0.0, follows=(over,), typical=typical)

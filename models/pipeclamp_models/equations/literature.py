@@ -1,0 +1,51 @@
+"""The publications that effects are taken from, each cited in full once."""
+
+JIANG = (
+    "Jiang, Ding, Wu, Bai, Shao and Zi: Energy Dissipation Characteristics and Parameter Identification of "
+    "Symmetrically Coated Damping Structure of Pipelines under Different Temperature Environment, Symmetry 12(8), 1283 "
+    "(2020), doi 10.3390/sym12081283"
+)
+IWAN = (
+    "Iwan: A Distributed-Element Model for Hysteresis and Its Steady-State Dynamic Response, Journal of Applied "
+    "Mechanics 33(4), 893-900 (1966)"
+)
+JENKINS = (
+    "Jenkins: Analysis of the stress-strain relationships in reactor grade graphite, British Journal of Applied "
+    "Physics 13, 30-32 (1962)"
+)
+MASING = (
+    "Masing: Eigenspannungen und Verfestigung beim Messing, Proceedings of the 2nd International Congress for Applied "
+    "Mechanics, Zürich (1926)"
+)
+GAUL = "Gaul and Nitsche: The Role of Friction in Mechanical Joints, Applied Mechanics Reviews 54(2), 93-106 (2001)"
+BOGRAD = (
+    "Bograd, Reuss, Schmidt, Gaul and Mayer: Modeling the dynamics of mechanical joints, Mechanical Systems and Signal "
+    "Processing 25(8), 2801-2826 (2011)"
+)
+NAYFEH = "Nayfeh and Mook: Nonlinear Oscillations, Wiley (1979)"
+KOVACIC = "Kovacic and Brennan (eds.): The Duffing Equation: Nonlinear Oscillators and their Behaviour, Wiley (2011)"
+WORDEN = (
+    "Worden and Tomlinson: Nonlinearity in Structural Dynamics: Detection, Identification and Modelling, Institute of "
+    "Physics Publishing (2001)"
+)
+SHAW = (
+    "Shaw and Holmes: A periodically forced piecewise linear oscillator, Journal of Sound and Vibration 90(1), 129-155 "
+    "(1983)"
+)
+INMAN = "Inman: Engineering Vibration, 4th edition, Pearson (2014)"
+FERRY = "Ferry: Viscoelastic Properties of Polymers, 3rd edition, Wiley (1980)"
+NASHIF = "Nashif, Jones and Henderson: Vibration Damping, Wiley (1985)"
+BAGLEY = (
+    "Bagley and Torvik: A Theoretical Basis for the Application of Fractional Calculus to Viscoelasticity, Journal of "
+    "Rheology 27(3), 201-210 (1983)"
+)
+GIBSON = "Gibson and Ashby: Cellular Solids: Structure and Properties, 2nd edition, Cambridge University Press (1997)"
+JUNKER = "Junker: New Criteria for Self-Loosening of Fasteners Under Vibration, SAE Technical Paper 690055 (1969)"
+SPENCER = (
+    "Spencer, Dyke, Sain and Carlson: Phenomenological Model for Magnetorheological Dampers, Journal of Engineering "
+    "Mechanics 123(3), 230-238 (1997)"
+)
+DIXON = "Dixon: The Shock Absorber Handbook, 2nd edition, Wiley (2007)"
+EWINS = "Ewins: Modal Testing: Theory, Practice and Application, 2nd edition, Research Studies Press (2000)"
+DOEBELIN = "Doebelin: Measurement Systems: Application and Design, 5th edition, McGraw-Hill (2004)"
+OPPENHEIM = "Oppenheim, Willsky and Nawab: Signals and Systems, 2nd edition, Prentice Hall (1997)"

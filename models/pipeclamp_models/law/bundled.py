@@ -1,0 +1,34 @@
+"""Laws that come with the program: the published readings and a law fitted to the published tables."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from pipeclamp_models.base.errors import UserError, did_you_mean
+from pipeclamp_models.law.file import LawFile, parse_law, read_law
+
+
+def bundled_laws() -> tuple[str, ...]:
+    """Give the names of the bundled laws."""
+    folder = resources.files("pipeclamp_models").joinpath("data", "laws")
+    return tuple(sorted(Path(entry.name).stem for entry in folder.iterdir() if entry.name.endswith(".json")))
+
+
+def open_law(name_or_path: str) -> LawFile:
+    """Give a law by the path of its file or by the name of a bundled one.
+
+    Raises:
+        UserError: there is neither such a file nor such a bundled law, or the file isn't a law.
+    """
+    path = Path(name_or_path)
+    if path.exists() or path.suffix:
+        return read_law(path)
+    names = bundled_laws()
+    if name_or_path not in names:
+        raise UserError(
+            f"{name_or_path}: no such file, and no bundled law of that name; {did_you_mean(name_or_path, names)}"
+            f"expected one of {', '.join(names)}"
+        )
+    content = resources.files("pipeclamp_models").joinpath("data", "laws", f"{name_or_path}.json")
+    return parse_law(content.read_text(encoding="utf-8"), f"bundled law {name_or_path}")

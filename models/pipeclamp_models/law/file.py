@@ -1,0 +1,248 @@
+"""The parameter file: a law as data, JSON with a published schema. Reading it never executes anything."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import why_unreadable, write_whole
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.law import Law, Structure
+
+SCHEMA: Final = "pipeclamp-law-1"
+
+CoefficientState = Literal["fitted", "held", "frozen", "at_bound", "given"]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Part(BaseModel):
+    """What all parts of the file share: unknown keys are refused, values don't change once read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class CoefficientEntry(Part):
+    """One parameter of the law.
+
+    `state` says how it came about: "fitted"; "held" (by the law's structure or by wish); "frozen" (the data can't
+    determine it); "at_bound" (the fit ran into a bound that physics sets); "given" (taken from a source).
+    """
+
+    value: Finite
+    unit: str
+    standard_error: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    state: CoefficientState
+    meaning: str = ""
+    reason: str = ""
+
+
+class Interval(Part):
+    """Where a quantity lay in the data."""
+
+    minimum: Finite
+    maximum: Finite
+    unit: str
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Interval:
+        if self.minimum > self.maximum:
+            raise ValueError(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
+        return self
+
+
+class Covariance(Part):
+    """Covariance of the fitted parameters, rows and columns in the order of `names`."""
+
+    names: tuple[str, ...]
+    matrix: tuple[tuple[Finite, ...], ...]
+
+    @model_validator(mode="after")
+    def _square(self) -> Covariance:
+        count = len(self.names)
+        if len(self.matrix) != count or any(len(row) != count for row in self.matrix):
+            raise ValueError(f"the matrix must be {count} x {count}, as there are {count} names")
+        return self
+
+
+class Correlation(Part):
+    """A pair of parameters that the data can hardly tell apart."""
+
+    pair: tuple[str, str]
+    value: Annotated[float, Field(ge=-1, le=1)]
+
+
+class LeftOutRun(Part):
+    """A run that was not used, and why."""
+
+    run: str
+    reason: str
+
+
+class DataSource(Part):
+    """The data that the law was identified from."""
+
+    name: str
+    fingerprint: str
+    runs_used: Annotated[int, Field(ge=0)]
+    left_out: tuple[LeftOutRun, ...] = ()
+
+
+class RunQuality(Part):
+    """How well the law fits one run; nrmse: root of the summed squared error over the summed squared force."""
+
+    run: str
+    nrmse: Finite
+    noise_nrmse: Finite | None = None
+
+
+class FitQuality(Part):
+    """How well the law fits its data; `unsettled` are cycles on which its memory didn't become periodic, if any."""
+
+    method: str
+    nrmse: Finite
+    noise_nrmse: Finite | None = None
+    runs: tuple[RunQuality, ...] = ()
+    unsettled: Annotated[int, Field(ge=1)] | None = None
+
+
+class HistoryStep(Part):
+    """One step of the law's way: what was added and what the error did."""
+
+    step: str
+    nrmse: Finite
+    heldout_nrmse: Finite | None = None
+
+
+class LawFile(Part):
+    """A law with its parameters, their uncertainty, its range and where it comes from.
+
+    `declared` holds the declarations of a user's own effects. `smoothing` holds v_r (mm/s) and y_r (mm), below which
+    sgn v and sgn y are smooth. `range` is keyed by A (mm), f (Hz) and, where they are known, T (K) and further
+    conditions. `date` is the one line that `--reproducible` leaves out.
+    """
+
+    schema_name: Literal["pipeclamp-law-1"] = Field(alias="schema")
+    name: str
+    notes: str = ""
+    base: str
+    effects: tuple[str, ...] = ()
+    declared: tuple[Declaration, ...] = ()
+    smoothing: dict[Literal["v_r", "y_r"], Annotated[float, Field(gt=0, allow_inf_nan=False)]]
+    coefficients: dict[str, CoefficientEntry]
+    covariance: Covariance | None = None
+    correlations: tuple[Correlation, ...] = ()
+    range: dict[str, Interval]
+    data: DataSource
+    fit: FitQuality | None = None
+    history: tuple[HistoryStep, ...] = ()
+    software: str
+    command: str
+    date: str | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> LawFile:
+        missing = {"v_r", "y_r"} - set(self.smoothing)
+        if missing:
+            raise ValueError(f"smoothing lacks {', '.join(sorted(missing))}")
+        missing = {"A", "f"} - set(self.range)
+        if missing:
+            raise ValueError(f"range lacks {', '.join(sorted(missing))}")
+        for name in ("A", "f"):  # coefficients are powers of them, and a clamp at rest is taken for the smallest
+            interval = self.range[name]
+            if not interval.minimum > 0:
+                raise ValueError(f"range.{name}: minimum {interval.minimum:g} {interval.unit} isn't above 0")
+        return self
+
+
+def structure_of(file: LawFile) -> Structure:
+    """Give the structure that the file names, with what it holds."""
+    held = tuple(sorted((name, entry.value) for name, entry in file.coefficients.items() if entry.state == "held"))
+    return Structure(file.base, file.effects, held, file.declared)
+
+
+def law_of(file: LawFile) -> Law:
+    """Give the law that the file describes.
+
+    Raises:
+        UserError: an effect is not known, or the coefficients are not those of the structure, or in other units.
+    """
+    structure = structure_of(file)
+    parameters = {parameter.name: parameter for parameter in structure.equations.parameters}
+    names, given = set(parameters), set(file.coefficients)
+    if names != given:
+        raise UserError(
+            f"law {file.name!r}: the coefficients don't belong to base {file.base!r} with effects "
+            f"{list(file.effects)}: missing {sorted(names - given)}, not expected {sorted(given - names)}"
+        )
+    for name, entry in file.coefficients.items():
+        if entry.unit not in ("", parameters[name].unit):
+            raise UserError(
+                f"law {file.name!r}: coefficients.{name}.unit: got {entry.unit!r}; expected {parameters[name].unit!r}, "
+                "and the value in it"
+            )
+    values = {name: entry.value for name, entry in file.coefficients.items()}
+    return Law(structure, values, file.smoothing["v_r"], file.smoothing["y_r"])
+
+
+def read_law(path: Path) -> LawFile:
+    """Read a parameter file.
+
+    Raises:
+        UserError: the file is missing, is not JSON, or is not of the schema; the message names the place.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: {why_unreadable(error)}; expected a law, as identify writes it") from error
+    return parse_law(text, str(path))
+
+
+def parse_law(text: str, where: str) -> LawFile:
+    """Read a parameter file's text; `where` is named in errors.
+
+    Raises:
+        UserError: the text is not JSON, not of the schema, or names effects that don't make a law.
+    """
+    try:
+        file = LawFile.model_validate_json(text, strict=False)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"]) or "the file as a whole"
+        raise UserError(
+            f"{where}: {place}: {first['msg']}, got {str(first['input'])[:80]!r}; expected schema {SCHEMA} "
+            f"({error.error_count()} problem(s) in all)"
+        ) from error
+    try:
+        law_of(file)
+    except UserError as error:
+        raise UserError(f"{where}: {error}") from error
+    return file
+
+
+def is_newer(file: LawFile, version: str) -> bool:
+    """Tell whether a file was made by a later version of this program than the given one, such as 0.1.0."""
+
+    def numbers(text: str) -> list[int]:
+        return [int(part) for part in re.findall(r"\d+", text)][:3]
+
+    return file.software.startswith("pipeclamp ") and numbers(file.software) > numbers(version)
+
+
+def law_text(file: LawFile) -> str:
+    """Give the file's text: keys in the schema's order, numbers as short as they read back the same."""
+    content = file.model_dump(by_alias=True, exclude_none=True, mode="json")
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_law(file: LawFile, path: Path) -> None:
+    """Write a parameter file, whole or not at all.
+
+    Raises:
+        UserError: the folder can't be written.
+    """
+    write_whole(path, law_text(file))

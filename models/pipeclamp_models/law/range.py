@@ -1,0 +1,60 @@
+"""The range of conditions that a law's data cover, rounded as a parameter file states it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.file import Interval, LawFile
+
+DIGITS = 10
+"""Significant digits of the file's numbers: more than any test supports, fewer than the last bits of a solver."""
+
+
+def intervals_of(columns: Mapping[str, Array]) -> dict[str, Interval]:
+    """Give the range of each condition that is known throughout; A, f, T, rho and further ones by their columns."""
+    units = {"A": "mm", "f": "Hz", "T": "K", "rho": "g/cm3", "N": "cycles"}
+    return {
+        name: Interval(
+            minimum=_outward(values.min(), math.floor),
+            maximum=_outward(values.max(), math.ceil),
+            unit=units.get(name, "in its name"),
+        )
+        for name, values in columns.items()
+        if np.all(np.isfinite(values))
+    }
+
+
+def _outward(value: float, towards: Callable[[float], int]) -> float:
+    """Round an end of a range outward to three significant digits: drives miss their set points by that much."""
+    if value == 0.0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - 2)
+    return rounded(towards(round(value / step, 6)) * step)
+
+
+def rounded(value: float) -> float:
+    """Give the number with ten significant digits, so that the same data give the same file."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def outside_range(file: LawFile, runs: Sequence[str], columns: Mapping[str, Array]) -> dict[str, str]:
+    """Find the runs outside the law's range, by more than 2 % of it, and say what is outside.
+
+    Args:
+        file: the law.
+        runs: names of the runs, R.
+        columns: conditions by name, shape (R,) each.
+    """
+    found: dict[str, list[str]] = {}
+    for name, interval in file.range.items():
+        margin = 0.02 * max(interval.maximum - interval.minimum, 0.02 * abs(interval.maximum))
+        for run, value in zip(runs, columns.get(name, ()), strict=False):
+            if not interval.minimum - margin <= value <= interval.maximum + margin and math.isfinite(value):
+                found.setdefault(run, []).append(
+                    f"{name} = {value:.4g} {interval.unit}, law: {interval.minimum:.4g} to {interval.maximum:.4g}"
+                )
+    return {run: "; ".join(texts) for run, texts in found.items()}

@@ -1,0 +1,133 @@
+"""The force of a clamp along a motion that somebody gives, in the units of tests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError, did_you_mean
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.law import Equations
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import Motion
+
+OWN_NAMES = {"density_g_cm3": str(symbols.rho), "first_cycle": str(symbols.N)}
+"""Columns of runs.csv that have a signal of their own; any other's is `condition_symbol`."""
+ALWAYS = ("A", "f", "T")
+"""Conditions that may be given to every law, whether it follows them or not."""
+
+
+def force_along(
+    file: LawFile, y: npt.ArrayLike, v: npt.ArrayLike, given: Mapping[str, npt.ArrayLike], h: float | None
+) -> Array | np.float64:
+    """Give the clamp's force along a motion from rest; effects of the rig stay out.
+
+    Args:
+        file: the law.
+        y: displacement in mm, shape (..., n) or (); samples in time along the last axis where the law has memory.
+        v: velocity in mm/s, of a shape that broadcasts with it.
+        given: conditions by name: A mm, f Hz, T degC, density_g_cm3, first_cycle, columns of runs.csv; shapes likewise.
+        h: seconds between samples; None where they aren't known.
+
+    Returns:
+        force in N, of the shape that y and v have together.
+
+    Raises:
+        UserError: the law follows a condition that isn't given, doesn't know one that is, or needs `h`.
+    """
+    law = law_of(file)
+    equations = law.structure.equations_without_rig
+    slow = _slow(file.name, equations, given)
+    y, v = _finite("y", y), _finite("v", v)
+    try:
+        shape = np.broadcast_shapes(y.shape, v.shape)
+        slow = {name: np.broadcast_to(values, shape) for name, values in slow.items()}
+    except ValueError as error:
+        raise UserError(f"force: {error}; expected y, v and conditions of shapes that go together") from error
+    rows = (-1, shape[-1]) if shape else (1, 1)
+    y, v = np.broadcast_to(y, shape), np.broadcast_to(v, shape)
+    slow = {name: values.reshape(rows) for name, values in slow.items()}
+    motion = Motion(
+        y.reshape(rows), v.reshape(rows), np.zeros(y.size).reshape(rows), slow,
+        np.full((y.size // rows[1], 1), _step(file.name, equations, h)), periodic=False,
+    )  # fmt: skip
+    force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion).force
+    return force.reshape(shape) if shape else np.float64(force[0, 0])
+
+
+def _finite(name: str, values: npt.ArrayLike) -> Array:
+    """Give numbers as an array.
+
+    Raises:
+        UserError: they aren't numbers, or not all are finite.
+    """
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"force: {name}: got {values!r}; expected numbers") from error
+    if not np.all(np.isfinite(array)):
+        place = np.argwhere(~np.isfinite(array))[0].tolist()
+        raise UserError(f"force: {name}: not finite at index {place}; expected finite numbers")
+    return array
+
+
+def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) -> dict[str, Array]:
+    """Give the conditions that a law follows, by the names of their signals.
+
+    Raises:
+        UserError: one isn't given, or one is given that the law doesn't know.
+    """
+    follows = {str(symbol) for symbol in equations.slow_signals}
+    signals = {name: _signal(name) for name in given}
+    for name, signal in signals.items():
+        if signal not in follows and name not in ALWAYS:
+            columns = [*ALWAYS, *map(_column, sorted(follows))]
+            raise UserError(
+                f"force: law {law} doesn't follow {name!r}; {did_you_mean(name, columns)}expected of "
+                f"{', '.join(dict.fromkeys(columns))}"
+            )
+    values = {signals[name]: _finite(name, value) for name, value in given.items()}
+    for signal in sorted(follows - set(values)):
+        raise UserError(
+            f"force: law {law} follows {_column(signal)}, which isn't given; expected {_column(signal)}=..."
+        )
+    for name in ("A", "f"):
+        if name in values and np.any(values[name] <= 0):
+            raise UserError(f"force: {name}: got {np.min(values[name]):g}; expected numbers above 0")
+    if "T" in values:
+        values["T"] = values["T"] + CELSIUS
+        if np.any(values["T"] <= 0):
+            raise UserError(f"force: T: got {np.min(given['T']):g} degC; expected temperatures above 0 K")
+    return {signal: values[signal] for signal in follows}
+
+
+def _signal(name: str) -> str:
+    return name if name in ALWAYS else OWN_NAMES.get(name, str(symbols.condition_symbol(name)))
+
+
+def _column(signal: str) -> str:
+    own = {symbol: column for column, symbol in OWN_NAMES.items()}
+    return own.get(signal, signal.removeprefix(symbols.CONDITION))
+
+
+def _step(law: str, equations: Equations, h: float | None) -> float:
+    """Give the seconds between samples, which only states that fade with time ask for.
+
+    Raises:
+        UserError: they aren't known but asked for, or no positive number.
+    """
+    fades = any(symbols.h in state.update.free_symbols for state in equations.states)
+    if h is None:
+        if fades:
+            raise UserError(
+                f"force: law {law} has memory that fades with time; expected h=, the seconds between samples"
+            )
+        return 1.0
+    if not (np.isfinite(h) and h > 0):
+        raise UserError(f"force: h: got {h!r}; expected the seconds between samples, above 0")
+    return float(h)

@@ -1,0 +1,219 @@
+"""Equations as C source on the standard mathematics library alone: what the native FMU runs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+from sympy.printing.c import C99CodePrinter
+
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.law.law import Equations, Structure
+from pipeclamp_models.realise.stepping import conditions_of, exact, parameter_symbols, stepping
+
+EXACT_POWERS = range(2, 9)
+"""Whole powers that are written as products, which is many times cheaper than `pow`."""
+
+
+class CPrinter(C99CodePrinter):  # type: ignore[misc]
+    """Print sign, steps and whole powers as C evaluates them best."""
+
+    def _print_sign(self, expression: sp.Expr) -> str:
+        argument = self._print(expression.args[0])
+        return f"(double)((({argument}) > 0) - (({argument}) < 0))"
+
+    def _print_Piecewise(self, expression: sp.Piecewise) -> str:
+        *branches, (last, _) = expression.args
+        text = self._print(last)
+        for value, condition in reversed(branches):
+            text = f"(({self._print(condition)}) ? ({self._print(value)}) : ({text}))"
+        return str(text)
+
+    def _print_Heaviside(self, expression: sp.Expr) -> str:
+        return f"(double)(({self._print(expression.args[0])}) > 0)"
+
+    def _print_Pow(self, expression: sp.Pow) -> str:
+        base, exponent = expression.base, expression.exp
+        if base.is_Atom and exponent.is_Integer and abs(int(exponent)) in EXACT_POWERS:
+            product = "*".join([self._print(base)] * abs(int(exponent)))
+            return f"({product})" if exponent > 0 else f"1.0/({product})"
+        return str(super()._print_Pow(expression))
+
+
+Block = tuple[Sequence[str], Sequence[sp.Expr]]
+"""Targets of assignments and what they are assigned."""
+
+
+@dataclass(frozen=True)
+class Names:
+    """A C array and the symbols that stand for its entries."""
+
+    array: str
+    symbols: tuple[sp.Symbol, ...]
+
+    def locals(self) -> dict[sp.Symbol, sp.Symbol]:
+        """Give the C names of the entries by their symbols."""
+        return {symbol: _named(self.array, symbol, index) for index, symbol in enumerate(self.symbols)}
+
+    def declarations(self, used: set[sp.Symbol]) -> list[str]:
+        """Give the declarations of those entries that are used."""
+        return [
+            f"const double {name} = {self.array}[{index}];"
+            for index, name in enumerate(self.locals().values())
+            if name in used
+        ]
+
+
+def _named(kind: str, symbol: sp.Symbol, index: int = 0) -> sp.Symbol:
+    """Give a C name: the symbol behind the name of its kind, so that no symbol meets a word of C."""
+    name = str(symbol)
+    return sp.Symbol(f"{kind}_{name if re.fullmatch(r'[A-Za-z0-9_]+', name) else index}", real=True)
+
+
+def c_source(structure: Structure) -> str:
+    """Give a law's structure as C functions; its parameters are arguments, so that no value is compiled in.
+
+    It defines the counts `LAW_PARAMETERS`, `LAW_CONDITIONS`, `LAW_HELD`, `LAW_STATES`, the states before anything has
+    moved, `law_rest`, and
+
+    - `law_coefficients(p, u, k)`: from parameters p (`parameter_symbols`) and conditions u (`conditions_of`; mm, Hz, K)
+      what holds through a step,
+    - `law_step(k, z, y_previous, y, v, h, result, z_new)`: force (N) and stored energy (N mm) and the new states after
+      a straight move from `y_previous` to `y` (mm) in `h` seconds,
+    - `law_slopes(p, u, z, y_previous, y, v, h, slope)`: derivatives of that force, then of that energy, by y, v and
+      each condition, memory included.
+    """
+    law = stepping(structure)
+    equations = law.equations
+    slow = {str(symbol): symbol for symbol in equations.slow_signals}
+    p = Names("p", parameter_symbols(equations))
+    u = Names("u", tuple(slow.get(name, sp.Symbol(name)) for name in conditions_of(equations)))
+    k = Names("k", tuple(symbol for symbol, _ in law.held))
+    z = Names("z", tuple(state.symbol for state in equations.states))
+    c = Names("c", tuple(entry.symbol for entry in equations.coefficients))
+    new = Names("new", law.after)
+    written = dict(zip(new.symbols, law.updates, strict=True))
+    of_conditions = p.locals() | u.locals() | c.locals()
+    of_step = k.locals() | z.locals() | new.locals()
+
+    def assigned(names: Names, expressions: Mapping[sp.Symbol, sp.Expr]) -> Block:
+        """Give the definition of each entry as a name."""
+        return (
+            [f"const double {name}" for symbol, name in names.locals().items() if symbol in expressions],
+            [expressions[symbol] for symbol in names.symbols if symbol in expressions],
+        )
+
+    slopes = [
+        exact(slope).xreplace(of_conditions | z.locals())
+        for expression in (equations.force, equations.energy)
+        for slope in total_slopes(equations, expression, (symbols.y, symbols.v, *u.symbols))
+    ]
+    sloped = set().union(*(slope.free_symbols for slope in slopes))
+    rest = ", ".join(repr(float(state.start)) for state in equations.states) or "0.0"
+    motion = "double y_previous, double y, double v, double h"
+    return "\n".join(
+        [
+            f"enum {{ LAW_PARAMETERS = {len(p.symbols)}, LAW_CONDITIONS = {len(u.symbols)},"
+            f" LAW_HELD = {len(k.symbols)}, LAW_STATES = {len(z.symbols)} }};",
+            "",
+            f"static const double law_rest[] = {{{rest}}};",
+            "",
+            *_function(
+                "static void law_coefficients(const double p[], const double u[], double k[])",
+                (p, u),
+                [
+                    assigned(c, {symbol: value.xreplace(of_conditions) for symbol, value in law.coefficients}),
+                    (
+                        [f"k[{index}]" for index in range(len(law.held))],
+                        [value.xreplace(of_conditions) for _, value in law.held],
+                    ),
+                ],
+                unused=("p", "u", "k"),
+            ),
+            *_function(
+                f"static void law_step(const double k[], const double z[], {motion}, double result[2], double z_new[])",
+                (k, z),
+                [
+                    assigned(new, {symbol: value.xreplace(of_step) for symbol, value in written.items()}),
+                    ([f"z_new[{index}]" for index in range(len(law.after))], list(new.locals().values())),
+                    (["result[0]", "result[1]"], [value.xreplace(of_step) for value in (law.force, law.energy)]),
+                ],
+                unused=("k", "z", "y_previous", "v", "h", "z_new"),
+            ),
+            *_function(
+                "static void law_slopes(const double p[], const double u[], const double z[], "
+                f"{motion}, double slope[{len(slopes)}])",
+                (p, u, z),
+                [
+                    assigned(
+                        c,
+                        {
+                            entry.symbol: exact(entry.expression).xreplace(of_conditions)
+                            for entry in equations.coefficients
+                            if c.locals()[entry.symbol] in sloped
+                        },
+                    ),
+                    ([f"slope[{index}]" for index in range(len(slopes))], slopes),
+                ],
+                unused=("p", "u", "z", "y_previous", "y", "v", "h"),
+            ),
+        ]
+    )
+
+
+def total_slopes(equations: Equations, expression: sp.Expr, by: Iterable[sp.Symbol]) -> list[sp.Expr]:
+    """Give derivatives of the force or the energy after a step, through the states' update and the coefficients.
+
+    Args:
+        equations: the composed law.
+        expression: in fast signals, coefficients and states after the step.
+        by: y, v and slow signals.
+    """
+    update = {state.symbol: state.update for state in equations.states}
+
+    def through_states(symbol: sp.Symbol) -> sp.Expr:
+        inner = sp.diff(expression, symbol)
+        return inner.xreplace(update) + sum(
+            sp.diff(expression, state).xreplace(update) * sp.diff(after, symbol) for state, after in update.items()
+        )
+
+    def total(symbol: sp.Symbol) -> sp.Expr:
+        return through_states(symbol) + sum(
+            through_states(entry.symbol) * sp.diff(entry.expression, symbol)
+            for entry in equations.coefficients
+            if symbol in entry.expression.free_symbols
+        )
+
+    # At a step of the force the slope is that of its sides.
+    return [total(symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0)) for symbol in by]
+
+
+def _function(
+    head: str,
+    arrays: Iterable[Names],
+    blocks: Sequence[Block],
+    unused: Sequence[str],
+) -> list[str]:
+    """Give a C function: the entries that it uses, then blocks of assignments, common parts computed once.
+
+    Args:
+        head: return type, name and arguments.
+        arrays: the arrays that symbols are entries of.
+        blocks: targets and their expressions; a block may use the targets of those before it.
+        unused: arguments that a law may leave unused, named so that a compiler doesn't warn of them.
+    """
+    printer = CPrinter()
+    names = sp.numbered_symbols("part_", real=True)
+    used: set[sp.Symbol] = set()
+    body: list[str] = []
+    for targets, expressions in blocks:
+        parts, reduced = sp.cse(list(expressions), symbols=names)
+        body += [f"const double {symbol} = {printer.doprint(expression)};" for symbol, expression in parts]
+        body += [f"{target} = {printer.doprint(part)};" for target, part in zip(targets, reduced, strict=True)]
+        used = used.union(*(expression.free_symbols for expression in expressions))
+    declared = [line for array in arrays for line in array.declarations(used)]
+    text = "\n".join((*declared, *body))
+    silent = [f"(void){name};" for name in unused if not re.search(rf"\b{name}\b", text)]
+    return [head, "{", *(f"    {line}" for line in (*declared, *silent, *body)), "}", ""]

@@ -1,0 +1,115 @@
+"""Motions of a clamp, many at once: what laws are evaluated along."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.equations.symbols import CONDITION
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Samples in whose interval, or next to it, the velocity changes its sign.
+
+    Attributes:
+        row, sample: where they are, shape (K,).
+        v: velocities of the interval in mm/s, shape (K, q).
+        weight: of each in the mean over the interval, shape (K, q).
+        share: by which the mean stands in the place of the sample, shape (K,).
+    """
+
+    row: npt.NDArray[np.intp]
+    sample: npt.NDArray[np.intp]
+    v: Array
+    weight: Array
+    share: Array
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motions, one a row, sampled at n equal steps: one whole cycle each, or a record that starts at rest.
+
+    Attributes:
+        y, v, a: displacement mm, velocity mm/s, acceleration mm/s2; shape (R, n).
+        slow: slow signals by name (`A` mm, `f` Hz, `T` K, `N`, `rho`, further conditions), each of shape (R, 1), or
+            (R, n) where it changes along the row.
+        h: time between samples in s, shape (R, 1).
+        periodic: whether each row is a whole cycle that repeats.
+        assumed: slow signals that nobody knows, whose values only let laws be evaluated that don't follow them.
+    """
+
+    y: Array
+    v: Array
+    a: Array
+    slow: Mapping[str, Array]
+    h: Array
+    periodic: bool = True
+    assumed: frozenset[str] = frozenset()
+
+    def rows(self, chosen: npt.NDArray[np.intp]) -> Motion:
+        """Give some of the motions."""
+        slow = {name: values[chosen] for name, values in self.slow.items()}
+        return replace(self, y=self.y[chosen], v=self.v[chosen], a=self.a[chosen], slow=slow, h=self.h[chosen])
+
+    @cached_property
+    def turning(self) -> Turning:
+        """The samples of periodic motions whose interval, half a step to each side, holds a reversal.
+
+        Beyond the interval the mean fades out over another half step, so that force stays continuous in the motion.
+        """
+        reach = np.abs(self.a) * self.h / 2
+        row, sample = np.nonzero((np.abs(self.v) < 2 * reach) & self.periodic)
+        middle, half = self.v[row, sample], reach[row, sample]
+        # From the interval's one end to the reversal, if it is inside, and from there to the other end; v grows evenly.
+        ends = np.stack([middle - half, np.clip(0.0, middle - half, middle + half), middle + half], axis=1)
+        length = np.diff(ends)[:, :, None]
+        v = (ends[:, :-1, None] + length * (1 + NODES) / 2).reshape(len(row), 2 * len(NODES))
+        weight = (length * WEIGHTS / 2).reshape(v.shape) / (2 * half[:, None])
+        return Turning(row, sample, v, weight, np.clip(2 - np.abs(middle) / half, 0.0, 1.0))
+
+
+def sinusoids(
+    amplitude: npt.ArrayLike, frequency: npt.ArrayLike, temperature: npt.ArrayLike, samples: int = 512
+) -> Motion:
+    """Give the motions A cos(2 pi f t) of one cycle.
+
+    Args:
+        amplitude: mm, frequency: Hz, temperature: K; shapes that broadcast to (R,).
+        samples: samples in the cycle.
+    """
+    A, f, T = (
+        np.atleast_1d(column)[:, None]
+        for column in np.broadcast_arrays(*(np.asarray(entry, float) for entry in (amplitude, frequency, temperature)))
+    )
+    phase = 2 * np.pi * np.arange(samples) / samples
+    omega = 2 * np.pi * f
+    y = A * np.cos(phase)
+    return Motion(y, -A * omega * np.sin(phase), -(omega**2) * y, {"A": A, "f": f, "T": T}, 1.0 / (f * samples))
+
+
+def refuse_unknown_conditions(slow: Iterable[str], motion: Motion) -> None:
+    """Refuse motions that don't state a condition which the law depends on.
+
+    Args:
+        slow: names of the slow signals that the law depends on.
+        motion: the motions.
+
+    Raises:
+        UserError: with the column that is missing.
+    """
+    for name in slow:
+        if name not in motion.slow:
+            known = ", ".join(sorted(entry.removeprefix(CONDITION) for entry in motion.slow))
+            raise UserError(
+                f"the law depends on {name.removeprefix(CONDITION)}, which the tests don't state; got {known}; "
+                "expected a column of that name in runs.csv"
+            )

@@ -1,0 +1,101 @@
+"""The sizes of tests' data or of a law's loops: starts, bounds and typical sizes of parameters are stated in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import sympy as sp
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
+
+Sizes = Mapping[sp.Symbol, float]
+
+SAMPLES = 128
+"""Samples of a cycle that tell the size of a law's force."""
+CYCLES = 1000.0
+"""Load cycles of a test series, where nothing says how many."""
+
+
+def data_sizes(slow: Mapping[str, Array], force_amplitude: Array) -> Sizes:
+    """Give the sizes of R runs.
+
+    Args:
+        slow: slow signals by name, shape (R, 1) or (R, n): A in mm, f in Hz, T in K, and further ones.
+        force_amplitude: N, shape (R,).
+    """
+    A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
+    return {
+        symbols.N_highest: max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
+        symbols.A_typical: float(np.median(A)),
+        symbols.A_highest: float(np.max(A)),
+        symbols.F_typical: float(np.median(force_amplitude)),
+        symbols.f_typical: float(np.median(f)),
+        symbols.f_lowest: float(np.min(f)),
+        symbols.f_highest: float(np.max(f)),
+        symbols.T_lowest: float(np.min(T)),
+        symbols.T_highest: float(np.max(T)),
+        **{symbol: float(value) for symbol, value in symbols.REFERENCES.items()},
+        **{
+            sp.Symbol(f"{name}_size", positive=True): max(float(np.max(np.abs(values))), 1e-12)
+            for name, values in slow.items()
+            if name.startswith(symbols.CONDITION) and np.all(np.isfinite(values))
+        },
+    }
+
+
+def law_sizes(
+    law: Law,
+    amplitudes: Sequence[float],
+    frequencies: Sequence[float],
+    temperatures: Sequence[float],
+    further: Mapping[str, float],
+) -> Sizes:
+    """Give the sizes of the loops of a law, in every combination of amplitude, frequency and temperature.
+
+    Args:
+        law: the law.
+        amplitudes: mm; frequencies: Hz; temperatures: K.
+        further: further slow signals by name, the same in all loops.
+
+    Raises:
+        UserError: the law depends on a slow signal that isn't given.
+    """
+    A, f, T = (grid.ravel() for grid in np.meshgrid(amplitudes, frequencies, temperatures))
+    motion = sinusoids(A, f, T, SAMPLES)
+    added = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
+    motion = replace(motion, slow={**motion.slow, **added})
+    return data_sizes(motion.slow, np.ptp(force_of_law(law, motion).force, axis=1) / 2)
+
+
+def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:
+    """Give the sizes of the loops of a law over its range; further conditions, by their signals' names, count as 1."""
+    ends = {name: (interval.minimum, interval.maximum) for name, interval in file.range.items()}
+    A, f, T = (ends.get(name, (293.15, 293.15)) for name in ("A", "f", "T"))
+    further = {
+        "N": CYCLES,
+        str(symbols.rho): float(symbols.REFERENCES[symbols.rho_0]),
+        **dict.fromkeys(conditions, 1.0),
+    }
+    return law_sizes(law_of(file), A, f, T, further)
+
+
+def number_of(value: sp.Expr | float, sizes: Sizes) -> float:
+    """Give a start, bound or typical size as a number."""
+    if not isinstance(value, sp.Basic):
+        return float(value)
+    needed = sorted((symbol for symbol in value.free_symbols if symbol in sizes), key=str)
+    return _number(value, tuple((symbol, sizes[symbol]) for symbol in needed))
+
+
+@lru_cache(maxsize=4096)
+def _number(value: sp.Expr, sizes: tuple[tuple[sp.Symbol, float], ...]) -> float:
+    """Give a number, once: each fit to the same tests asks for the same ones several times."""
+    return float(value.subs(sizes))

@@ -1,0 +1,216 @@
+"""States of a law along motions, all rows at once; those of periodic motions are brought to their periodic values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import repeat
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.law import Equations
+from pipeclamp_models.realise.arrays import ArrayRealisation, Compiled
+from pipeclamp_models.realise.motion import Motion
+
+SETTLING_CYCLES = 20
+SETTLED = 1e-9
+
+Columns = tuple[Sequence[Array], Sequence[Array]]
+"""Arguments of a law's step before and after its states, each (R, n), or (R, 1) where it keeps still."""
+
+
+@dataclass(frozen=True)
+class States:
+    """States along motions.
+
+    Attributes:
+        after: each sample, J arrays of shape (R, n).
+        slopes: by the moving parameters, (J, M, R, n); M is 0 where derivatives aren't wanted.
+        steps, adrift, unsettled: as of `LawForce`.
+    """
+
+    after: Sequence[Array]
+    slopes: Array
+    steps: Array | None
+    adrift: npt.NDArray[np.bool_]
+    unsettled: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class March:
+    """Steps the states of a law along motions, all rows at once."""
+
+    compiled: ArrayRealisation
+    equations: Equations
+    coefficients: Sequence[Array]
+    coefficient_slopes: Mapping[tuple[int, int], Array]
+    values: Sequence[float]
+    smoothing: tuple[float, float]
+    motion: Motion
+
+    @cached_property
+    def moving(self) -> tuple[int, ...]:
+        """The parameters that the states' update depends on, M of them: no other has slopes to carry along."""
+        places = self.compiled.update_slope_places
+        coefficients = {coefficient for _, coefficient in places.by_coefficient}
+        direct = {parameter for _, parameter in places.by_parameter}
+        return tuple(sorted(direct | {place for entry, place in self.coefficient_slopes if entry in coefficients}))
+
+    @cached_property
+    def inner(self) -> Mapping[int, Sequence[tuple[int, Array]]]:
+        """The slopes of each coefficient by the moving parameters, by their places."""
+        slopes: dict[int, list[tuple[int, Array]]] = {entry: [] for entry in range(len(self.coefficients))}
+        for (entry, parameter), slope in self.coefficient_slopes.items():
+            if parameter in self.moving:
+                slopes[entry].append((self.moving.index(parameter), slope))
+        return slopes
+
+    def states(self, *, derivatives: bool) -> States:
+        """Give the states along the motions, and their slopes where derivatives are wanted."""
+        count = len(self.equations.states)
+        rows, samples = self.motion.y.shape
+        parameters = len(self.moving) if derivatives else 0
+        none = np.zeros(rows, dtype=np.bool_)
+        if count == 0:
+            return States([], np.zeros((0, parameters, rows, samples)), None, none, none)
+        rest = np.array([np.full(rows, state.start) for state in self.equations.states])
+        if self.motion.periodic:
+            return self._periodic(rest, parameters)
+        columns = self._columns(np.concatenate([np.zeros((rows, 1)), self.motion.y[:, :-1]], axis=1))
+        trajectory = self._walk(rest, columns)
+        slopes = np.zeros((rows, samples, count, parameters))
+        if derivatives:
+            slopes = trail(slopes[:, 0], *self._slopes(rest, trajectory, columns, parameters))
+        return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), None, none, none)
+
+    def _periodic(self, rest: Array, parameters: int) -> States:
+        """Bring the states' map over one cycle to its fixed point by Newton's method, after a first move from rest.
+
+        Directions in which the map is the identity (an element that never slips) stay as that move left them.
+        """
+        count, rows = rest.shape
+        last = self._last()
+        from_rest = last._columns(np.zeros((rows, 1)))
+        moved = last._walk(rest, from_rest)
+        start, columns = moved[:, :, 0], self._columns(np.roll(self.motion.y, 1, axis=1))
+        scale = 1e-300 + np.max(np.abs(start), axis=0)
+        for _ in range(SETTLING_CYCLES):
+            trajectory = self._walk(start, columns)
+            by_states, by_parameters = self._slopes(start, trajectory, columns, parameters)
+            change = trajectory[:, :, -1] - start
+            to_begin = np.eye(count) - composed(np.moveaxis(by_states, 1, 0))
+            inverse = np.linalg.pinv(to_begin, rcond=SETTLED)
+            size = scale + np.max(np.abs(trajectory), axis=(0, 2))
+            unsettled = ~np.all(np.abs(change) <= SETTLED * size, axis=0)
+            if not np.any(unsettled):
+                break
+            start = start + np.einsum("rjk,kr->jr", inverse, change)
+        adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
+        slopes = by_parameters
+        if parameters:
+            begin = last._slopes(rest, moved, from_rest, parameters)[1][:, 0]
+            once = trail(begin, by_states, by_parameters)[:, -1]
+            slopes = trail(begin + inverse @ (once - begin), by_states, by_parameters)
+        return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled)
+
+    def _last(self) -> March:
+        """Give the march to the last sample alone."""
+        motion = self.motion
+        y, v, a = motion.y[:, -1:], motion.v[:, -1:], motion.a[:, -1:]
+        return replace(
+            self,
+            coefficients=[column[:, -1:] for column in self.coefficients],
+            coefficient_slopes={entry: slope[:, -1:] for entry, slope in self.coefficient_slopes.items()},
+            motion=replace(motion, y=y, v=v, a=a),
+        )
+
+    def _columns(self, y_previous: Array) -> Columns:
+        """Give what the states' update takes before and after the states."""
+        motion, ones = self.motion, np.ones((len(self.motion.y), 1))
+        numbers = [value * ones for value in (*self.values, *self.smoothing)]
+        return [motion.y, motion.v, motion.a, y_previous, motion.h], [*self.coefficients, *numbers]
+
+    def _walk(self, start: Array, columns: Columns) -> Array:
+        """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
+        if len(self.motion.y) == 1:  # one motion is stepped many times faster in plain numbers than in arrays of one
+            numbers = [[column[0].tolist() for column in some] for some in columns]
+            try:
+                steps = list(_steps(self.compiled.update_of_numbers, start[:, 0].tolist(), *numbers))
+                return np.array(steps, dtype=np.float64).T[:, None]
+            except (ArithmeticError, ValueError):
+                pass  # what plain numbers refuse is infinite or no number in arrays
+        states = np.empty((*start.shape, self.motion.y.shape[1]))
+        arrays = [[list(column.T) for column in some] for some in columns]
+        for index, after in enumerate(_steps(self.compiled.update, list(start), *arrays)):
+            for state, value in zip(states, after, strict=True):
+                state[:, index] = value
+        return states
+
+    def _slopes(self, start: Array, trajectory: Array, columns: Columns, parameters: int) -> tuple[Array, Array]:
+        """Give the slopes of each step.
+
+        Args:
+            start: states (J, R) before the first sample.
+            trajectory: states after each, (J, R, n).
+            columns: the steps' other arguments.
+            parameters: M; 0 where slopes by parameters aren't wanted.
+
+        Returns:
+            by the states, (R, n, J, J), and by the moving parameters, (R, n, J, M).
+        """
+        count, rows, samples = trajectory.shape
+        moving, held = columns
+        before = np.concatenate([start[:, :, None], trajectory[:, :, :-1]], axis=2)
+        slopes = self.compiled.update_slope_places.filled(self.compiled.update_slopes(*moving, *before, *held))
+        by_states, by_parameters = (np.zeros((rows, samples, count, width)) for width in (count, parameters))
+        for (state, before_it), slope in slopes.by_state.items():
+            by_states[:, :, state, before_it] = slope
+        if parameters:
+            for (state, coefficient), slope in slopes.by_coefficient.items():
+                for place, inner in self.inner[coefficient]:
+                    by_parameters[:, :, state, place] += slope * inner
+            for (state, parameter), slope in slopes.by_parameter.items():
+                by_parameters[:, :, state, self.moving.index(parameter)] += slope
+        return by_states, by_parameters
+
+
+def _steps(
+    update: Compiled, start: Sequence[Any], moving: Sequence[Sequence[Any]], held: Sequence[Sequence[Any]]
+) -> Iterator[Sequence[Any]]:
+    """Give the states after each sample, from those before the first; an argument of one value keeps it."""
+    y, *others = moving
+    fast, slow = ([repeat(values[0]) if len(values) == 1 else values for values in some] for some in (others, held))
+    after = start
+    for place, with_it, still in zip(y, zip(*fast, strict=False), zip(*slow, strict=False), strict=False):
+        after = update(place, *with_it, *after, *still)
+        yield after
+
+
+def trail(start: Array, by_states: Array, inputs: Array) -> Array:
+    """Carry slopes along all samples.
+
+    Args:
+        start: before the first sample, (R, J, M).
+        by_states: of each step, (R, n, J, J).
+        inputs: what each step adds, (R, n, J, M).
+
+    Returns:
+        after each sample, (R, n, J, M).
+    """
+    after, current = np.empty_like(inputs), start
+    for index in range(inputs.shape[1]):
+        current = by_states[:, index] @ current + inputs[:, index]
+        after[:, index] = current
+    return after
+
+
+def composed(steps: Array) -> Array:
+    """Give what linear steps (n, ..., d, d) make one after the other, (..., d, d)."""
+    while len(steps) > 1:
+        paired = len(steps) // 2 * 2
+        steps = np.concatenate([steps[1:paired:2] @ steps[:paired:2], steps[paired:]])
+    return np.asarray(steps[0])

@@ -1,0 +1,135 @@
+"""Equations as mathematics to read: for reports and the FMU's documentation."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import sympy as sp
+from sympy.printing.str import StrPrinter
+
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.equations.effect import Effect
+from pipeclamp_models.law.law import Equations
+
+
+def equation_lines(equations: Equations) -> list[str]:
+    """Give a law's equations, a line each: the force, its coefficients, its memory after a step, as plain text."""
+    lines = [f"F = {_text(equations.force)}"]
+    lines += [f"{entry.symbol} = {_text(entry.expression)}" for entry in equations.coefficients]
+    lines += [f"{state.symbol}, after a step = {_text(state.update)}" for state in equations.states]
+    return lines
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One thing that an effect does.
+
+    Attributes:
+        words: what the expression is, in words.
+        left: LaTeX of what stands left of the expression.
+        expression: the mathematics.
+    """
+
+    words: str
+    left: str
+    expression: sp.Expr
+
+    @property
+    def plain(self) -> str:
+        """The expression as plain text."""
+        return _text(self.expression)
+
+    @property
+    def latex(self) -> str:
+        """The whole equation in LaTeX."""
+        right = _latex(self.expression)
+        is_sum = isinstance(self.expression, sp.Add) and self.left.endswith(r"\times")
+        return rf"{self.left} \left({right}\right)" if is_sum else f"{self.left} {right}"
+
+
+def effect_statements(effect: Effect) -> list[Statement]:
+    """Give an effect's equations, in the order in which they are read."""
+    found = []
+    if effect.force != 0:
+        found.append(Statement("force added, N", r"\Delta F =", effect.force))
+    for coefficient in effect.coefficients:
+        words = str(coefficient.symbol) + (f", {coefficient.unit}" if coefficient.unit != "-" else "")
+        found.append(Statement(words, f"{_latex(coefficient.symbol)} =", coefficient.expression))
+    for target, factor in effect.scales.items():
+        found.append(Statement(f"factor on every {target}", rf"\text{{{target}}} \times", factor))
+    for signal, path in effect.replaces.items():
+        found.append(Statement(f"in place of {signal}", f"{_latex(signal)} =", path))
+    found += [
+        Statement(f"{state.symbol} after a step", f"{_latex(state.symbol)} \\leftarrow", state.update)
+        for state in effect.states
+    ]
+    if effect.lag != 0:
+        late = r"F_\mathrm{measured}(t) = F(t - \tau),\quad \tau ="
+        found.append(Statement("force measured late by, s", late, effect.lag))
+    if effect.energy != 0:
+        found.append(Statement("energy stored, N mm", "E =", effect.energy.replace(_is_compliance, _stiff)))
+    return found
+
+
+def symbols_of(effect: Effect) -> list[symbols.Signal]:
+    """Give what an effect's equations use besides its own parameters, coefficients and states."""
+    used: set[sp.Symbol] = set().union(*(one.expression.free_symbols for one in effect_statements(effect)))
+    known = (*symbols.FAST, *symbols.SLOW, *symbols.FIXED)
+    found = [signal for signal in known if signal.symbol in used]
+    columns = sorted(str(symbol) for symbol in used if str(symbol).startswith(symbols.CONDITION))
+    return found + [
+        symbols.Signal(sp.Symbol(name, real=True), "its own", "further column of runs.csv") for name in columns
+    ]
+
+
+def _is_compliance(expression: sp.Expr) -> bool:
+    """Tell whether an expression is 1/k where there is a stiffness, and else 0 (`symbols.compliance`)."""
+    if not isinstance(expression, sp.Piecewise):
+        return False
+    stiffness = 1 / expression.args[0][0]
+    return bool(expression == symbols.compliance(stiffness))
+
+
+def _stiff(compliance: sp.Expr) -> sp.Expr:
+    """Give 1/k, as it is read: without a spring there is no energy."""
+    return compliance.args[0][0]
+
+
+def _latex(expression: sp.Expr) -> str:
+    names = {symbols.y_previous: r"y_\mathrm{prev}"}
+    for symbol in expression.free_symbols:
+        word = re.fullmatch(r"([a-z]{3,})(\d*)", str(symbol))
+        if word and str(sp.latex(symbol)).startswith(word[1]):  # a word, not the name of a Greek letter
+            names[symbol] = rf"\mathrm{{{word[1]}}}" + (f"_{{{word[2]}}}" if word[2] else "")
+    return str(sp.latex(expression, symbol_names=names)).replace(r"\operatorname{sign}", r"\operatorname{sgn}")
+
+
+def _text(expression: sp.Expr) -> str:
+    text = str(_Words().doprint(expression)).replace("**", "^").replace("*", " ")
+    # brackets around the words hold them together within a product; alone they hold nothing
+    whole = isinstance(expression, sp.Piecewise)
+    return text[1:-1] if whole else text
+
+
+class _Words(StrPrinter):  # type: ignore[misc]
+    """Prints cases in words, "(this if that; else the other)", and functions by their usual signs."""
+
+    def _print_Piecewise(self, expression: sp.Piecewise) -> str:
+        cases = [
+            f"else {self._print(value)}" if when == sp.true else f"{self._print(value)} if {self._print(when)}"
+            for value, when in expression.args
+        ]
+        return f"({'; '.join(cases)})"
+
+    def _print_Abs(self, expression: sp.Abs) -> str:
+        return f"|{self._print(expression.args[0])}|"
+
+    def _print_Max(self, expression: sp.Max) -> str:
+        return f"max({self.stringify(expression.args, ', ')})"
+
+    def _print_Min(self, expression: sp.Min) -> str:
+        return f"min({self.stringify(expression.args, ', ')})"
+
+    def _print_sign(self, expression: sp.sign) -> str:
+        return f"sgn({self._print(expression.args[0])})"

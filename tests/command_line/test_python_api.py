@@ -1,0 +1,186 @@
+"""The Python API: the commands' answers bit by bit, light to import, clear where it can't serve."""
+
+import doctest
+import inspect
+import json
+import subprocess
+import sys
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+import pipeclamp as pc
+from pipeclamp_identification.fitting.observations import loop_motion
+from pipeclamp_models.law.file import law_of
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import sinusoids
+
+DOCUMENTED_ELSEWHERE = {"Cosimulation", "Diagnosis", "UserError"}
+"""What the example of another public name makes and shows."""
+
+
+@pytest.fixture(scope="module")
+def tests(small):
+    return pc.read_campaign(small)
+
+
+@pytest.fixture(scope="module")
+def law(tests):
+    return pc.identify(tests)
+
+
+def answered(pipeclamp, folder, *words):
+    """What a command writes with --json."""
+    pipeclamp(*words, "--json", folder / "answer.json")
+    return json.loads((folder / "answer.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("options", [{}, {"effects": ["damping_temperature"], "base": "memory"}])
+def test_identify_gives_the_commands_law(pipeclamp, small, tests, tmp_path, options):
+    words = [word for name, value in options.items() for word in (f"--{name}", value if name == "base" else value[0])]
+    pipeclamp("identify", small, "-o", tmp_path / "law.json", "--reproducible", *words)
+    ours = pc.identify(tests, **options).to_dict()
+    theirs = json.loads((tmp_path / "law.json").read_text(encoding="utf-8"))
+    assert ours.pop("command") != theirs.pop("command")
+    assert ours == theirs
+
+
+def test_answers_are_the_commands(pipeclamp, small, tests, law, tmp_path):
+    path = law.save(tmp_path / "law.json")
+    assert pc.compare(law, tests).to_dict() == answered(pipeclamp, tmp_path, "compare", path, small)
+    assert pc.diagnose(law, tests).to_dict() == answered(pipeclamp, tmp_path, "diagnose", path, small)
+    assert tests.to_dict() == answered(pipeclamp, tmp_path, "metrics", small)
+
+
+def test_add_gives_the_commands_law(pipeclamp, small, tests, law, tmp_path):
+    path = law.save(tmp_path / "law.json")
+    pipeclamp("add", path, "damping_temperature", small, "-o", tmp_path / "law2.json", "--reproducible")
+    ours = pc.add(path, "damping_temperature", tests).to_dict()
+    theirs = json.loads((tmp_path / "law2.json").read_text(encoding="utf-8"))
+    assert ours.pop("command") != theirs.pop("command")
+    assert ours == theirs
+    back = pc.remove(tmp_path / "law2.json", "damping_temperature", tests)
+    assert back.effects == ()
+    assert back.nrmse == pytest.approx(law.nrmse, rel=1e-6)
+
+
+def test_add_takes_what_a_diagnosis_names(tests, law):
+    answer = pc.diagnose(law, tests)
+    if answer.verdict == "missing":
+        assert pc.add(law, answer, tests).effects == answer.effects
+    else:
+        with pytest.raises(pc.UserError, match="names no single effect"):
+            pc.add(law, answer, tests)
+
+
+@pytest.mark.parametrize("name", ["emwm2", "published_R1"])
+def test_force_is_that_of_the_law_on_its_loops(name):
+    law = pc.open_law(name)
+    motion = sinusoids([0.5], [3.0], [393.15])
+    expected = force_of_law(law_of(law.file), motion).force
+    force = law.force(motion.y, motion.v, A=0.5, f=3.0, T=120.0)
+    assert force.shape == motion.y.shape
+    # where a periodic motion turns, the sample stands for its interval
+    assert np.median(np.abs(force - expected)) < 1e-9
+    one = law.force(0.3, -2.0, A=0.5, f=3.0, T=120.0)
+    assert np.ndim(one) == 0
+
+
+def test_force_with_memory_follows_the_motion_from_rest(tests):
+    law = pc.identify(tests, effects=["memory"])
+    loops = tests.tests.loops
+    motion = loop_motion(loops, 256)
+    y, v = (np.tile(values[0], 6) for values in (motion.y, motion.v))
+    given = {"A": loops.amplitude_mm[0], "f": loops.frequency_Hz[0], "T": loops.temperature_K[0] - 273.15}
+    force = law.force(y, v, **given)
+    settled = force_of_law(law_of(law.file), motion).force[0]
+    assert np.median(np.abs(force[-256:] - settled)) < 1e-6 * np.abs(settled).max()
+    backwards = law.force(y[::-1], v[::-1], **given)[::-1]
+    assert np.abs(force - backwards).max() > 1e-2 * np.abs(settled).max()
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"y": 0.1, "v": 1.0, "A": 0.5, "f": 1.0}, "follows T, which isn't given"),
+        ({"y": 0.1, "v": 1.0, "A": 0.5, "f": 1.0, "T": 20.0, "current_A": 2.0}, "doesn't follow 'current_A'"),
+        ({"y": float("nan"), "v": 1.0, "A": 0.5, "f": 1.0, "T": 20.0}, "y: not finite"),
+        ({"y": "far", "v": 1.0, "A": 0.5, "f": 1.0, "T": 20.0}, "expected numbers"),
+        ({"y": [0.1, 0.2], "v": [1.0, 2.0, 3.0], "A": 0.5, "f": 1.0, "T": 20.0}, "shapes"),
+        ({"y": 0.1, "v": 1.0, "A": 0.5, "f": 1.0, "T": -300.0}, "above 0 K"),
+        ({"y": 0.1, "v": 1.0, "A": [0.5, 0.0], "f": 1.0, "T": 20.0}, "A: got 0; expected numbers above 0"),
+        ({"y": 0.1, "v": 1.0, "A": 0.5, "f": -3.0, "T": 20.0}, "f: got -3"),
+    ],
+)
+def test_force_that_cant_be_told_is_refused(given, expected):
+    with pytest.raises(pc.UserError, match=expected):
+        pc.open_law("emwm2").force(given.pop("y"), given.pop("v"), **given)
+
+
+def test_mistakes_are_user_errors(tests, tmp_path):
+    for mistake in (
+        lambda: pc.read_campaign(tmp_path / "nowhere"),
+        lambda: pc.open_law("emwm3"),
+        lambda: pc.identify(tests, effects=["memry"]),
+        lambda: pc.build_fmu("emwm2", tmp_path / "clamp.fmu", kind="java"),
+        lambda: pc.build_fmu("emwm2", tmp_path / "nowhere" / "clamp.fmu"),
+        lambda: pc.cosim(tmp_path / "system.toml"),
+        lambda: pc.diagnose("emwm2", tests, limits="A=3"),
+        lambda: pc.compare(tests, pc.open_law("emwm2")),
+        lambda: pc.add("emwm2", 3, tests),
+        lambda: pc.add("emwm2", pc.open_law("emwm2"), tests),
+        lambda: pc.identify([]),
+        lambda: pc.read_campaign(None),
+        lambda: pc.read_campaign("clampa"),
+        lambda: pc.open_law(None),
+        lambda: pc.cosim(None),
+    ):
+        with pytest.raises(pc.UserError):
+            mistake()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_tests_may_be_named_where_they_are_wanted(small, tests, law):
+    assert pc.compare(law, small).to_dict() == pc.compare(law, tests).to_dict()
+    with pytest.raises(pc.UserError, match="did you mean 'clamp_a'"):
+        pc.read_campaign("clampa")
+
+
+def test_results_are_shown(tests, law, tmp_path):
+    held = pc.compare(law, tests)
+    assert repr(held).startswith("<comparison of virtual with virtual: error ")
+    assert "<table>" in held._repr_html_()
+    assert held.to_frame().shape[0] == tests.to_frame().shape[0] == 8
+    assert law.to_frame().columns[0] == "parameter"
+    for number, shown in enumerate((tests, law, held)):
+        page = shown.report(tmp_path / f"{number}.html").read_text(encoding="utf-8")
+        assert "virtual" in page
+
+
+def test_public_names_are_documented_with_examples_that_run():
+    for name in pc.__all__:
+        public = getattr(pc, name)
+        assert inspect.getdoc(public), name
+        if name in DOCUMENTED_ELSEWHERE:
+            continue
+        assert ">>>" in inspect.getdoc(public), f"{name} has no example"
+        if inspect.isfunction(public):
+            assert "Raises:" in inspect.getdoc(public), name
+
+
+@pytest.mark.parametrize("module", ["comparison", "diagnosis", "fmu", "law", "laws", "system", "tests"])
+def test_examples_run(module):
+    ran = doctest.testmod(import_module(f"pipeclamp.api.{module}"))
+    assert ran.attempted > 0
+    assert ran.failed == 0
+
+
+def test_the_front_doors_example_runs():
+    assert doctest.testmod(pc).failed == 0
+
+
+def test_importing_loads_nothing_before_it_is_needed():
+    code = "import sys, pipeclamp; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not {"numpy", "polars", "pydantic", "sympy", "scipy", "pipeclamp_models"} & set(loaded)

@@ -1,0 +1,49 @@
+"""The command that a diagnosis ends with can be run as it stands."""
+
+import shlex
+from dataclasses import dataclass
+
+import pytest
+from typer.main import get_command
+
+from pipeclamp.cli.app import app
+from pipeclamp_identification.workflow.next_command import next_command
+
+
+@dataclass
+class Found:
+    verdict: str
+    effects: tuple[str, ...] = ()
+    proposal: str | None = None
+
+
+@pytest.mark.parametrize(
+    ("found", "law", "expected"),
+    [
+        (Found("missing", ("memory:2",)), "law.json", "pipeclamp add law.json memory:2 tests -o law_2.json"),
+        (Found("missing", ("memory",)), "law_2.json", "pipeclamp add law_2.json memory tests -o law_3.json"),
+        (Found("missing", ("gap",)), "clamp7.json", "pipeclamp add clamp7.json gap tests -o clamp7_2.json"),
+        (Found("missing", ("gap",)), "emwm2", "pipeclamp add emwm2 gap tests -o emwm2_2.json"),
+        (Found("missing", ("bracket",)), "law.json", "pipeclamp add law.json my/bracket.toml tests -o law_2.json"),
+        (Found("complete"), "clamp.json", "pipeclamp build-fmu clamp.json -o clamp.fmu --track"),
+        (Found("ambiguous", proposal="a sine"), "law.json", "pipeclamp diagnose law.json tests --drive next_test.csv"),
+        (Found("ambiguous"), "law.json", "pipeclamp compare law.json tests --report compare.html"),
+        (Found("unknown"), "law.json", "pipeclamp compare law.json tests --report compare.html"),
+    ],
+)
+def test_the_next_command(found, law, expected):
+    line = next_command(found, law, "tests", {"bracket": "my/bracket.toml"})
+    assert line == expected
+    name, *words = shlex.split(line)[1:]
+    command = get_command(app).commands[name]
+    command.make_context(name, words, resilient_parsing=True)
+
+
+def test_a_test_that_is_run_is_joined_to_those_so_far():
+    line = next_command(Found("ambiguous", proposal="a sine"), "law.json", "a/tests", driven=True)
+    assert line == "pipeclamp join a/tests next_test -o tests_and_next_test"
+
+
+def test_spaces_are_quoted():
+    line = next_command(Found("missing", ("gap",)), "my law.json", "my tests")
+    assert shlex.split(line) == ["pipeclamp", "add", "my law.json", "gap", "my tests", "-o", "my law_2.json"]
