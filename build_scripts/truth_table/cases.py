@@ -7,6 +7,7 @@ import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Protocol, TypeVar
 
 import numpy as np
 from hidden import COLUMN, EFFECTS, Kind, draw_shape, effect_id
@@ -79,6 +80,11 @@ class Case:
         return "/".join((self.kind, what, self.form, self.strength or "-", self.noise, self.design, str(self.repeat)))
 
     @property
+    def family(self) -> tuple[str, ...]:
+        """What a share of the cases is spread over."""
+        return (self.kind, self.form, *self.hidden)
+
+    @property
     def truth(self) -> frozenset[str]:
         """The ids that a diagnosis should name."""
         return frozenset(effect_id(kind) for kind in self.hidden if kind in EFFECTS)
@@ -102,11 +108,26 @@ def all_cases() -> list[Case]:
     return cases
 
 
-def chosen(cases: Sequence[Case], share: float, seed: int) -> list[Case]:
-    """Give a share of the cases, spread evenly over kinds, forms and effects; the same seed gives the same ones."""
-    families: dict[tuple[str, ...], list[Case]] = {}
+class Drawable(Protocol):
+    """A case of any experiment."""
+
+    @property
+    def name(self) -> str:
+        """Its unique name."""
+
+    @property
+    def family(self) -> tuple[str, ...]:
+        """What a share of the cases is spread over."""
+
+
+AnyCase = TypeVar("AnyCase", bound=Drawable)
+
+
+def chosen(cases: Sequence[AnyCase], share: float, seed: int) -> list[AnyCase]:
+    """Give a share of the cases, spread evenly over their families; the same seed gives the same ones."""
+    families: dict[tuple[str, ...], list[AnyCase]] = {}
     for case in cases:
-        families.setdefault((case.kind, case.form, *case.hidden), []).append(case)
+        families.setdefault(case.family, []).append(case)
     random = np.random.default_rng(seed)
     kept: set[str] = set()
     for family in families.values():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
@@ -263,8 +263,3 @@ def _two(case: Case, last: Noted, found: set[str]) -> str:
     if last.verdict == "ambiguous":
         return _ambiguous(last, case.truth - found)
     return "one" if found else last.verdict
-
-
-def as_row(outcome: Outcome) -> dict[str, object]:
-    """Give an outcome as JSON's types."""
-    return asdict(outcome)

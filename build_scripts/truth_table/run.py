@@ -2,9 +2,11 @@
 
 With --narrow instead: narrow test plans, in which effects imitate each other, and what the proposed tests tell.
 With --metrics instead: campaigns of which dW and W alone are kept.
+With --devices instead: devices of other laws than the catalogue's.
 
 Every case is a virtual campaign of a truth that this folder integrates by itself, put to the package as a user would.
 Finished cases are kept in FOLDER/cases-<seed>.jsonl; a run that was ended goes on from there.
+With --devices --write FOLDER [--cases WORD]: write the campaign and the held-out tests of cases, each into a folder.
 """
 
 from __future__ import annotations
@@ -17,15 +19,18 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "POLARS_MAX_THREADS"):
     os.environ.setdefault(threads, "1")  # the cases are what runs in parallel
 
-from cases import Case, all_cases, chosen  # noqa: E402
-from judge import Outcome, as_row, judged  # noqa: E402
+from cases import all_cases, chosen  # noqa: E402
+from devices.cases import device_cases, write_device  # noqa: E402
+from devices.judge import judged_device  # noqa: E402
+from devices.table import device_markdown, device_targets, devices_sound  # noqa: E402
+from judge import judged  # noqa: E402
 from metric_cases import metric_cases  # noqa: E402
 from metric_judge import judged_metrics  # noqa: E402
 from metric_table import metric_bounds, metric_markdown, metrics_sound  # noqa: E402
@@ -41,19 +46,21 @@ class Experiment:
     Attributes:
         journal, table: names of the files of finished cases and of the table.
         cases: gives all cases.
-        judged: runs one, with a seed.
+        judged: runs one, with a seed; gives a dataclass with its name and how it is counted.
         markdown: gives the table, with the command that made it.
         targets: gives the bounds with what was reached.
         sound: tells whether a share is as it should be.
+        write: writes a case's campaigns into a folder, where that is provided for.
     """
 
     journal: str
     table: str
-    cases: Callable[[], list[Case]]
-    judged: Callable[[Case, int], Outcome]
+    cases: Callable[[], list[Any]]
+    judged: Callable[[Any, int], Any]
     markdown: Callable[[Sequence[Row], str], str]
     targets: Callable[[Sequence[Row]], list[dict[str, Any]]]
     sound: Callable[[Sequence[Row]], bool]
+    write: Callable[[Any, int, Path], Any] | None = None
 
 
 EXPERIMENTS = {
@@ -61,6 +68,16 @@ EXPERIMENTS = {
     "narrow": Experiment("narrow", "narrow_table", narrow_cases, judged, narrow_markdown, lambda _: [], sound),
     "metrics": Experiment(
         "metrics", "metrics_table", metric_cases, judged_metrics, metric_markdown, metric_bounds, metrics_sound
+    ),
+    "devices": Experiment(
+        "devices",
+        "devices_table",
+        device_cases,
+        judged_device,
+        device_markdown,
+        device_targets,
+        devices_sound,
+        write_device,
     ),
 }
 """By the option that chooses it."""
@@ -73,12 +90,16 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="seed of everything that is drawn")
     parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name contains one of these")
     asked = parser.add_mutually_exclusive_group()
-    for name, words in (("narrow", "narrow test plans, and their next tests"), ("metrics", "dW and W alone")):
+    for name, words in (
+        ("narrow", "narrow test plans, and their next tests"), ("metrics", "dW and W alone"),
+        ("devices", "devices of other laws"),
+    ):  # fmt: skip
         asked.add_argument(f"--{name}", dest="asked", action="store_const", const=name, default="", help=words)
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--verbose", action="store_true", help="print every diagnosis with its evidence")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder for the table; else print only")
     parser.add_argument("--check", action="store_true", help="end with status 1 when something was named wrongly")
+    parser.add_argument("--write", type=Path, default=None, help="with --devices: write the tests into this folder")
     given = parser.parse_args()
     experiment = EXPERIMENTS[given.asked]
     known = experiment.cases()
@@ -87,6 +108,9 @@ def main() -> None:
         cases = [case for case in cases if any(word in case.name for word in given.cases)]
     if not cases:
         sys.exit(f"--cases {' '.join(given.cases)}: no case has such a name; names look like {known[0].name}")
+    if given.write:
+        write_all(experiment, cases, given.seed, given.write)
+        return
     journal = given.output / f"{experiment.journal}-{given.seed}.jsonl" if given.output else None
     rows = run(cases, experiment.judged, given.seed, given.jobs, journal, given.verbose)
     command = f"python build_scripts/truth_table/run.py --share {given.share:g} --seed {given.seed}"
@@ -102,9 +126,21 @@ def main() -> None:
         sys.exit("truth table: something was named wrongly, alarmed, failed, or too little was found")
 
 
+def write_all(experiment: Experiment, cases: list[Any], seed: int, folder: Path) -> None:
+    """Write the tests of cases, each into a folder of its own."""
+    if experiment.write is None:
+        sys.exit("--write: only the cases of --devices can be written; expected --devices beside it")
+    for case in cases:
+        place = folder / case.name.replace("/", "-")
+        if place.exists():
+            sys.exit(f"--write: {place} exists; expected a new folder, so that nothing is overwritten")
+        experiment.write(case, seed, place)
+        print(place)
+
+
 def run(
-    cases: list[Case],
-    judge: Callable[[Case, int], Outcome],
+    cases: list[Any],
+    judge: Callable[[Any, int], Any],
     seed: int,
     jobs: int,
     journal: Path | None,
@@ -125,7 +161,7 @@ def run(
     with ProcessPoolExecutor(max_workers=jobs) as pool:
         waiting = {pool.submit(judge, case, seed): case for case in left}
         for number, future in enumerate(as_completed(waiting), 1):
-            row: Row = json.loads(json.dumps(as_row(future.result())))
+            row: Row = json.loads(json.dumps(asdict(future.result())))
             done[row["name"]] = row
             if journal:
                 with journal.open("a", encoding="utf-8") as stream:
