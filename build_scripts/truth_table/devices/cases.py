@@ -14,6 +14,7 @@ from devices.registry import DEVICES, Device
 from devices.rigs import CURRENT, NOISES, RIGS, Records, Rig, habits, measured, rms, tested
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.writing import WrittenRun, write_campaign
+from pipeclamp_models.law.catalogue import identifiers
 
 DRAWS = 4
 """Devices of each law."""
@@ -30,6 +31,12 @@ class DeviceCase:
     def device(self) -> Device:
         """Its law."""
         return DEVICES[self.law]
+
+    @property
+    def truth(self) -> frozenset[str]:
+        """The ids of what it really holds; none, where the catalogue lacks any of its physics."""
+        effects = self.device.effects
+        return effects if effects <= set(identifiers()) else frozenset()
 
     @property
     def rig_name(self) -> str:

@@ -165,6 +165,19 @@ def draw_drag(random: np.random.Generator, x: float, F: float, w: float) -> dict
             "c2": F * random.uniform(0.03, 0.15) / (w * x) ** 2}  # fmt: skip
 
 
+def eddy_current(drive: Drive, p: Parameters) -> Array:
+    """Eddy-current brake beside a spring: the force falls beyond a critical speed."""
+    y, v, _ = drive.whole
+    speed = v / p["v_c"]
+    return p["k"] * y + 2 * p["F_m"] * speed / (1 + speed**2)
+
+
+def draw_eddy_current(random: np.random.Generator, x: float, F: float, w: float) -> dict[str, float]:
+    """Critical within the range of speeds."""
+    friction = random.uniform(0.3, 0.6)
+    return {"F_m": friction * F, "k": (1 - friction) * F / x, "v_c": w * x * random.uniform(0.4, 1.5)}
+
+
 def zener_slip(drive: Drive, p: Parameters) -> Array:
     """Spring, Maxwell arm and elastic-slip element in parallel."""
     y, _, _ = drive.whole

@@ -99,12 +99,12 @@ def slip_lock(drive: Drive, p: Parameters) -> Array:
 
 
 def draw_slip_lock(random: np.random.Generator, x: float, F: float, w: float) -> dict[str, float]:
-    """Slips by 10 to 35 % of the largest displacement."""
+    """Slips by 20 to 50 % of the largest displacement."""
     D = x * random.uniform(0.08, 0.25)
-    alpha = random.uniform(0.05, 0.2)
+    alpha = random.uniform(0.03, 0.12)
     return {"D": D, "n": random.uniform(1.0, 2.0), "beta": random.uniform(0.5, 0.7), "alpha": alpha,
-            "k": F / (alpha * x + (1 - alpha) * D), "slip": x * random.uniform(0.1, 0.35),
-            "sigma": D * random.uniform(0.15, 0.35)}  # fmt: skip
+            "k": F / (alpha * x + (1 - alpha) * D), "slip": x * random.uniform(0.2, 0.5),
+            "sigma": D * random.uniform(0.1, 0.25)}  # fmt: skip
 
 
 def play_and_slip(drive: Drive, p: Parameters) -> Array:
@@ -155,8 +155,8 @@ def draw_memory_alloy(random: np.random.Generator, x: float, F: float, w: float)
     E = Y / bend
     alpha = random.uniform(0.05, 0.15)
     c = random.uniform(0.001, 0.05)
-    # unloading is lifted by a share of twice the yield force, without crossing loading
-    f = random.uniform(0.5, 0.8) * Y / (E * alpha) / x**c
+    # unloading is lifted by up to three quarters of the loop's height, so that nothing or little is left behind
+    f = random.uniform(1.0, 1.5) * Y / (E * alpha) / x**c
     return {"E": E, "Y": Y, "alpha": alpha, "n": random.uniform(2.0, 5.0), "f": f, "c": c,
             "a": random.uniform(2.0, 5.0) / x, "per_K": random.uniform(0.2, 0.6)}  # fmt: skip
 
@@ -263,6 +263,19 @@ def draw_friction_pendulum(random: np.random.Generator, x: float, F: float, w: f
     mu = random.uniform(0.04, 0.12)
     radius = x / (mu * random.uniform(0.5, 2.0))
     return {"mu": mu, "radius": radius, "W": F / (mu + x / radius), "limit": x * random.uniform(0.01, 0.04)}
+
+
+def ring_spring(drive: Drive, p: Parameters) -> Array:
+    """Stack of rings with conical faces: elastic force with friction in proportion to it, which sticks at first."""
+    y, _, _ = drive.whole
+    stretch = slipping(y, np.array([[p["limit"]]]))[:, 0]
+    return p["k"] * (y + p["mu"] * np.abs(y) * stretch / p["limit"])
+
+
+def draw_ring_spring(random: np.random.Generator, x: float, F: float, w: float) -> dict[str, float]:
+    """Unloads at 30 to 60 % of the force at which it was loaded."""
+    mu = random.uniform(0.25, 0.55)
+    return {"mu": mu, "k": F / (x * (1 + mu)), "limit": x * random.uniform(0.01, 0.04)}
 
 
 def power_law(drive: Drive, p: Parameters) -> Array:

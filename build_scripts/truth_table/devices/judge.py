@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from devices.cases import DeviceCase, write_device
 from pipeclamp_identification.campaign.reading import Campaign, read_campaign
 from pipeclamp_identification.comparison.compare import compare
 from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.law.catalogue import effect_id
@@ -30,7 +32,7 @@ class Rung:
         verdict, kind, effects: what was answered; kind is "cause", "part" or "".
         held_out: error of the law that was diagnosed, on held-out conditions, as a share of the force.
         reasons: given for the verdict.
-        seconds: since the rung before.
+        seconds: what the diagnosis took, with adding what the one before had named.
     """
 
     verdict: str
@@ -79,7 +81,6 @@ def judged_device(case: DeviceCase, seed: int) -> DeviceOutcome:
         folder = Path(place)
         noise = write_device(case, seed, folder).noise
         campaign, held_out = read_campaign(folder / "campaign"), read_campaign(folder / "held_out")
-    truth = case.device.effects
     rungs: list[Rung] = []
     floor = before = after = float("nan")
     effects: tuple[str, ...] = ()
@@ -88,39 +89,39 @@ def judged_device(case: DeviceCase, seed: int) -> DeviceOutcome:
     try:
         file = law_file(identify(campaign), campaign, name="base", command=COMMAND, date=None)
         identified = time.perf_counter()
-        found = compare(file, held_out)
+        other = loops_of(held_out)
+        found = compare(file, held_out, other)
         floor, before = found.noise_nrmse, found.nrmse
-        law = climbed(file, campaign, held_out, rungs)
-        after, effects = compare(law, held_out).nrmse, law.effects
+        law = climbed(file, campaign, lambda law: compare(law, held_out, other).nrmse, rungs)
+        after, effects = compare(law, held_out, other).nrmse, law.effects
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
     end = time.perf_counter()
-    count = "failed" if error else counted(truth, rungs, after / floor)
+    count = "failed" if error else counted(case.truth, rungs, after / floor)
     return DeviceOutcome(
-        case.name, case.rig_name, tuple(sorted(truth)), noise, floor, before, after, tuple(rungs), effects, count,
-        round(identified - begin, 1), round(end - identified, 1), error,
+        case.name, case.rig_name, tuple(sorted(case.truth)), noise, floor, before, after, tuple(rungs), effects, count,
+        round(identified - begin, 3), round(end - identified, 1), error,
     )  # fmt: skip
 
 
-def climbed(file: LawFile, campaign: Campaign, held_out: Campaign, rungs: list[Rung]) -> LawFile:
+def climbed(file: LawFile, campaign: Campaign, held_out: Callable[[LawFile], float], rungs: list[Rung]) -> LawFile:
     """Diagnose and add as `pipeclamp diagnose --auto` does; give the law where that ends.
 
     Args:
         file: the law as it was identified.
         campaign: the tests.
-        held_out: other conditions.
+        held_out: gives a law's error on other conditions.
         rungs: is given each diagnosis.
     """
     last = time.perf_counter()
 
     def note(found: Any, law: LawFile) -> None:
         nonlocal last
-        now = time.perf_counter()
+        seconds = round(time.perf_counter() - last, 1)
         effects = tuple(map(effect_id, found.effects))
-        held_out_error = compare(law, held_out).nrmse
         reasons = tuple(found.diagnosis.reasons)
-        rungs.append(Rung(found.verdict, kind_of(found), effects, held_out_error, reasons, round(now - last, 1)))
-        last = now
+        rungs.append(Rung(found.verdict, kind_of(found), effects, held_out(law), reasons, seconds))
+        last = time.perf_counter()
 
     return add_until_settled(file, RecordTests(campaign), command=COMMAND, seen=note).file
 

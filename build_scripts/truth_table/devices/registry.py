@@ -24,7 +24,8 @@ class Device:
         force: force in N, (n + 1, R), of a drive, from parameters.
         draw: parameters from a generator, largest displacement mm, order of the force N and circular frequency rad/s.
         rigs: names of the rigs it is put on, in turn.
-        effects: ids of effects of the catalogue that are the law's own physics; empty: outside the catalogue.
+        effects: ids of the effects that are its physics, whether the catalogue has them or not; none: physics that no
+            effect is written for.
         steps: least steps a cycle.
         fastest: fastest rate of a state, 1/s, from the parameters.
     """
@@ -35,13 +36,8 @@ class Device:
     draw: Draw
     rigs: tuple[str, ...]
     effects: frozenset[str] = frozenset()
-    steps: int = 2000
+    steps: int = 1000
     fastest: Callable[[Parameters], float] = lambda p: 0.0
-
-    @property
-    def inside(self) -> bool:
-        """Tell whether the catalogue holds its physics."""
-        return bool(self.effects)
 
 
 def _fastest_oil(p: Parameters) -> float:
@@ -97,17 +93,18 @@ DEVICES: dict[str, Device] = {
     "baber_noori": Device(
         "F = a k y + (1 - a) k z, dz = h(z)/eta (dy - nu (b |dy| sgn z + g dy) |z/D|^n), by dissipated energy",
         "Baber and Noori 1986, J. Vib. Acoust. 108(4); Foliente 1995, J. Struct. Eng. 121(6)",
-        hysteresis.baber_noori, hysteresis.draw_baber_noori, ("damper", "bench"), steps=4000,
+        hysteresis.baber_noori, hysteresis.draw_baber_noori, ("damper", "bench"),
     ),
     "slip_lock": Device(
         "dy = dz/g(z) + f(z) dz: Bouc-Wen in series with a slip-lock element",
         "Baber and Noori 1985, J. Eng. Mech. 111(8)",
-        hysteresis.slip_lock, hysteresis.draw_slip_lock, ("damper", "clamp", "bench"), steps=4000,
+        hysteresis.slip_lock, hysteresis.draw_slip_lock, ("damper", "clamp", "bench"),
     ),
     "play_and_slip": Device(
         "play g in series with k_p x + k_s z, |z| <= z_s",
         "Tao and Kokotovic 1996, Adaptive Control of Systems with Actuator and Sensor Nonlinearities; Jenkins 1962",
-        hysteresis.play_and_slip, hysteresis.draw_play_and_slip, ("clamp", "damper", "bench"), steps=8000,
+        hysteresis.play_and_slip, hysteresis.draw_play_and_slip, ("clamp", "damper", "bench"),
+        frozenset({"play", "memory"}), steps=8000,
     ),
     "relief_damper": Device(
         "dF/dt = k (v - v_valve(F)), valve c1 up to F_r and c2 beyond",
@@ -117,17 +114,17 @@ DEVICES: dict[str, Device] = {
     "rubber": Device(
         "F = k y (1 + ..) + sum of Maxwell arms tau_i^-order, which flow faster by recent motion",
         "Koeller 1984, J. Appl. Mech. 51(2); Hoefer and Lion 2009, J. Mech. Phys. Solids 57(3)",
-        flow.rubber, flow.draw_rubber, ("mount", "bench"), steps=4000,
+        flow.rubber, flow.draw_rubber, ("mount", "bench"),
     ),
     "mr_damper": Device(
         "F = c1 dx/dt + k1 y, (c0 + c1) dx/dt = alpha z + c0 v + k0 (y - x), dz as Bouc-Wen of y - x; by current",
         "Spencer, Dyke, Sain and Carlson 1997, J. Eng. Mech. 123(3)",
-        flow.mr_damper, flow.draw_mr_damper, ("controlled bench", "controlled damper"), steps=4000,
+        flow.mr_damper, flow.draw_mr_damper, ("controlled bench", "controlled damper"),
     ),
     "memory_alloy": Device(
         "dF = E (dy - |dy| |s|^(n-1) s), s = (F - B)/Y, B lifted on unloading",
         "Graesser and Cozzarelli 1991, J. Eng. Mech. 117(11)",
-        hysteresis.memory_alloy, hysteresis.draw_memory_alloy, ("bench", "damper"), steps=4000,
+        hysteresis.memory_alloy, hysteresis.draw_memory_alloy, ("bench", "damper"),
     ),
     "wire_rope": Device(
         "F = k1 y (1 + k2 y + k3 y^2) + envelope(y) z/D, z of Bouc-Wen",
@@ -139,10 +136,20 @@ DEVICES: dict[str, Device] = {
         "Canudas de Wit, Olsson, Astroem and Lischinsky 1995, IEEE Trans. Autom. Control 40(3)",
         hysteresis.lugre, hysteresis.draw_lugre, ("bench", "mount", "damper"),
     ),
+    "ring_spring": Device(
+        "F = k y (1 + mu sgn(y v)): friction that grows with the displacement",
+        "Hill 1995, PhD thesis, University of Canterbury: ring springs as dampers in buildings",
+        hysteresis.ring_spring, hysteresis.draw_ring_spring, ("bench", "damper"),
+    ),
+    "eddy_current": Device(
+        "F = k y + 2 F_m (v/v_c) / (1 + (v/v_c)^2)",
+        "Wouterse 1991, IEE Proc. B 138(4)",
+        flow.eddy_current, flow.draw_eddy_current, ("damper", "mount", "bench"),
+    ),
     "air_spring": Device(
         "F = S (p1 - p0), polytropic in two volumes, flow between them as sqrt(p1 - p2)",
         "Quaglia and Sorli 2001, Vehicle System Dynamics 35(6)",
-        flow.air_spring, flow.draw_air_spring, ("damper", "bench"), steps=4000,
+        flow.air_spring, flow.draw_air_spring, ("damper", "bench"),
     ),
     "hydraulic_mount": Device(
         "F = k_r y + c_r v + K(y - x), m x'' = K(y - x) - losses; decoupler with play",

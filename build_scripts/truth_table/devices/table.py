@@ -23,6 +23,11 @@ def median_ratio(rows: Sequence[Row]) -> float:
     return float(np.median([ratio(row) for row in rows]))
 
 
+def step_over_identify(rows: Sequence[Row]) -> float:
+    """Give the median of a ladder step's time over that of identifying."""
+    return float(np.median([rung["seconds"] / row["identify_seconds"] for row in rows for rung in row["rungs"]]))
+
+
 def share(*words: str) -> Callable[[Sequence[Row]], float]:
     """Give the share of rows that came out as one of these."""
     return lambda rows: sum(row["counted"] in words for row in rows) / len(rows)
@@ -35,6 +40,8 @@ TARGETS: tuple[tuple[str, Callable[[Row], bool], Callable[[Sequence[Row]], float
      lambda rows: 1 - share("wrong")(rows), 0.95, True),
     ("inside: nothing else named as the cause (the issue states no bound)", lambda row: bool(row["truth"]),
      lambda rows: 1 - share("wrong")(rows), 0.0, True),
+    ("time of a ladder's step over that of identify (median)", lambda row: bool(row["rungs"]), step_over_identify, 10.0,
+     False),
     ("failed", lambda row: True, share("failed"), 0.0, False),
 )  # fmt: skip
 """Words, rows, value, bound, and whether it is a lower one (issue 13, 9)."""
@@ -74,8 +81,8 @@ def device_markdown(rows: Sequence[Row], command: str) -> str:
     for place in ("inside", "outside"):
         lines.append(f"| {place} | " + " | ".join(str(counts[place, end] or "") for end in ends) + " |")
     lines += ["", "Errors on held-out conditions, as shares of their force; the floor is their noise.", "",
-              "| device | holds | before | after | floor | after/floor | counted | ladder | s |",
-              "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
+              "| device | holds | before | after | floor | after/floor | counted | ladder | identify s | ladder s |",
+              "|---|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
     lines += [_line(row) for row in rows]
     lines += ["", "| law | equation | source |", "|---|---|---|"]
     for law in dict.fromkeys(row["name"].split("/")[0] for row in rows):
@@ -85,15 +92,15 @@ def device_markdown(rows: Sequence[Row], command: str) -> str:
 
 
 def _line(row: Row) -> str:
-    """Give a case's line; a part stands in parentheses."""
+    """Give a case's line: each rung with the error of the law that was diagnosed."""
     ladder = "; ".join(_rung(rung) for rung in row["rungs"]) or row["error"][:100]
     errors = f"{row['before']:.2%} | {row['after']:.2%} | {row['floor']:.2%} | {ratio(row):.1f}"
+    times = f"{row['identify_seconds']:.1f} | {row['seconds']:.0f}"
     holds = ", ".join(row["truth"]) or "outside"
-    return f"| {row['name']} | {holds} | {errors} | {row['counted']} | {ladder} | {row['seconds']:.0f} |"
+    return f"| {row['name']} | {holds} | {errors} | {row['counted']} | {ladder} | {times} |"
 
 
 def _rung(rung: Row) -> str:
     named = " or ".join(rung["effects"])
-    if rung["verdict"] == "missing":
-        return f"{named} ({rung['kind']})"
-    return f"{rung['verdict']} {named}".strip()
+    words = f"{named} ({rung['kind']})" if rung["verdict"] == "missing" else f"{rung['verdict']} {named}".strip()
+    return f"{rung['held_out']:.1%} {words}"
