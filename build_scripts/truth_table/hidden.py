@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from truth import T0, Array, BaseLaw, Motion, Part, first_order, jenkins, late, maxwell
+from truth import T0, Array, BaseLaw, Motion, Part, first_order, jenkins, late, let_go, maxwell
 
 Shape = Mapping[str, float]
 
@@ -110,6 +110,18 @@ def gap(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -
     return Part(x=np.sign(motion.y) * np.maximum(np.abs(motion.y) - size, 0.0))
 
 
+def play(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Clearance before the whole clamp; rough: let go, it creeps back against its own damping."""
+    y, g = motion.y, size
+    w = let_go(motion, base, g) if rough else np.clip(0.0, y - g, y + g)
+    up, down = y - w >= g * (1 - 1e-9), y - w <= -g * (1 - 1e-9)
+
+    def passed(force: Array) -> Array:
+        return np.where(up, np.maximum(force, 0.0), np.where(down, np.minimum(force, 0.0), 0.0))
+
+    return Part(x=w, passed=passed)
+
+
 def relaxation(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Maxwell arm; rough: two of them."""
     taus = (shape["tau"] / 1.7, shape["tau"] * 1.7) if rough else (shape["tau"],)
@@ -205,6 +217,7 @@ EFFECTS: dict[str, Kind] = {
     "hardening": Kind(hardening),
     "end_stop": Kind(end_stop, most=3.0),
     "gap": Kind(gap, most=0.12),
+    "play": Kind(play, most=0.12),
     "relaxation": Kind(relaxation, most=0.8),
     "damping_temperature": Kind(damping_temperature, start=0.05),
     "contact_growth": Kind(contact_growth),

@@ -13,6 +13,7 @@ IMITATIONS = {
     ("relaxation", "stiffness_frequency"): BAND, ("stiffness_frequency", "inertia"): BAND,
     ("relaxation", "inertia"): BAND, ("relaxation", "viscous"): BAND,
     ("hardening", "end_stop"): STROKE, ("gap", "end_stop"): STROKE, ("gap", "memory"): STROKE,
+    ("play", "gap"): STROKE,
     ("coulomb", "viscous"): ANY, ("coulomb", "memory"): ANY, ("viscous", "quadratic_damping"): ANY,
     ("viscous", "delay"): ANY, ("asymmetry", "offset"): ANY, ("asymmetry", "directional_damping"): ANY,
     ("damping_temperature", "loosening"): ("two temperatures",), ("contact_growth", "loosening"): ("two temperatures",),

@@ -117,11 +117,17 @@ class BaseLaw:
         """Elastic force, N."""
         return x * (self.k1(motion) + self.k3(motion) * x**2)
 
+    def c(self, motion: Motion) -> Array:
+        """Damping coefficient, N at 1 mm/s, (R, 1)."""
+        return self.c0 * motion.A**self.c_A * motion.f**self.c_f
+
+    def alpha(self, motion: Motion) -> Array:
+        """Exponent of the velocity, (R, 1)."""
+        return self.alpha0 * motion.A**self.alpha_A * motion.f**self.alpha_f
+
     def damping(self, motion: Motion) -> Array:
         """Damping force, N."""
-        c = self.c0 * motion.A**self.c_A * motion.f**self.c_f
-        alpha = self.alpha0 * motion.A**self.alpha_A * motion.f**self.alpha_f
-        return c * np.copysign(np.abs(motion.v) ** alpha, motion.v)
+        return self.c(motion) * np.copysign(np.abs(motion.v) ** self.alpha(motion), motion.v)
 
 
 @dataclass(frozen=True)
@@ -131,6 +137,7 @@ class Part:
     Attributes:
         stiffness, damping: factors on the elastic and the damping force, broadcast to (R, n).
         x: what stands for y in the elastic force, or None.
+        passed: of the clamp's force, what comes through to its end, or None: a function of the force.
         force: added to the clamp's force, N.
         channel: what the force channel makes of the force, or None: a function of (motion, force).
     """
@@ -138,6 +145,7 @@ class Part:
     stiffness: Array | float = 1.0
     damping: Array | float = 1.0
     x: Array | None = None
+    passed: Callable[[Array], Array] | None = None
     force: Array | float = 0.0
     channel: Callable[[Motion, Array], Array] | None = None
 
@@ -163,6 +171,9 @@ def force(base: BaseLaw, motion: Motion, parts: tuple[Part, ...], scatter: tuple
     total = stiffness * base.elastic(motion, x) + damping * base.damping(motion)
     for part in parts:
         total = total + part.force
+    for part in parts:
+        if part.passed is not None:
+            total = part.passed(total)
     for part in parts:
         if part.channel is not None:
             total = part.channel(motion, total)
@@ -191,6 +202,18 @@ def maxwell(motion: Motion, tau: float) -> Array:
     for step in range(len(mean)):
         q = (q * (1 - share) + mean[step]) / (1 + share)
         result[step + 1] = q
+    return result.T
+
+
+def let_go(motion: Motion, base: BaseLaw, clearance: float) -> Array:
+    """Where the end of the base law's clamp is behind a clearance, mm, (R, n); let go, it creeps back."""
+    k1, c, power = (entry[:, 0] for entry in (base.k1(motion), base.c(motion), 1 / base.alpha(motion)))
+    result = np.empty_like(motion.y.T)
+    w = np.zeros(len(motion.y))
+    for step, y in enumerate(motion.y.T):
+        back = motion.step * (k1 * np.abs(w) / c) ** power
+        w = np.clip(np.sign(w) * np.maximum(np.abs(w) - back, 0.0), y - clearance, y + clearance)
+        result[step] = w
     return result.T
 
 

@@ -39,7 +39,8 @@ def test_an_effect_is_stated_whole(effect):
     """Every symbol of its equations is its own or explained beside them."""
     statements = effect_statements(effect)
     explained = {signal.symbol for signal in symbols_of(effect)}
-    explained |= {one.symbol for one in (*effect.parameters, *effect.coefficients, *effect.states)}
+    own = (*effect.parameters, *effect.coefficients, *effect.states, *effect.stages)
+    explained |= {one.symbol for one in own}
     assert set().union(*(one.expression.free_symbols for one in statements)) <= explained
     for one in statements:
         assert not any(word in one.plain + one.latex for word in ("**", "Piecewise", "sign"))

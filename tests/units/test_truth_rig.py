@@ -41,8 +41,8 @@ def test_both_agree_on_the_base_law():
     "effect",
     [
         "memory", "coulomb", "viscous", "quadratic_damping", "directional_damping", "asymmetry", "hardening",
-        "end_stop", "gap", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency", "loosening",
-        "density", "condition", "offset", "inertia", "delay",
+        "end_stop", "gap", "play", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency",
+        "loosening", "density", "condition", "offset", "inertia", "delay",
     ],
 )  # fmt: skip
 def test_both_agree_on_an_effect(effect):

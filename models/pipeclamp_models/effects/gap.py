@@ -14,7 +14,7 @@ EFFECT = Effect(
     does="the elastic path engages beyond a clearance only",
     source=f"{WORDEN}, on piecewise linear stiffness (backlash); {SHAW}",
     looks_like="a flat middle of the loop between two kinks near zero, worst in the smallest loops",
-    imitated_by=("cubic_stiffness", "memory"),
+    imitated_by=("cubic_stiffness", "memory", "play"),
     told_apart_by="a test at an amplitude near the clearance: the elastic force nearly vanishes",
     parameters=(
         Parameter(

@@ -87,6 +87,19 @@ class State:
     start: float = 0.0
 
 
+@dataclass(frozen=True)
+class Stage:
+    """What is computed within a step on the way to the new states, so that no expression is written twice.
+
+    `expression` is in what updates are in, and in the stages before it. Forces don't know stages.
+    """
+
+    symbol: sp.Symbol
+    unit: str
+    meaning: str
+    expression: sp.Expr
+
+
 @dataclass(frozen=True, eq=False)
 class Refinement:
     """The next larger member of an effect's family, which does all that the effect does, and more.
@@ -122,9 +135,14 @@ class Effect:
         coefficients: named factors that modifiers may scale.
         force: the force it adds, N; zero for a pure modifier.
         states: its memory.
+        stages: what is computed on the way to the new states, in order.
         energy: the energy that it stores, N mm, so that what is dissipated can be accounted for.
         scales: factors on coefficients, by coefficient name or by role; roles that no term has are passed over.
-        replaces: what stands in place of a fast signal, for effects in series with a path.
+        replaces: what stands in place of a fast signal, for effects in series with a path: of `x` for all forces of the
+            elastic path, of `y` and `v` for all else in the clamp (what the rig adds stays outside). In updates of what
+            stands behind, the effect's own states then count before the step with `y_previous`, after it with `y`.
+        passes: the force that comes through to the clamp's end, in `F_path`; for effects that replace `y`. Stages of
+            theirs may use `F_slow(place)`.
         lag: time in s by which the measured force is late; for rig effects.
         argument: the argument that made it of a family, "" otherwise.
         refinement: the next larger member of its family; None where there is none.
@@ -141,9 +159,11 @@ class Effect:
     coefficients: tuple[Coefficient, ...] = ()
     force: sp.Expr = NOTHING
     states: tuple[State, ...] = ()
+    stages: tuple[Stage, ...] = ()
     energy: sp.Expr = NOTHING
     scales: Mapping[str, sp.Expr] = field(default_factory=dict)
     replaces: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+    passes: sp.Expr = symbols.F_path
     lag: sp.Expr = NOTHING
     argument: str = ""
     refinement: Refinement | None = None
@@ -152,6 +172,11 @@ class Effect:
     def name(self) -> str:
         """The id with its argument, as it is written in commands and files."""
         return f"{self.id}:{self.argument}" if self.argument else self.id
+
+    @property
+    def within_steps(self) -> tuple[sp.Symbol, ...]:
+        """The symbols of its states and stages."""
+        return (*(state.symbol for state in self.states), *(stage.symbol for stage in self.stages))
 
 
 @dataclass(frozen=True, eq=False)

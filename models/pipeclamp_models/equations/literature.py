@@ -49,3 +49,7 @@ DIXON = "Dixon: The Shock Absorber Handbook, 2nd edition, Wiley (2007)"
 EWINS = "Ewins: Modal Testing: Theory, Practice and Application, 2nd edition, Research Studies Press (2000)"
 DOEBELIN = "Doebelin: Measurement Systems: Application and Design, 5th edition, McGraw-Hill (2004)"
 OPPENHEIM = "Oppenheim, Willsky and Nawab: Signals and Systems, 2nd edition, Prentice Hall (1997)"
+NORDIN = (
+    "Nordin, Galic and Gutman: New models for backlash and gear play, International Journal of Adaptive Control and "
+    "Signal Processing 11(1), 49-63 (1997)"
+)

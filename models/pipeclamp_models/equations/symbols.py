@@ -30,6 +30,9 @@ a = sp.Symbol("a", real=True)
 y_previous = sp.Symbol("y_previous", real=True)
 h = sp.Symbol("h", nonnegative=True)
 
+F_path = sp.Symbol("F_path", real=True)
+F_slow = sp.Function("F_slow", real=True)
+
 A = sp.Symbol("A", positive=True)
 f = sp.Symbol("f", positive=True)
 T = sp.Symbol("T", positive=True)
@@ -51,6 +54,12 @@ SLOW = (
     Signal(N, "-", "load cycles that the specimen has seen"),
     Signal(rho, "g/cm3", "density of the wire mesh"),
 )
+
+SERIES = (
+    Signal(F_path, "N", "force of all else in the clamp, after the step"),
+    Signal(sp.Symbol(F_slow.__name__, real=True), "N", "the same after a slow move to a place, from where it stood"),
+)
+"""What an effect in series with the whole clamp may use besides."""
 
 
 def unit(symbol: sp.Symbol) -> str:

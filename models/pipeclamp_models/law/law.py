@@ -10,9 +10,10 @@ import sympy as sp
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.equations import symbols
-from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Part, State
+from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Part, Stage, State
 from pipeclamp_models.law.catalogue import effect_id, find_effect, member_number
 from pipeclamp_models.law.declaration import Declaration, effect_of, merged
+from pipeclamp_models.law.series import Path, behind
 
 FAST_SYMBOLS = frozenset(signal.symbol for signal in symbols.FAST)
 FIXED_SYMBOLS = frozenset((*symbols.REFERENCES, symbols.v_r, symbols.y_r))
@@ -132,6 +133,7 @@ class Equations:
         coefficients: functions of slow signals and parameters, by which `force` is short.
         force: N, in fast signals, coefficients, parameters and states (after their update).
         states: the memory.
+        stages: what is computed on the way to the states after a step, in order; their updates are in these too.
         energy: stored energy, N mm.
         lag: time in s by which the measured force is late, in parameters.
     """
@@ -141,6 +143,7 @@ class Equations:
     coefficients: tuple[Coefficient, ...]
     force: sp.Expr
     states: tuple[State, ...]
+    stages: tuple[Stage, ...]
     energy: sp.Expr
     lag: sp.Expr
 
@@ -150,10 +153,15 @@ class Equations:
         return tuple(parameter.name for parameter in self.parameters)
 
     @cached_property
+    def within_steps(self) -> tuple[sp.Expr, ...]:
+        """What a step computes before the force: the stages, then the states' updates."""
+        return (*(stage.expression for stage in self.stages), *(state.update for state in self.states))
+
+    @cached_property
     def used_symbols(self) -> frozenset[sp.Symbol]:
         """All symbols that the force depends on: a modifier may have a parameter with nothing to scale."""
         expressions = [coefficient.expression for coefficient in self.coefficients]
-        expressions += [self.force, self.lag, *(state.update for state in self.states)]
+        expressions += [self.force, self.lag, *self.within_steps]
         return frozenset().union(*(expression.free_symbols for expression in expressions))
 
     @cached_property
@@ -184,8 +192,7 @@ def compose(structure: Structure, parts: tuple[Part, ...]) -> Equations:
     coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
     # A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
     fast_factors: dict[sp.Symbol, sp.Expr] = {}
-    states = tuple(state for effect in effects for state in effect.states)
-    fast = FAST_SYMBOLS | {state.symbol for state in states}
+    fast = FAST_SYMBOLS | {symbol for effect in effects for symbol in effect.within_steps}
     for effect in effects:
         scaled = [
             (index, factor)
@@ -203,23 +210,33 @@ def compose(structure: Structure, parts: tuple[Part, ...]) -> Equations:
                 fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
             else:
                 coefficients[index] = replace(entry, expression=entry.expression * factor)
-    in_series: dict[sp.Symbol, sp.Expr] = {symbols.x: symbols.y}
-    paths = [effect for effect in effects if effect.replaces]
-    if len(paths) > 1:
-        names = " and ".join(repr(effect.name) for effect in paths)
-        raise UserError(f"effects {names} both stand in series with the elastic path; leave one out")
-    in_series |= {signal: path for effect in paths for signal, path in effect.replaces.items()}
+    elastic = _in_series(effects, symbols.x, "the elastic path")
+    in_series = {symbols.x: elastic.replaces[symbols.x] if elastic else symbols.y}
 
     def whole(expression: sp.Expr) -> sp.Expr:
         return expression.xreplace(fast_factors).xreplace(in_series)
 
+    def path(some: Iterable[Effect]) -> Path:
+        terms = list(some)
+        return Path(
+            whole(sp.Add(*(effect.force for effect in terms))),
+            whole(sp.Add(*(effect.energy for effect in terms))),
+            tuple(replace(state, update=whole(state.update)) for effect in terms for state in effect.states),
+            tuple(replace(stage, expression=whole(stage.expression)) for effect in terms for stage in effect.stages),
+        )
+
     parameters = tuple(parameter for effect in effects for parameter in effect.parameters)
-    force = whole(sp.Add(*(effect.force for effect in effects)))
-    energy = whole(sp.Add(*(effect.energy for effect in effects)))
-    states = tuple(replace(state, update=whole(state.update)) for state in states)
+    before = _in_series(effects, symbols.y, "the whole clamp")
+    clamp = path(effect for effect in effects if effect.part != "rig" and effect is not before)
+    clamp = behind(before, clamp) if before else clamp
+    rig = path(effect for effect in effects if effect.part == "rig")
+    force, energy = clamp.force + rig.force, clamp.energy + rig.energy
+    states, stages = (*clamp.states, *rig.states), (*clamp.stages, *rig.stages)
     # A slow signal within a force is a coefficient of its own, held over a cycle as the others are.
     known = fast | FIXED_SYMBOLS | {entry.symbol for entry in parameters} | {entry.symbol for entry in coefficients}
-    bare = set().union(*(entry.free_symbols for entry in (force, energy, *(state.update for state in states)))) - known
+    known |= {stage.symbol for stage in stages}
+    within = [*(stage.expression for stage in stages), *(state.update for state in states)]
+    bare = set().union(*(entry.free_symbols for entry in (force, energy, *within))) - known
     held = {symbol: sp.Symbol(f"{symbol}{HELD}", real=True) for symbol in sorted(bare, key=str)}
     coefficients += [Coefficient(symbol, symbols.unit(signal), None, signal) for signal, symbol in held.items()]
     return Equations(
@@ -228,9 +245,23 @@ def compose(structure: Structure, parts: tuple[Part, ...]) -> Equations:
         coefficients=tuple(coefficients),
         force=force.xreplace(held),
         states=tuple(replace(state, update=state.update.xreplace(held)) for state in states),
+        stages=tuple(replace(stage, expression=stage.expression.xreplace(held)) for stage in stages),
         energy=energy.xreplace(held),
         lag=sp.Add(*(effect.lag for effect in effects)),
     )
+
+
+def _in_series(effects: Iterable[Effect], signal: sp.Symbol, what: str) -> Effect | None:
+    """Give the effect that replaces a signal, None where there is none.
+
+    Raises:
+        UserError: two effects do.
+    """
+    found = [effect for effect in effects if signal in effect.replaces]
+    if len(found) > 1:
+        names = " and ".join(repr(effect.name) for effect in found)
+        raise UserError(f"effects {names} both stand in series with {what}; leave one out")
+    return found[0] if found else None
 
 
 def _refuse_clashes(effects: tuple[Effect, ...]) -> None:
@@ -247,7 +278,7 @@ def _refuse_clashes(effects: tuple[Effect, ...]) -> None:
         own = (
             [str(parameter.symbol) for parameter in effect.parameters]
             + [str(coefficient.symbol) for coefficient in effect.coefficients]
-            + [str(state.symbol) for state in effect.states]
+            + [str(symbol) for symbol in effect.within_steps]
         )
         for symbol in own:
             if symbol in owner:

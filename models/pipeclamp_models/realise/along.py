@@ -121,7 +121,7 @@ def _step(law: str, equations: Equations, h: float | None) -> float:
     Raises:
         UserError: they aren't known but asked for, or no positive number.
     """
-    fades = any(symbols.h in state.update.free_symbols for state in equations.states)
+    fades = any(symbols.h in expression.free_symbols for expression in equations.within_steps)
     if h is None:
         if fades:
             raise UserError(

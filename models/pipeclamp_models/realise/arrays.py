@@ -14,7 +14,8 @@ from sympy.printing.numpy import NumPyPrinter
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.realise.scalar import ScalarPrinter
-from pipeclamp_models.realise.stepping import exact
+from pipeclamp_models.realise.slopes import StageSlopes, in_order, needed, slope_of, slopes_through
+from pipeclamp_models.realise.stepping import Definition, exact
 
 NUMPY: Mapping[str, Any] = {name: value for name, value in vars(np).items() if not name.startswith("_")}
 """What compiled equations may call; for NumPy's mere name SymPy would load all of its packages, f2py among them."""
@@ -72,6 +73,7 @@ class ArrayRealisation:
         self._parameters = [parameter.symbol for parameter in equations.parameters]
         self._states = [state.symbol for state in equations.states]
         self._updates = [state.update for state in equations.states]
+        self._stages = [(stage.symbol, stage.expression) for stage in equations.stages]
         self._coefficients = [entry.symbol for entry in equations.coefficients]
         self._expressions = [entry.expression for entry in equations.coefficients]
         slow = sorted(equations.slow_signals, key=str)
@@ -106,7 +108,8 @@ class ArrayRealisation:
 
     @cached_property
     def _force_slopes(self) -> tuple[Slopes, list[sp.Expr]]:
-        return self._fast_slopes([self._equations.force])
+        index, found = _nonzero_slopes([self._equations.force], self._by)
+        return self._places(index), found
 
     @property
     def force_slope_places(self) -> Slopes:
@@ -121,11 +124,14 @@ class ArrayRealisation:
     @cached_property
     def update(self) -> Compiled:
         """The states after a step."""
-        return _compile(self._fast_arguments, self._updates)
+        return _compile(self._fast_arguments, self._updates, self._stages)
 
     @cached_property
-    def _update_slopes(self) -> tuple[Slopes, list[sp.Expr]]:
-        return self._fast_slopes(self._updates)
+    def _update_slopes(self) -> tuple[Slopes, list[sp.Expr], list[Definition]]:
+        by = self._by
+        stages, slopes_of_stages = slopes_through(self._stages, by)
+        index, found = _nonzero_slopes(self._updates, by, slopes_of_stages)
+        return self._places(index), found, needed(stages, found)
 
     @property
     def update_slope_places(self) -> Slopes:
@@ -135,12 +141,12 @@ class ArrayRealisation:
     @cached_property
     def update_slopes(self) -> Compiled:
         """The derivatives of the states after a step."""
-        return _compile(self._fast_arguments, self._update_slopes[1])
+        return _compile(self._fast_arguments, self._update_slopes[1], self._update_slopes[2])
 
     @cached_property
     def update_of_numbers(self) -> Compiled:
         """The states after a step, of plain numbers; raises what Python's arithmetic raises."""
-        return _compile(self._fast_arguments, self._updates, numbers=True)
+        return _compile(self._fast_arguments, self._updates, self._stages, numbers=True)
 
     @cached_property
     def energy(self) -> Compiled:
@@ -171,14 +177,17 @@ class ArrayRealisation:
         """The lag's derivatives by the parameters."""
         return _compile(self._parameters, self._lag_slopes[1])
 
-    def _fast_slopes(self, results: Sequence[sp.Expr]) -> tuple[Slopes, list[sp.Expr]]:
-        """Give the derivatives of what changes within a step, and where each of them stands."""
-        by = [*self._states, *self._coefficients, *self._parameters]
+    @property
+    def _by(self) -> list[sp.Symbol]:
+        """What changes within a step is differentiated by these."""
+        return [*self._states, *self._coefficients, *self._parameters]
+
+    def _places(self, index: Sequence[Pair]) -> Slopes:
+        """Give where each derivative by a state, a coefficient or a parameter stands."""
         coefficients, parameters = len(self._states), len(self._states) + len(self._coefficients)
         by_state: dict[Pair, int] = {}
         by_coefficient: dict[Pair, int] = {}
         by_parameter: dict[Pair, int] = {}
-        index, found = _nonzero_slopes(results, by)
         for position, (result, column) in enumerate(index):
             if column < coefficients:
                 by_state[result, column] = position
@@ -186,35 +195,53 @@ class ArrayRealisation:
                 by_coefficient[result, column - coefficients] = position
             else:
                 by_parameter[result, column - parameters] = position
-        return Slopes(by_state, by_coefficient, by_parameter), found
+        return Slopes(by_state, by_coefficient, by_parameter)
 
 
 FAST_ARGUMENTS = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 
 
-def _compile(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr], *, numbers: bool = False) -> Compiled:
-    """Compile expressions for arrays or for plain numbers."""
+def _compile(
+    arguments: Sequence[sp.Symbol],
+    expressions: Sequence[sp.Expr],
+    before: Sequence[Definition] = (),
+    *,
+    numbers: bool = False,
+) -> Compiled:
+    """Compile expressions for arrays or for plain numbers, with what is computed before them, in order."""
     modules = {"math": math} if numbers else NUMPY
     settings = {"fully_qualified_modules": numbers, "inline": True, "allow_unknown_functions": True}
     printer = ScalarPrinter(settings) if numbers else ArrayPrinter(settings)
     with_references = [exact(expression) for expression in expressions]
+
+    def common_parts(whole: Sequence[sp.Expr]) -> tuple[list[Definition], Sequence[sp.Expr]]:
+        return in_order([(symbol, exact(expression)) for symbol, expression in before], whole)
+
     # Dummies for arguments: no effect's symbol can then hide a function of NumPy or a common part.
     compiled: Compiled = sp.lambdify(
-        list(arguments), with_references, modules=modules, printer=printer, cse=True, dummify=True
+        list(arguments), with_references, modules=modules, printer=printer, cse=common_parts, dummify=True
     )
     return compiled
 
 
-def _nonzero_slopes(expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol]) -> tuple[tuple[Pair, ...], list[sp.Expr]]:
-    """Give the derivatives that don't vanish and their (expression, symbol) indices."""
+def _nonzero_slopes(
+    expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol], through: StageSlopes | None = None
+) -> tuple[tuple[Pair, ...], list[sp.Expr]]:
+    """Give the derivatives that don't vanish and their (expression, symbol) indices.
+
+    Args:
+        expressions: what is differentiated.
+        by: by these symbols.
+        through: stages that the expressions are in, with their own derivatives.
+    """
     index: list[Pair] = []
     slopes: list[sp.Expr] = []
     for row, expression in enumerate(expressions):
         for column, symbol in enumerate(by):
-            if symbol in expression.free_symbols:
+            slope = slope_of(expression, symbol, through or {})
+            if slope is not None:
                 index.append((row, column))
-                # A jump has no slope but on a point, where none is needed.
-                slopes.append(sp.diff(expression, symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0)))
+                slopes.append(slope)
     return tuple(index), slopes
 
 

@@ -11,7 +11,8 @@ from sympy.printing.c import C99CodePrinter
 
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.law import Equations, Structure
-from pipeclamp_models.realise.stepping import conditions_of, exact, parameter_symbols, stepping
+from pipeclamp_models.realise.slopes import needed, slope_of, slopes_through
+from pipeclamp_models.realise.stepping import Definition, conditions_of, exact, parameter_symbols, stepping
 
 EXACT_POWERS = range(2, 9)
 """Whole powers that are written as products, which is many times cheaper than `pow`."""
@@ -93,10 +94,11 @@ def c_source(structure: Structure) -> str:
     k = Names("k", tuple(symbol for symbol, _ in law.held))
     z = Names("z", tuple(state.symbol for state in equations.states))
     c = Names("c", tuple(entry.symbol for entry in equations.coefficients))
+    s = Names("s", tuple(symbol for symbol, _ in law.stages))
     new = Names("new", law.after)
     written = dict(zip(new.symbols, law.updates, strict=True))
     of_conditions = p.locals() | u.locals() | c.locals()
-    of_step = k.locals() | z.locals() | new.locals()
+    of_step = k.locals() | z.locals() | s.locals() | new.locals()
 
     def assigned(names: Names, expressions: Mapping[sp.Symbol, sp.Expr]) -> Block:
         """Give the definition of each entry as a name."""
@@ -105,12 +107,14 @@ def c_source(structure: Structure) -> str:
             [expressions[symbol] for symbol in names.symbols if symbol in expressions],
         )
 
-    slopes = [
-        exact(slope).xreplace(of_conditions | z.locals())
-        for expression in (equations.force, equations.energy)
-        for slope in total_slopes(equations, expression, (symbols.y, symbols.v, *u.symbols))
-    ]
-    sloped = set().union(*(slope.free_symbols for slope in slopes))
+    def one_by_one(definitions: Iterable[Definition], names: Mapping[sp.Symbol, sp.Symbol]) -> list[Block]:
+        """Give definitions as blocks of their own, for each may use those before it."""
+        return [([f"const double {names[symbol]}"], [value.xreplace(names)]) for symbol, value in definitions]
+
+    way, slopes = total_slopes(equations, (symbols.y, symbols.v, *u.symbols))
+    sloped = set().union(*(slope.free_symbols for slope in (*slopes, *(value for _, value in way))))
+    on_the_way = Names("s", tuple(symbol for symbol, _ in way))
+    of_slopes = of_conditions | z.locals() | on_the_way.locals()
     rest = ", ".join(repr(float(state.start)) for state in equations.states) or "0.0"
     motion = "double y_previous, double y, double v, double h"
     return "\n".join(
@@ -136,6 +140,7 @@ def c_source(structure: Structure) -> str:
                 f"static void law_step(const double k[], const double z[], {motion}, double result[2], double z_new[])",
                 (k, z),
                 [
+                    *one_by_one(law.stages, of_step),
                     assigned(new, {symbol: value.xreplace(of_step) for symbol, value in written.items()}),
                     ([f"z_new[{index}]" for index in range(len(law.after))], list(new.locals().values())),
                     (["result[0]", "result[1]"], [value.xreplace(of_step) for value in (law.force, law.energy)]),
@@ -152,10 +157,11 @@ def c_source(structure: Structure) -> str:
                         {
                             entry.symbol: exact(entry.expression).xreplace(of_conditions)
                             for entry in equations.coefficients
-                            if c.locals()[entry.symbol] in sloped
+                            if entry.symbol in sloped
                         },
                     ),
-                    ([f"slope[{index}]" for index in range(len(slopes))], slopes),
+                    *one_by_one(way, of_slopes),
+                    ([f"slope[{index}]" for index in range(len(slopes))], [one.xreplace(of_slopes) for one in slopes]),
                 ],
                 unused=("p", "u", "z", "y_previous", "y", "v", "h"),
             ),
@@ -163,31 +169,35 @@ def c_source(structure: Structure) -> str:
     )
 
 
-def total_slopes(equations: Equations, expression: sp.Expr, by: Iterable[sp.Symbol]) -> list[sp.Expr]:
-    """Give derivatives of the force or the energy after a step, through the states' update and the coefficients.
+def total_slopes(equations: Equations, by: Iterable[sp.Symbol]) -> tuple[list[Definition], list[sp.Expr]]:
+    """Give derivatives of the force and the energy after a step, through the states' update and the coefficients.
 
     Args:
         equations: the composed law.
-        expression: in fast signals, coefficients and states after the step.
         by: y, v and slow signals.
+
+    Returns:
+        what is computed before, in order, in fast signals, coefficients, parameters and states before the step; and the
+        derivatives, first of the force, then of the energy, in these too.
     """
-    update = {state.symbol: state.update for state in equations.states}
+    signals = list(by)
+    after = {state.symbol: sp.Symbol(f"_{state.symbol}", real=True) for state in equations.states}
+    steps = [(stage.symbol, exact(stage.expression)) for stage in equations.stages]
+    steps += [(after[state.symbol], exact(state.update)) for state in equations.states]
+    results = [exact(expression).xreplace(after) for expression in (equations.force, equations.energy)]
+    coefficients = {entry.symbol: exact(entry.expression) for entry in equations.coefficients}
+    way, through = slopes_through(steps, [*signals, *coefficients])
 
-    def through_states(symbol: sp.Symbol) -> sp.Expr:
-        inner = sp.diff(expression, symbol)
-        return inner.xreplace(update) + sum(
-            sp.diff(expression, state).xreplace(update) * sp.diff(after, symbol) for state, after in update.items()
+    def total(result: sp.Expr, signal: sp.Symbol) -> sp.Expr:
+        own = slope_of(result, signal, through)
+        inner = ((slope_of(result, symbol, through), value) for symbol, value in coefficients.items())
+        return sum(
+            (slope * sp.diff(value, signal) for slope, value in inner if slope is not None and value.has(signal)),
+            own if own is not None else sp.Integer(0),
         )
 
-    def total(symbol: sp.Symbol) -> sp.Expr:
-        return through_states(symbol) + sum(
-            through_states(entry.symbol) * sp.diff(entry.expression, symbol)
-            for entry in equations.coefficients
-            if symbol in entry.expression.free_symbols
-        )
-
-    # At a step of the force the slope is that of its sides.
-    return [total(symbol).replace(sp.DiracDelta, lambda *_: sp.Integer(0)) for symbol in by]
+    slopes = [total(result, signal) for result in results for signal in signals]
+    return needed(way, slopes), slopes
 
 
 def _function(

@@ -106,6 +106,8 @@ def python_source(structure: Structure) -> str:
     ]
     if state_names:
         lines.append(f"    {_tuple(state_names)} = _state")
+        for symbol, expression in law.stages:
+            lines += [f"    {line}" for line in _statements([str(symbol)], [expression])]
         lines += [f"    {line}" for line in _statements(new_names, law.updates)]
     lines += [f"    {line}" for line in _statements(["_force", "_energy"], [law.force, law.energy])]
     lines += [f"    return _force, _energy, {_tuple(new_names) if new_names else '()'}", ""]

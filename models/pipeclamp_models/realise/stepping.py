@@ -24,6 +24,7 @@ class Stepping:
         equations: the composed law.
         coefficients: symbol and expression of each, in slow signals and parameters; only those that a step needs.
         held: what a step takes of slow signals and parameters: symbol, and expression in coefficients and parameters.
+        stages: symbol and expression of what is computed on the way to the new states, in order; as the updates.
         after: the symbols of the states after a step.
         updates: the states after a step, in fast signals, states and what is held.
         force: N, in fast signals, states after the step and what is held.
@@ -33,6 +34,7 @@ class Stepping:
     equations: Equations
     coefficients: tuple[Definition, ...]
     held: tuple[Definition, ...]
+    stages: tuple[Definition, ...]
     after: tuple[sp.Symbol, ...]
     updates: tuple[sp.Expr, ...]
     force: sp.Expr
@@ -60,15 +62,18 @@ def stepping(structure: Structure) -> Stepping:
     equations = structure.equations_without_rig
     # Names of our own begin or end with an underscore, which no effect's symbol does.
     after = {state.symbol: sp.Symbol(f"_{state.symbol}", real=True) for state in equations.states}
-    updates = [exact(state.update) for state in equations.states]
+    within = [exact(expression) for expression in equations.within_steps]
     results = [exact(expression).xreplace(after) for expression in (equations.force, equations.energy)]
-    moving = FAST_SYMBOLS | after.keys() | set(after.values())
-    held, (*updates, force, energy) = held_apart([*updates, *results], moving)
+    names = [stage.symbol for stage in equations.stages]
+    moving = FAST_SYMBOLS | after.keys() | set(after.values()) | set(names)
+    held, (*within, force, energy) = held_apart([*within, *results], moving)
+    stages = tuple(zip(names, within[: len(names)], strict=True))
+    updates = tuple(within[len(names) :])
     needed = set().union(*(expression.free_symbols for _, expression in held))
     coefficients = [
         (entry.symbol, exact(entry.expression)) for entry in equations.coefficients if entry.symbol in needed
     ]
-    return Stepping(equations, tuple(coefficients), tuple(held), tuple(after.values()), tuple(updates), force, energy)
+    return Stepping(equations, tuple(coefficients), tuple(held), stages, tuple(after.values()), updates, force, energy)
 
 
 def exact(expression: sp.Expr) -> sp.Expr:

@@ -17,6 +17,7 @@ def equation_lines(equations: Equations) -> list[str]:
     """Give a law's equations, a line each: the force, its coefficients, its memory after a step, as plain text."""
     lines = [f"F = {_text(equations.force)}"]
     lines += [f"{entry.symbol} = {_text(entry.expression)}" for entry in equations.coefficients]
+    lines += [f"{stage.symbol}, within a step = {_text(stage.expression)}" for stage in equations.stages]
     lines += [f"{state.symbol}, after a step = {_text(state.update)}" for state in equations.states]
     return lines
 
@@ -60,6 +61,12 @@ def effect_statements(effect: Effect) -> list[Statement]:
         found.append(Statement(f"factor on every {target}", rf"\text{{{target}}} \times", factor))
     for signal, path in effect.replaces.items():
         found.append(Statement(f"in place of {signal}", f"{_latex(signal)} =", path))
+    if symbols.y in effect.replaces:
+        found.append(Statement("force that comes through, N", "F =", effect.passes))
+    found += [
+        Statement(f"{stage.symbol}, {stage.meaning}", f"{_latex(stage.symbol)} =", stage.expression)
+        for stage in effect.stages
+    ]
     found += [
         Statement(f"{state.symbol} after a step", f"{_latex(state.symbol)} \\leftarrow", state.update)
         for state in effect.states
@@ -75,7 +82,12 @@ def effect_statements(effect: Effect) -> list[Statement]:
 def symbols_of(effect: Effect) -> list[symbols.Signal]:
     """Give what an effect's equations use besides its own parameters, coefficients and states."""
     used: set[sp.Symbol] = set().union(*(one.expression.free_symbols for one in effect_statements(effect)))
-    known = (*symbols.FAST, *symbols.SLOW, *symbols.FIXED)
+    used |= {
+        sp.Symbol(str(symbols.F_slow), real=True)
+        for one in effect_statements(effect)
+        if one.expression.has(symbols.F_slow)
+    }
+    known = (*symbols.FAST, *symbols.SLOW, *symbols.SERIES, *symbols.FIXED)
     found = [signal for signal in known if signal.symbol in used]
     columns = sorted(str(symbol) for symbol in used if str(symbol).startswith(symbols.CONDITION))
     return found + [
@@ -124,6 +136,9 @@ class _Words(StrPrinter):  # type: ignore[misc]
 
     def _print_Abs(self, expression: sp.Abs) -> str:
         return f"|{self._print(expression.args[0])}|"
+
+    def _print_Unequality(self, expression: sp.Ne) -> str:
+        return f"{self._print(expression.lhs)} is not {self._print(expression.rhs)}"
 
     def _print_Max(self, expression: sp.Max) -> str:
         return f"max({self.stringify(expression.args, ', ')})"

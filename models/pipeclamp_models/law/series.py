@@ -1,0 +1,75 @@
+"""What stands in series with a whole clamp: the path behind it moves otherwise, and another force comes through."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.equations.effect import Effect, Stage, State
+
+
+@dataclass(frozen=True)
+class Path:
+    """Forces that act on one displacement, composed.
+
+    Attributes:
+        force: N, in fast signals and states after the step.
+        energy: stored, N mm, likewise.
+        states: their memory.
+        stages: what is computed on the way to the states after a step, in order.
+    """
+
+    force: sp.Expr
+    energy: sp.Expr
+    states: tuple[State, ...]
+    stages: tuple[Stage, ...]
+
+
+def behind(effect: Effect, path: Path) -> Path:
+    """Put a path behind an effect that replaces its displacement.
+
+    Args:
+        effect: replaces `y`, and `v` where it has to.
+        path: what stands behind it, as if nothing stood before it.
+    """
+    stood = effect.replaces[symbols.y].xreplace({symbols.y: symbols.y_previous})
+    stages: list[Stage] = []
+
+    def slow(place: sp.Expr) -> sp.Symbol:
+        """Give the path's force after a slow move, which becomes a stage, with those that it takes itself."""
+        end = f"_{len(stages)}_"
+        still = {symbols.y: place, symbols.y_previous: stood, symbols.v: sp.Integer(0)}
+        copies = {stage.symbol: sp.Symbol(f"{stage.symbol}{end}", real=True) for stage in path.stages}
+        stages.extend(_moved(path.stages, {**copies, **still}))
+        after = path.force.xreplace({state.symbol: state.update for state in path.states}).xreplace(copies | still)
+        found = sp.Symbol(f"{symbols.F_slow}{end}", real=True)
+        stages.append(Stage(found, "N", "force of all behind it after a slow move", after))
+        return found
+
+    for stage in effect.stages:
+        expression = stage.expression.replace(symbols.F_slow, slow)
+        stages.append(replace(stage, expression=expression))
+    own = {state.symbol: sp.Symbol(f"{state.symbol}_after_", real=True) for state in effect.states}
+    stages += [Stage(own[state.symbol], state.unit, state.meaning, state.update) for state in effect.states]
+    moved = {signal: effect.replaces.get(signal, signal) for signal in (symbols.y, symbols.v)}
+    in_step = {signal: place.xreplace(own) for signal, place in moved.items()} | {symbols.y_previous: stood}
+    return Path(
+        force=effect.passes.xreplace({symbols.F_path: path.force.xreplace(moved)}),
+        energy=path.energy.xreplace(moved),
+        states=(
+            *(replace(state, update=own[state.symbol]) for state in effect.states),
+            *(replace(state, update=state.update.xreplace(in_step)) for state in path.states),
+        ),
+        stages=(*stages, *_moved(path.stages, in_step)),
+    )
+
+
+def _moved(stages: tuple[Stage, ...], by: Mapping[sp.Symbol, sp.Expr]) -> list[Stage]:
+    """Give stages in other symbols, their own among them where these are replaced."""
+    return [
+        replace(stage, symbol=by.get(stage.symbol, stage.symbol), expression=stage.expression.xreplace(by))
+        for stage in stages
+    ]

@@ -1,0 +1,73 @@
+"""Play: a spring behind a clearance, and friction behind a clearance, have loops that are known in closed form."""
+
+import numpy as np
+import pytest
+
+from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import Motion, sinusoids
+
+SMOOTHING = (0.01, 0.001)
+A, G, K, SLIP, STIFF = 1.0, 0.13, 700.0, 90.0, 1500.0
+
+
+def force_on(effects, values, motion):
+    """Force of a clamp that has nothing but these effects."""
+    equations = Structure("power", effects).equations
+    given = dict.fromkeys(equations.names, 0.0) | {"alpha0": 1.0} | values
+    return force_of_equations(equations, [given[name] for name in equations.names], SMOOTHING, motion).force
+
+
+def area(motion, force):
+    """Energy lost in a cycle, N mm."""
+    y, F = motion.y[0], force[0]
+    return float(np.sum((np.roll(F, -1) + F) / 2 * (np.roll(y, -1) - y)))
+
+
+def test_a_spring_behind_a_clearance_is_a_gap_about_zero():
+    """Worden and Tomlinson, on backlash: k (|y| - g)+ sgn y. Nothing is lost."""
+    motion = sinusoids(A, 2.0, 293.15, 512)
+    force = force_on(("play",), {"k10": K, "g_p": G}, motion)
+    expected = K * np.sign(motion.y) * np.maximum(np.abs(motion.y) - G, 0.0)
+    np.testing.assert_allclose(force, expected, atol=1e-9 * K)
+    assert abs(area(motion, force)) < 1e-9 * K
+
+
+def test_friction_behind_a_clearance_is_lost_motion():
+    """Nordin, Galic and Gutman, a stiff clearance: friction F_c loses 4 F_c (A - g) a cycle, and is zero within it."""
+    motion = sinusoids(A, 2.0, 293.15, 4096)
+    force = force_on(("coulomb", "play"), {"F_c": SLIP, "g_p": G}, motion)
+    assert area(motion, force) == pytest.approx(4 * SLIP * (A - G), rel=2e-3)
+    within = (motion.y[0] < A - 0.01 * G) & (motion.y[0] > A - 1.99 * G) & (motion.v[0] < 0)
+    np.testing.assert_array_equal(force[0, within], 0.0)
+
+
+def test_an_elastic_slip_element_behind_a_clearance():
+    """The element unloads to zero, is carried back by nothing over 2 g, and loads again: 4 F (A - g - F/k) a cycle."""
+    motion = sinusoids(A, 2.0, 293.15, 4096)
+    force = force_on(("memory", "play"), {"k_s": STIFF, "z_s": SLIP, "g_p": G}, motion)
+    assert area(motion, force) == pytest.approx(4 * SLIP * (A - G - SLIP / STIFF), rel=2e-3)
+    downwards = motion.v[0] < 0
+    let_go, engaged = A - SLIP / STIFF, A - SLIP / STIFF - 2 * G
+    np.testing.assert_allclose(np.interp([let_go - 0.05 * G, engaged + 0.05 * G], motion.y[0, downwards][::-1],
+                                         force[0, downwards][::-1]), 0.0, atol=0.02 * SLIP)  # fmt: skip
+    assert np.interp(
+        engaged - SLIP / STIFF / 2, motion.y[0, downwards][::-1], force[0, downwards][::-1]
+    ) == pytest.approx(-SLIP / 2, rel=0.02)
+
+
+def test_a_small_cycle_on_a_large_one_opens_the_clearance_again():
+    """What tells play from a gap about zero: at the end of a ramp a small cycle meets no force, within 2 g."""
+    y = np.concatenate([np.linspace(0.0, 0.8, 200), 0.8 - 0.9 * G * (1 - np.cos(np.linspace(0, 2 * np.pi, 100)))])
+    v = np.gradient(y, 1e-3)
+    slow = {"A": np.array([[A]]), "f": np.array([[1.0]]), "T": np.array([[293.15]])}
+    motion = Motion(y[None], v[None], 0 * y[None], slow, np.array([[1e-3]]), periodic=False)
+    force = force_on(("memory", "play"), {"k_s": 1e4 * STIFF, "z_s": SLIP, "g_p": G}, motion)[0]
+    assert force[199] == pytest.approx(SLIP, rel=1e-6)
+    np.testing.assert_allclose(force[203:297], 0.0, atol=1e-6 * SLIP)
+
+
+def test_what_the_rig_adds_is_not_behind_the_clearance():
+    motion = sinusoids(A, 2.0, 293.15, 256)
+    force = force_on(("inertia", "play"), {"g_p": 1.0, "m": 0.01}, motion)
+    np.testing.assert_allclose(force, force_on(("inertia",), {"m": 0.01}, motion), rtol=1e-12, atol=1e-9)
