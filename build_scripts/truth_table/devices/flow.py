@@ -56,11 +56,11 @@ ARMS = 8
 
 
 def draw_rubber(random: np.random.Generator, x: float, F: float, w: float) -> dict[str, float]:
-    """Arms relax over two and a half decades about the motion's period."""
+    """Arms relax over nearly two decades about the motion's period."""
     arms = random.uniform(0.6, 1.5)
     k = F / x / (1 + 0.4 * arms)
-    return {"k": k, "k_arms": arms * k, "tau": 0.08 / w, "span": 300.0, "order": random.uniform(0.2, 0.5),
-            "v_payne": w * x * random.uniform(0.05, 0.3), "heal": 20.0 / w, "k3": random.uniform(0.0, 0.2), "x": x,
+    return {"k": k, "k_arms": arms * k, "tau": 0.1 / w, "span": 60.0, "order": random.uniform(0.2, 0.5),
+            "v_payne": w * x * random.uniform(0.05, 0.3), "heal": 5.0 / w, "k3": random.uniform(0.0, 0.2), "x": x,
             "per_100_K": random.uniform(0.3, 1.0)}  # fmt: skip
 
 

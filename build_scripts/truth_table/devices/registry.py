@@ -26,6 +26,7 @@ class Device:
         rigs: names of the rigs it is put on, in turn.
         effects: ids of the effects that are its physics, whether the catalogue has them or not; none: physics that no
             effect is written for.
+        run_in: cycles before the record begins, in which it settles; else the record begins with the ramp.
         steps: least steps a cycle.
         fastest: fastest rate of a state, 1/s, from the parameters.
     """
@@ -36,6 +37,7 @@ class Device:
     draw: Draw
     rigs: tuple[str, ...]
     effects: frozenset[str] = frozenset()
+    run_in: int = 0
     steps: int = 1000
     fastest: Callable[[Parameters], float] = lambda p: 0.0
 
@@ -114,7 +116,7 @@ DEVICES: dict[str, Device] = {
     "rubber": Device(
         "F = k y (1 + ..) + sum of Maxwell arms tau_i^-order, which flow faster by recent motion",
         "Koeller 1984, J. Appl. Mech. 51(2); Hoefer and Lion 2009, J. Mech. Phys. Solids 57(3)",
-        flow.rubber, flow.draw_rubber, ("mount", "bench"),
+        flow.rubber, flow.draw_rubber, ("mount", "bench"), run_in=12,
     ),
     "mr_damper": Device(
         "F = c1 dx/dt + k1 y, (c0 + c1) dx/dt = alpha z + c0 v + k0 (y - x), dz as Bouc-Wen of y - x; by current",
@@ -154,7 +156,7 @@ DEVICES: dict[str, Device] = {
     "hydraulic_mount": Device(
         "F = k_r y + c_r v + K(y - x), m x'' = K(y - x) - losses; decoupler with play",
         "Singh, Kim and Ravindra 1992, J. Sound Vib. 158(2)",
-        flow.hydraulic_mount, flow.draw_hydraulic_mount, ("mount",),
+        flow.hydraulic_mount, flow.draw_hydraulic_mount, ("mount",), run_in=12,
     ),
 }  # fmt: skip
 """By name."""

@@ -135,9 +135,15 @@ def settings(plan: Plan, f: float) -> list[Set]:
 
 
 def driven(
-    runs: Sequence[Set], rate: float, habit: Habits, random: np.random.Generator, steps: int, fastest: float
+    runs: Sequence[Set],
+    rate: float,
+    habit: Habits,
+    random: np.random.Generator,
+    steps: int,
+    fastest: float,
+    run_in: int = 0,
 ) -> tuple[Drive, int]:
-    """Drive runs of one frequency; give the motion and the steps between two samples.
+    """Drive runs of one frequency from rest; give the motion and the steps between two samples.
 
     Args:
         runs: what is set.
@@ -146,6 +152,7 @@ def driven(
         random: generator of what differs from run to run.
         steps: least steps a cycle.
         fastest: rate of a state in 1/s that the steps must resolve.
+        run_in: cycles between the ramp and those that are recorded.
     """
     f, R = runs[0].f, len(runs)
     A = np.array([run.A for run in runs]) * (1 + AMPLITUDE_ERROR * random.standard_normal(R))
@@ -154,7 +161,7 @@ def driven(
     tones = {1: -1j * A}
     for index, (share, angle) in enumerate(zip(habit.shares, habit.angles, strict=True)):
         tones[index + 2] = A * share * (1 + WANDER * random.standard_normal(R)) * np.exp(1j * angle)
-    samples = round((RAMP_CYCLES + CYCLES + random.uniform(0.0, MOST_EXTRA)) * rate / f)
+    samples = round((RAMP_CYCLES + run_in + CYCLES + random.uniform(0.0, MOST_EXTRA)) * rate / f)
     step = 1 / (rate * every)
     y, v, a = ramped(tones, f, step, samples * every, RAMP_CYCLES)
     return Drive(step, y, v, a, f, T, np.array([run.current or 0.0 for run in runs])), every
@@ -177,10 +184,11 @@ def tested(
     result = []
     for f in plan.f:
         runs = settings(plan, f)
-        drive, every = driven(runs, rate, habit, random, device.steps, device.fastest(p))
-        force = device.force(drive, p)[::every]
+        drive, every = driven(runs, rate, habit, random, device.steps, device.fastest(p), device.run_in)
+        first = round((RAMP_CYCLES + device.run_in) * rate / f) if device.run_in else 0
+        force = device.force(drive, p)[::every][first:]
         time = np.arange(len(force)) / rate
-        result.append(Records(tuple(runs), time, drive.y[:: 2 * every], force))
+        result.append(Records(tuple(runs), time, drive.y[:: 2 * every][first:], force))
     return result
 
 
