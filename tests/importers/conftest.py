@@ -133,7 +133,7 @@ def shake(clamp: Driver, begin: int, end: int, h: float = 1e-3, A: float = 5e-4,
 @pytest.fixture(scope="session")
 def stand_in() -> ClampModel:
     """Give the stand-in law, which has a memory, as a clamp."""
-    source = body_of(source_text("stand_in_law"))
+    source = body_of(source_text("pipeclamp_fmu.slaves.stand_in_law"))
     return ClampModel(
         "stand-in",
         "from collections.abc import Sequence\n" + source[source.index("STATES") :],

@@ -21,6 +21,7 @@ from pipeclamp_fmu.slaves.one_module import source_text, with_inlined
 from pipeclamp_fmu.slaves.values_file import values_text
 from pipeclamp_models.equations.symbols import REFERENCES, T_0
 from pipeclamp_models.law.file import FitQuality, HistoryStep
+from pipeclamp_models.realise import tracker
 
 MARGIN = 10.0
 """min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
@@ -175,8 +176,9 @@ def clamp_module(model: ClampModel) -> str:
             model.source,
         ]
     )
-    parts = {f"pipeclamp_fmu.slaves.{name}": source_text(name) for name in ("own_motion", "plain", "values_file")}
-    return with_inlined(source_text("clamp"), {**parts, "pipeclamp_fmu.slaves.stand_in_law": law})
+    slaves = (f"pipeclamp_fmu.slaves.{name}" for name in ("own_motion", "plain", "values_file"))
+    parts = {module: source_text(module) for module in (*slaves, "pipeclamp_models.realise.tracker")}
+    return with_inlined(source_text("pipeclamp_fmu.slaves.clamp"), {**parts, "pipeclamp_fmu.slaves.stand_in_law": law})
 
 
 def middle(interval: Interval) -> float:
@@ -371,7 +373,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
             (
                 *use,
                 "With track, amplitude and frequency come from averages of y, y^2 and v^2 over the last few cycles "
-                f"(two first-order filters in a row, time constant {clamp_slave.AVERAGING:g} periods each): "
+                f"(two first-order filters in a row, time constant {tracker.AVERAGING:g} periods each): "
                 "A = sqrt(2 var y), 2 pi f = sqrt(<v^2>/var y), held inside the range.",
                 FOLLOWED,
                 TEMPERATURE,

@@ -44,8 +44,11 @@ def excitation_content(samples: Samples, version: str) -> Content:
     return Content(
         kind="excitation",
         source=with_inlined(
-            source_text("excitation"),
-            {"pipeclamp_fmu.slaves.plain": source_text("plain"), "pipeclamp_fmu.slaves.stand_in_samples": generated},
+            source_text("pipeclamp_fmu.slaves.excitation"),
+            {
+                "pipeclamp_fmu.slaves.plain": source_text("pipeclamp_fmu.slaves.plain"),
+                "pipeclamp_fmu.slaves.stand_in_samples": generated,
+            },
         ),
         class_name=excitation_slave.ExcitationSlave.__name__,
         text=excitation_text(samples, version),

@@ -39,10 +39,10 @@ def pipe_module(pipe: ReducedPipe) -> str:
         for name in ("step", "coupled_step")
     }
     return with_inlined(
-        source_text("pipe"),
+        source_text("pipeclamp_fmu.slaves.pipe"),
         {
             **{f"pipeclamp_models.pipe.{name}": text for name, text in stepping.items()},
-            "pipeclamp_fmu.slaves.plain": source_text("plain"),
+            "pipeclamp_fmu.slaves.plain": source_text("pipeclamp_fmu.slaves.plain"),
             "pipeclamp_fmu.slaves.stand_in_pipe": "\n".join(f"{name} = {value!r}" for name, value in numbers.items()),
         },
     )

@@ -1,7 +1,7 @@
 """The clamp as an FMI 2.0 co-simulation slave on the standard library alone.
 
-The builder makes one module of this file, `own_motion`, `plain`, `values_file` and a generated law in place of
-`stand_in_law`, and gives the class a name of its own, since all Python FMUs of a process share one interpreter. The
+The builder makes one module of this file, `tracker`, `own_motion`, `plain`, `values_file` and a generated law in place
+of `stand_in_law`, and gives the class a name of its own, since all Python FMUs of a process share one interpreter. The
 law's numbers are not in the module: each instance reads those in its FMU's resources.
 
 Inputs are the values at the end of the step; between two communication points the motion is straight.
@@ -39,6 +39,7 @@ from pipeclamp_fmu.slaves.stand_in_law import (
     step,
 )
 from pipeclamp_fmu.slaves.values_file import read_values
+from pipeclamp_models.realise.tracker import SLACK, Interval, held, start_tracking, tracked
 
 MM = 1000.0
 """mm in a metre: the law is in mm, the FMU's boundary in m."""
@@ -63,12 +64,6 @@ BOOLEAN_PARAMETERS = ("useTemperatureInput", "track")
 BOOLEAN_OUTPUTS = ("inRange",)
 USE_T_IN, TRACK, IN_RANGE = range(3)
 
-AVERAGING = 1.5
-"""Time constant of each of the tracker's two averages, in periods of the frequency in use."""
-
-SLACK = 1e-9
-"""Share by which a value may pass the end of its range: rounding of units, not more."""
-
 HUGE = 1e30
 """A value beyond it is a mistake, whatever the unit; below it, powers that laws take of it don't overflow."""
 
@@ -83,7 +78,6 @@ NO_VALUE = (ArithmeticError, TypeError, ValueError)
 
 NO_VALUE_THERE = "the law has no value there"
 
-Interval = tuple[float, float]
 Motion = tuple[Any, float, float, float, float, tuple[float, ...]]
 Conditions = tuple[float, float, float, tuple[float, ...], tuple[float, ...] | None]
 
@@ -92,49 +86,6 @@ def within(value: float, interval: Interval) -> bool:
     """Tell whether the value lies in the range, but for rounding."""
     low, high = interval
     return low - SLACK * abs(low) <= value <= high + SLACK * abs(high)
-
-
-def held(value: float, interval: Interval) -> float:
-    """Give the nearest value in the range."""
-    return min(max(value, interval[0]), interval[1])
-
-
-def start_tracking(A: float, f: float) -> tuple[float, ...]:
-    """Give the averages of y, y^2 and v^2 (two stages each) of a sinusoid of this amplitude (mm) and frequency (Hz)."""
-    square = A * A / 2
-    speed = (2 * math.pi * f) ** 2 * square
-    return (0.0, 0.0, square, square, speed, speed)
-
-
-def track_motion(averages: tuple[float, ...], share: float, y: float, v: float) -> tuple[float, ...]:
-    """Move the averages towards the present motion: two one-pole filters in a row, of the same share per step."""
-    mean1, mean, square1, square, speed1, speed = averages
-    mean1 += share * (y - mean1)
-    square1 += share * (y * y - square1)
-    speed1 += share * (v * v - speed1)
-    return (
-        mean1,
-        mean + share * (mean1 - mean),
-        square1,
-        square + share * (square1 - square),
-        speed1,
-        speed + share * (speed1 - speed),
-    )
-
-
-def amplitude_and_frequency(averages: tuple[float, ...], frequency: float, smallest: float) -> tuple[float, float]:
-    """Give A (mm) and f (Hz) of the sinusoid that has these averages; without motion the frequency stays.
-
-    Motion is what is not many times smaller than the law's smallest amplitude (mm).
-
-    A = sqrt(2 var), 2 pi f = sqrt(<v^2>/var), var = <y^2> - <y>^2. All three averages are filtered alike, so that the
-    ripple of the mean under an offset cancels in var.
-    """
-    _, mean, _, square, _, speed = averages
-    variance = square - mean * mean
-    if variance <= (SLACK * smallest) ** 2:
-        return 0.0, frequency
-    return math.sqrt(2 * variance), math.sqrt(speed / variance) / (2 * math.pi)
 
 
 def in_use(conditions: Conditions, ranges: tuple[Interval, ...]) -> tuple[float, ...]:
@@ -308,10 +259,8 @@ class ClampSlave(Fmi2Slave):
         conditions: Conditions = (*settings, None)
         if self._flags[TRACK]:
             averages = self._conditions[4] or start_tracking(*settings[:2])
-            smallest, frequency = self._ranges[0][0], self._conditions[1]
-            periods = step_size * held(frequency, self._ranges[1])
-            averages = track_motion(averages, -math.expm1(-periods / AVERAGING), y, v)
-            conditions = (*amplitude_and_frequency(averages, frequency, smallest), *settings[2:], averages)
+            A, f, averages = tracked(averages, step_size, self._conditions[1], self._ranges, y, v)
+            conditions = (A, f, *settings[2:], averages)
         motion = self._under(conditions, self._motion)
         return motion if isinstance(motion, str) else (conditions, motion)
 

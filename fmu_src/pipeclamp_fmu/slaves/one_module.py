@@ -13,8 +13,9 @@ from importlib import resources
 
 
 def source_text(module: str) -> str:
-    """Give the text of a module of this package."""
-    return resources.files("pipeclamp_fmu").joinpath("slaves", f"{module}.py").read_text(encoding="utf-8")
+    """Give the text of a module by its full name."""
+    package, *path, name = module.split(".")
+    return resources.files(package).joinpath(*path, f"{name}.py").read_text(encoding="utf-8")
 
 
 def _without(source: str, nodes: Iterable[tuple[ast.stmt, str]]) -> str:

@@ -88,10 +88,7 @@ def force_of_equations(
         }
         march = March(compiled, equations, columns, slope_columns, values, smoothing, motion)
         states = march.states(derivatives=derivatives)
-        y_previous = np.roll(motion.y, 1, axis=1)
-        if not motion.periodic:
-            y_previous[:, 0] = 0.0
-        fast = [motion.y, motion.v, motion.a, y_previous, motion.h]
+        fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.h]
         arguments = [*fast, *states.after, *coefficients, *values, *smoothing]
         shape = (rows, samples)
         force = _with_means(compiled.force, arguments, motion.turning, shape)[0]
@@ -146,10 +143,12 @@ def _column_shape(value: npt.ArrayLike, rows: int) -> tuple[int, int]:
 
 
 def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, law_force: LawForce) -> LawForce:
-    """Delay force and derivatives by the rig's lag, harmonic by harmonic; a record is taken for one long cycle."""
+    """Delay force and derivatives by the rig's lag: cycles harmonic by harmonic, records from sample to sample."""
     if compiled.in_time:
         return law_force
     lag = float(compiled.lag(*values)[0])
+    if not motion.periodic:
+        return _later(compiled, values, motion.h, lag, law_force)
     samples = motion.y.shape[1]
     omega = 2 * np.pi * np.arange(samples // 2 + 1) / (samples * motion.h)
     turn = np.exp(-1j * omega * lag)
@@ -160,4 +159,28 @@ def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, l
     jacobian = np.fft.irfft(np.fft.rfft(law_force.jacobian) * turn, samples)
     for parameter, slope in zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True):
         jacobian[parameter] -= slope * np.fft.irfft(1j * omega * force, samples)
+    return replace(law_force, force=late, jacobian=jacobian)
+
+
+def _later(compiled: ArrayRealisation, values: Sequence[float], h: Array, lag: float, law_force: LawForce) -> LawForce:
+    """Delay the force of records, straight between samples; what is before and after them stands still."""
+    last = law_force.force.shape[1] - 1
+    place = np.clip(np.arange(last + 1) - lag / h, 0.0, last)
+    left = np.minimum(place.astype(np.intp), max(last - 1, 0))
+    right = np.minimum(left + 1, last)
+    share = place - left
+    rows = np.arange(len(h))[:, None]
+
+    def delayed(samples: Array) -> Array:
+        return np.asarray((1 - share) * samples[..., rows, left] + share * samples[..., rows, right])
+
+    force = law_force.force
+    late = delayed(force)
+    if law_force.jacobian is None:
+        return replace(law_force, force=late)
+    jacobian = delayed(law_force.jacobian)
+    moving = (place > 0.0) & (place < last)
+    slope = np.where(moving, (force[rows, right] - force[rows, left]) / h, 0.0)
+    for parameter, by_parameter in zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True):
+        jacobian[parameter] -= by_parameter * slope
     return replace(law_force, force=late, jacobian=jacobian)

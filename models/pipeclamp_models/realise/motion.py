@@ -45,6 +45,7 @@ class Motion:
         h: time between samples in s, shape (R, 1).
         periodic: whether each row is a whole cycle that repeats.
         assumed: slow signals that nobody knows, whose values only let laws be evaluated that don't follow them.
+        rest: where a record's rows lie at rest before their first sample, memory unloaded, mm, shape (R, 1) or ().
     """
 
     y: Array
@@ -54,11 +55,23 @@ class Motion:
     h: Array
     periodic: bool = True
     assumed: frozenset[str] = frozenset()
+    rest: Array | float = 0.0
+
+    @property
+    def y_previous(self) -> Array:
+        """Displacement a sample before each, shape (R, n)."""
+        before = np.roll(self.y, 1, axis=1)
+        if not self.periodic:
+            before[:, :1] = self.rest
+        return before
 
     def rows(self, chosen: npt.NDArray[np.intp]) -> Motion:
         """Give some of the motions."""
         slow = {name: values[chosen] for name, values in self.slow.items()}
-        return replace(self, y=self.y[chosen], v=self.v[chosen], a=self.a[chosen], slow=slow, h=self.h[chosen])
+        rest = np.broadcast_to(self.rest, self.h.shape)[chosen]
+        return replace(
+            self, y=self.y[chosen], v=self.v[chosen], a=self.a[chosen], slow=slow, h=self.h[chosen], rest=rest
+        )
 
     @cached_property
     def turning(self) -> Turning:

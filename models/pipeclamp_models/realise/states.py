@@ -80,7 +80,7 @@ class March:
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
         if self.motion.periodic:
             return self._periodic(rest, parameters)
-        columns = self._columns(np.concatenate([np.zeros((rows, 1)), self.motion.y[:, :-1]], axis=1))
+        columns = self._columns(self.motion.y_previous)
         trajectory = self._walk(rest, columns)
         slopes = np.zeros((rows, samples, count, parameters))
         if derivatives:
@@ -96,7 +96,7 @@ class March:
         last = self._last()
         from_rest = last._columns(np.zeros((rows, 1)))
         moved = last._walk(rest, from_rest)
-        start, columns = moved[:, :, 0], self._columns(np.roll(self.motion.y, 1, axis=1))
+        start, columns = moved[:, :, 0], self._columns(self.motion.y_previous)
         scale = 1e-300 + np.max(np.abs(start), axis=0)
         for _ in range(SETTLING_CYCLES):
             trajectory = self._walk(start, columns)
