@@ -307,7 +307,7 @@ def test_force_and_energy_have_values_at_the_bounds(structure):
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
 def test_a_record_becomes_its_steady_cycle(structure):
     """Marching a record from rest ends in the periodic response that is found directly, but for the samples at
-    reversals, which stand for the mean over their interval in a cycle."""
+    reversals, which stand for the mean over their interval in a cycle. A record's delay is straight between samples."""
     equations = structure.equations
     values = sound_values(structure)
     vector = [values[name] for name in equations.names]
@@ -318,7 +318,8 @@ def test_a_record_becomes_its_steady_cycle(structure):
     steady = force_of_equations(equations, vector, SMOOTHING, one).force
     record = force_of_equations(equations, vector, SMOOTHING, many).force[:, -128:]
     moving = np.abs(one.v) > 1e-6
-    np.testing.assert_allclose(record[moving], steady[moving], rtol=1e-9, atol=1e-6)
+    rtol, atol = (1e-9, 1e-6) if equations.lag == 0 else (0.0, 3e-3 * np.max(np.abs(steady)))
+    np.testing.assert_allclose(record[moving], steady[moving], rtol=rtol, atol=atol)
 
 
 @pytest.mark.parametrize("name", COPIES)
