@@ -14,6 +14,7 @@ from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
 from pipeclamp_identification.campaign.description import CampaignDescription, read_description
+from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion, fundamental_of_motion
 from pipeclamp_identification.campaign.plausibility import (
     Fundamental,
     contradiction,
@@ -61,7 +62,8 @@ class LeftOut:
 class Campaign:
     """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed.
 
-    `remarks` say where the records show other settings than runs.csv states; those runs' settings are None.
+    `remarks` say where the records show other settings than runs.csv states; those runs' settings are None. Of the
+    runs in `runs` the motion is a sine, of those in `free` it isn't.
     """
 
     name: str
@@ -72,6 +74,27 @@ class Campaign:
     condition_columns: tuple[str, ...]
     smoothing: Smoothing = field(default_factory=Smoothing)
     remarks: tuple[str, ...] = ()
+    free: tuple[FreeRun, ...] = ()
+
+    def of_sines(self) -> Campaign:
+        """Give the campaign without its runs of free motion, with a remark that names them.
+
+        Raises:
+            UserError: it has no others.
+        """
+        if not self.free:
+            return self
+        names, many = ", ".join(run.name for run in self.free), len(self.free) > 1
+        if not self.runs:
+            raise UserError(
+                f"{self.name}: {'all its runs have' if many else 'its only run has'} free motion ({names}); expected "
+                "sines, which a law is fitted to and metrics are of: `pipeclamp compare` holds a law against these"
+            )
+        remark = (
+            f"{len(self.free)} run{'s' if many else ''} of free motion {'are' if many else 'is'} left out ({names}): "
+            "laws are fitted to sines alone so far; compare takes them"
+        )
+        return replace(self, free=(), remarks=(*self.remarks, remark))
 
 
 def read_campaign(folder: Path, strict: bool = False) -> Campaign:
@@ -107,16 +130,18 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     digests = {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)}
     outcomes = [_checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
     shown = {one.name: fundamental_of(one.record, one.cycles) for one in outcomes if isinstance(one, Run)}
-    faults = implausible(shown)
+    freely = {one.name: fundamental_of_motion(one.record, one.motion) for one in outcomes if isinstance(one, FreeRun)}
+    faults = implausible(shown | freely)
     outcomes = [
         LeftOut(row.run, faults[row.run]) if row.run in faults else one
         for row, one in zip(table.rows, outcomes, strict=True)
     ]
     runs = tuple(outcome for outcome in outcomes if isinstance(outcome, Run))
+    free = tuple(outcome for outcome in outcomes if isinstance(outcome, FreeRun))
     left_out = tuple(outcome for outcome in outcomes if isinstance(outcome, LeftOut))
-    if left_out and (strict or not runs):
+    if left_out and (strict or not (runs or free)):
         heading = f"{folder}: {len(left_out)} of {len(outcomes)} runs can't be used; mend their records"
-        remedy = ", take their rows out of runs.csv, or don't be strict" if runs else ""
+        remedy = ", take their rows out of runs.csv, or don't be strict" if runs or free else ""
         raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in left_out)]))
     runs, remarks = _without_wrong_settings(runs, shown)
     return Campaign(
@@ -127,7 +152,19 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         left_out=left_out,
         condition_columns=table.condition_columns,
         smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
-        remarks=remarks,
+        remarks=(*remarks, *_moving_from_the_start(free)),
+        free=free,
+    )
+
+
+def _moving_from_the_start(runs: tuple[FreeRun, ...]) -> tuple[str, ...]:
+    """Say which runs of free motion don't begin at rest."""
+    names = [run.name for run in runs if not run.begins_at_rest]
+    if not names:
+        return ()
+    return (
+        f"{len(names)} of {len(runs)} runs of free motion {'begin' if len(names) > 1 else 'begins'} in motion "
+        f"({', '.join(names)}); a law follows them from rest, so that it may err until its memory has caught up",
     )
 
 
@@ -143,9 +180,20 @@ def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tu
     return hashlib.sha256(content).hexdigest(), read_record(path, content, description.columns.given())
 
 
-def _checked_run(row: RunRow, record: Record) -> Run | LeftOut:
+def _checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
     try:
         check_samples(record)
+        if row.free:
+            return FreeRun(
+                name=row.run,
+                specimen=row.specimen,
+                temperature_C=row.temperature_C,
+                density_g_cm3=row.density_g_cm3,
+                first_cycle=row.first_cycle,
+                conditions=row.conditions,
+                record=record,
+                motion=free_motion(record),
+            )
         cycles = find_cycles(record)
         check_clipping(record, cycles)
     except UnusableRecord as fault:

@@ -14,14 +14,18 @@ from types import MappingProxyType
 
 from pipeclamp_identification.campaign.description import FILE_NAME as DESCRIPTION
 from pipeclamp_identification.campaign.description import CampaignDescription
-from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.units import CELSIUS
 
 FILE_NAME = "runs.csv"
 RECORD_ENDINGS = (".csv", ".csv.gz", ".parquet")
 
 
-TEXT_COLUMNS = ("run", "file", "specimen")
+TEXT_COLUMNS = ("run", "file", "specimen", "motion")
+MOTIONS = ("sine", "free")
+"""What a run's displacement follows: a sine, which is usual, or anything that begins at rest."""
+OF_SINES = ("amplitude_mm", "frequency_Hz")
+"""Numbers that a free motion doesn't have."""
 # each number that a run states, with the bound that it must exceed (or may equal, for a count)
 NUMBER_COLUMNS = MappingProxyType(
     {
@@ -64,7 +68,7 @@ class Printed:
 class RunRow:
     """One row of runs.csv, [defaults] filled in; None where a value isn't known.
 
-    A row has a record in `file` or, where that is blank, the metrics of its loop.
+    A row has a record in `file` or, where that is blank, the metrics of its loop. `free`: its motion is no sine.
     """
 
     row: int
@@ -78,6 +82,7 @@ class RunRow:
     first_cycle: float
     conditions: Mapping[str, float]
     metrics: Mapping[str, Printed]
+    free: bool = False
 
 
 @dataclass(frozen=True)
@@ -184,8 +189,8 @@ def meant_column(column: str) -> str | None:
     spelled = {re.sub("_", "", name).lower(): name for name in known}
     if (letters := re.sub(r"[\W_]", "", column.lower())) in spelled:
         return spelled[letters]
-    # run and file are needed: where they go by another name, that is an error of its own
-    stems = {name.lower().split("_")[0]: name for name in known if name not in ("run", "file")}
+    # run and file are needed: where they go by another name, that is an error of its own; a motion may have a name
+    stems = {name.lower().split("_")[0]: name for name in known if name not in ("run", "file", "motion")}
     if quantity in stems:
         return stems[quantity]
     long = [stem for stem in stems if len(stem) >= SPELLED]
@@ -219,8 +224,11 @@ def _refuse_near_misses_of_metrics(path: Path, header: list[str]) -> None:
 
 
 def _with_defaults(header: list[str], values: list[str], description: CampaignDescription) -> dict[str, str]:
-    named = dict.fromkeys(description.defaults, "") | dict(zip(header, values, strict=True))
-    return {column: cell or str(description.defaults.get(column, "")) for column, cell in named.items()}
+    defaults = description.defaults
+    named = dict.fromkeys(defaults, "") | dict(zip(header, values, strict=True))
+    free = (named.get("motion") or defaults.get("motion")) == "free"
+    usual = {column: value for column, value in defaults.items() if not (free and column in OF_SINES)}
+    return {column: cell or str(usual.get(column, "")) for column, cell in named.items()}
 
 
 def _number(cell: str) -> float | None:
@@ -261,6 +269,7 @@ def _run_row(
         if not named[column]:
             raise UserError(f"{path}, row {row}, column {column!r}: is blank; expected a text")
     numbers = {column: _checked_number(path, row, column, named.get(column, "")) for column in NUMBER_COLUMNS}
+    free = _is_free(path, row, named, without_record)
     return RunRow(
         row=row,
         run=named["run"],
@@ -273,7 +282,31 @@ def _run_row(
         first_cycle=numbers["first_cycle"] or 0.0,
         conditions=MappingProxyType({c: float(named[c]) if named[c] else math.nan for c in condition_columns}),
         metrics=MappingProxyType(_metrics(path, row, named) if without_record else {}),
+        free=free,
     )
+
+
+def _is_free(path: Path, row: int, named: Mapping[str, str], without_record: bool) -> bool:
+    """Tell whether a row's motion is free; one that then states a sine, or has no record, is refused."""
+    motion = named.get("motion") or MOTIONS[0]
+    if motion not in MOTIONS:
+        raise UserError(
+            f"{path}, row {row}, column 'motion': got {motion!r}; {did_you_mean(motion, MOTIONS)}expected one of "
+            f"{', '.join(MOTIONS)}; a blank cell is {MOTIONS[0]}"
+        )
+    if motion == "sine":
+        return False
+    if without_record:
+        raise UserError(
+            f"{path}, row {row}, column 'motion': got 'free' without a record; expected one: metrics are of loops"
+        )
+    for column in OF_SINES:
+        if named.get(column):
+            raise UserError(
+                f"{path}, row {row}, column {column!r}: got {named[column]!r} beside motion 'free', which has none; "
+                "expected a blank cell, or motion 'sine'"
+            )
+    return True
 
 
 def _metrics(path: Path, row: int, named: Mapping[str, str]) -> dict[str, Printed]:

@@ -1,0 +1,142 @@
+"""Runs of free motion: what makes their records usable, where there are no cycles to go by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE, FLATTER_THAN_SINE
+from pipeclamp_identification.campaign.cycles import FEWEST_SAMPLES, WIDEST_GAP
+from pipeclamp_identification.campaign.plausibility import Fundamental
+from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.signals.smooth_motion import SmoothMotion, smooth_motion
+from pipeclamp_models.base.arrays import Array
+
+WENT_ON = 0.05
+"""Share of its range by which the other channel must have gone on for a plateau to be a sensor's end: a machine may
+dwell, and a record rest."""
+SMOOTH_TOP = 8
+"""Quanta by which a smooth extreme, quantised, falls over as many samples as it stands, whatever its curvature."""
+AT_REST = 0.1
+"""Share of the rms velocity above which a record doesn't begin at rest."""
+
+
+@dataclass(frozen=True)
+class FreeRun:
+    """One usable run of free motion: what was set (None where not known), its samples, and their motion."""
+
+    name: str
+    specimen: str | None
+    temperature_C: float | None
+    density_g_cm3: float | None
+    first_cycle: float
+    conditions: Mapping[str, float]
+    record: Record
+    motion: SmoothMotion
+
+    @property
+    def begins_at_rest(self) -> bool:
+        """Whether the record does, as a law's memory takes it for granted."""
+        v = self.motion.v
+        return bool(abs(v[0]) <= AT_REST * math.sqrt(np.mean(v**2)))
+
+
+def free_motion(record: Record) -> SmoothMotion:
+    """Give the motion of a record that follows no sine.
+
+    Args:
+        record: samples that `check_samples` has passed.
+
+    Raises:
+        UnusableRecord: too few samples, a gap in time, nothing but noise, a clipped sensor.
+    """
+    time = record.time_s - record.time_s[0]
+    if time[-1] <= 0.0 or len(time) < FEWEST_SAMPLES:
+        raise UnusableRecord(f"too few samples: {len(time)} over {time[-1]:g} s; expected at least {FEWEST_SAMPLES}")
+    motion = smooth_motion(time, record.displacement_mm)
+    if np.std(motion.y) <= motion.noise_mm:
+        raise UnusableRecord(
+            f"constant displacement but for noise: it stays within {np.ptp(record.displacement_mm):.3g} mm"
+        )
+    frequency = motion.frequency
+    per_period = len(time) / (frequency * float(time[-1]))
+    if per_period < FEWEST_SAMPLES:
+        raise UnusableRecord(
+            f"too few samples: {per_period:.1f} per period of its mean frequency, {frequency:.4g} Hz; expected at "
+            f"least {FEWEST_SAMPLES}"
+        )
+    gap = np.diff(time)
+    widest = int(np.argmax(gap))
+    if frequency * gap[widest] > WIDEST_GAP:
+        raise UnusableRecord(
+            f"a gap of {gap[widest]:g} s in time in row {widest + 3}: {frequency * gap[widest]:.2f} of a period at its "
+            f"mean frequency, {frequency:.4g} Hz; expected at most {WIDEST_GAP}"
+        )
+    _check_clipping(record)
+    return motion
+
+
+def _check_clipping(record: Record) -> None:
+    """Refuse a record in which a sensor stands at an extreme that it entered at speed, while the other one went on.
+
+    Raises:
+        UnusableRecord: with the channel, the value and the length of the plateau.
+    """
+    channels = {"displacement_mm": record.displacement_mm, "force_N": record.force_N}
+    for name, other in (("displacement_mm", record.force_N), ("force_N", record.displacement_mm)):
+        samples = channels[name]
+        quantum = _quantum(samples)
+        for extreme in (np.max(samples), np.min(samples)):
+            first, last = _longest_plateau(samples == extreme)
+            alike = last - first
+            if alike < FEWEST_ALIKE or first < alike or last + alike > len(samples):
+                continue
+            before, after = abs(extreme - samples[first - alike]), abs(extreme - samples[last + alike - 1])
+            entered = min(before, after) > FLATTER_THAN_SINE**2 * SMOOTH_TOP * quantum
+            if entered and _excursion(other[first:last]) > WENT_ON * np.ptp(other):
+                raise UnusableRecord(
+                    f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row, from "
+                    f"{record.time_s[first]:g} s on"
+                )
+
+
+def _excursion(samples: Array) -> float:
+    """Give by how far samples go beyond both their ends."""
+    low, high = sorted((float(samples[0]), float(samples[-1])))
+    return max(float(np.max(samples)) - high, low - float(np.min(samples)))
+
+
+def _longest_plateau(alike: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> tuple[int, int]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], alike.astype(np.int8), [0]])))
+    first, last = edges[::2], edges[1::2]
+    longest = int(np.argmax(last - first))
+    return int(first[longest]), int(last[longest])
+
+
+def _quantum(samples: Array) -> float:
+    """Give the smallest step between the values that a channel holds."""
+    steps = np.diff(np.unique(samples))
+    # two readings of one value may differ by rounding where a factor was applied
+    return float(np.min(steps[steps > 1e-9 * np.ptp(samples)], initial=np.ptp(samples)))
+
+
+def fundamental_of_motion(record: Record, motion: SmoothMotion) -> Fundamental:
+    """Give the equivalent linear spring and dashpot of a record, at the motion's mean frequency.
+
+    Each period of it counts once, so that neighbouring samples don't pass for evidence of their own.
+    """
+    force = np.interp(motion.time, record.time_s - record.time_s[0], record.force_N)
+    basis = np.stack([motion.y - np.mean(motion.y), motion.v - np.mean(motion.v)])
+    scale = np.sqrt(np.mean(basis**2, axis=1, keepdims=True))
+    centred = force - np.mean(force)
+    solution, *_ = np.linalg.lstsq((basis / scale).T, centred, rcond=None)
+    rest = float(np.std(centred - solution @ (basis / scale)))
+    amplitude = motion.amplitude
+    per_mm = np.sqrt(2) / amplitude
+    periods = max(motion.frequency * float(motion.time[-1]), 1.0)
+    return Fundamental(
+        amplitude, complex(solution[0] * per_mm, solution[1] * per_mm), rest * per_mm / math.sqrt(periods)
+    )

@@ -1,0 +1,198 @@
+"""The error of a law along records of free motion: the law follows them from rest, as an FMU would."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_identification.campaign.free_motion import FreeRun
+from pipeclamp_identification.fitting.misfit import slow_signals
+from pipeclamp_identification.fitting.observations import known_temperature
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.tracker import Interval, held, start_tracking, tracked
+
+REMEMBERED = 0.5
+"""A law remembers its beginning to a record's end where another beginning shows there, by more than this share of what
+it made of the force at first: what fades in time has long faded, and an element that never slips keeps all of it."""
+NOWHERE = 1e-9
+"""Share of the largest force that is round-off."""
+
+
+@dataclass(frozen=True)
+class FreeMisfit:
+    """How a law fits one run of free motion, over all its samples.
+
+    Attributes:
+        run: its name.
+        time: s from the record's beginning, shape (samples,).
+        y, v: displacement in mm and velocity in mm/s, smoothed, same shape.
+        measured, computed: force in N, same shape.
+        amplitude, frequency: A in mm and f in Hz of the motion, tracked from what has passed, before they are held
+            inside the law's range; same shape.
+        ranges: the law's range of A and f.
+        temperature_K: mean over the record; nan where it isn't known.
+        adrift: whether the law's force is known up to a constant only, for which the measured mean is taken.
+    """
+
+    run: str
+    time: Array
+    y: Array
+    v: Array
+    measured: Array
+    computed: Array
+    amplitude: Array
+    frequency: Array
+    ranges: tuple[Interval, Interval]
+    temperature_K: float
+    adrift: bool
+
+    @property
+    def squared_error(self) -> float:
+        """Sum of squared errors, N2."""
+        return float(np.sum((self.measured - self.computed) ** 2))
+
+    @property
+    def squared_force(self) -> float:
+        """Sum of squared measured forces, N2."""
+        return float(np.sum(self.measured**2))
+
+    @property
+    def nrmse(self) -> float:
+        """Error of the run as a share of its force."""
+        return math.sqrt(self.squared_error / self.squared_force)
+
+
+def free_misfits(file: LawFile, runs: Sequence[FreeRun]) -> tuple[FreeMisfit, ...]:
+    """Hold a law against every sample of runs of free motion.
+
+    The law begins at rest where the record begins, its memory unloaded, and sees the motion without its sensor's noise;
+    A and f follow the motion as an FMU's do that is built with `--track`; load cycles are counted as there. Effects of
+    the rig (offset, delay, inertia) belong to what is measured. Where an element never slips along the whole record, so
+    that the force is known up to a constant only, the measured mean is taken for that constant.
+
+    Args:
+        file: the law.
+        runs: of free motion.
+
+    Raises:
+        UserError: the law follows a condition that isn't known, or gives no finite force.
+    """
+    law = law_of(file)
+    temperature = _temperatures(law, runs)
+    ranges = _range(file, "A"), _range(file, "f")
+    return tuple(_misfit(law, run, T, ranges) for run, T in zip(runs, temperature, strict=True))
+
+
+def _range(file: LawFile, name: str) -> Interval:
+    if name not in file.range:
+        raise UserError(
+            f"law {file.name}: its range doesn't hold {name}, inside which it follows a free motion; expected a law "
+            "that was identified from tests"
+        )
+    return file.range[name].minimum, file.range[name].maximum
+
+
+def _temperatures(law: Law, runs: Sequence[FreeRun]) -> list[Array]:
+    """Give each run's temperature in K along its motion, (n,) where the record measured it, else ()."""
+    found = []
+    for run in runs:
+        measured = run.record.temperature_C
+        known = np.zeros(0, dtype=np.intp) if measured is None else np.flatnonzero(np.isfinite(measured))
+        if measured is not None and len(known):
+            at = run.record.time_s[known] - run.record.time_s[0]
+            found.append(np.interp(run.motion.time, at, measured[known]) + CELSIUS)
+        else:
+            found.append(np.asarray(math.nan if run.temperature_C is None else run.temperature_C + CELSIUS))
+    if "T" not in slow_signals(law):
+        return found
+    mean = np.array([float(np.mean(T)) for T in found])
+    usual = known_temperature(mean, [run.name for run in runs])
+    return [np.where(np.isfinite(T), T, value) for T, value in zip(found, usual, strict=True)]
+
+
+def _misfit(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, Interval]) -> FreeMisfit:
+    motion, tracks = _law_motion(law, run, temperature, ranges)
+    force = force_of_law(law, motion).force[0]
+    if not np.all(np.isfinite(force)):
+        raise UserError(
+            f"the law gives a force that is not finite on run {run.name!r}; expected a motion near the law's range"
+        )
+    time = run.record.time_s - run.record.time_s[0]
+    on_samples = [np.interp(time, run.motion.time, values) for values in (run.motion.y, run.motion.v, force, *tracks)]
+    y, v, computed, amplitude, frequency = on_samples
+    measured = run.record.force_N
+    adrift = _remembers_its_beginning(law, motion, force)
+    if adrift:
+        computed = computed + np.mean(measured - computed)
+    return FreeMisfit(
+        run.name, time, y, v, measured, computed, amplitude, frequency, ranges, float(np.mean(temperature)), adrift
+    )
+
+
+def _law_motion(
+    law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, Interval]
+) -> tuple[Motion, tuple[Array, Array]]:
+    """Give a run's motion for the law to be evaluated on, and A and f before they are held inside the law's range."""
+    smooth = run.motion
+    step, y, v = smooth.step, smooth.y[None], smooth.v[None]
+    tracks = tracked_along(step, smooth.y, smooth.v, ranges)
+    A, f = (np.clip(values, *interval) for values, interval in zip(tracks, ranges, strict=True))
+    way = np.abs(np.diff(smooth.y, prepend=smooth.y[0])) / (4 * A)
+    slow = {
+        "A": A[None],
+        "f": f[None],
+        "T": np.atleast_2d(temperature),
+        # as the FMU counts: those that have passed before the step
+        "N": run.first_cycle + np.concatenate([[0.0], np.cumsum(way)[:-1]])[None],
+        "rho": np.full((1, 1), math.nan if run.density_g_cm3 is None else run.density_g_cm3),
+        **{str(symbols.condition_symbol(name)): np.full((1, 1), value) for name, value in run.conditions.items()},
+    }
+    columns = {"rho": "density_g_cm3", **{str(symbols.condition_symbol(name)): name for name in run.conditions}}
+    for signal, column in columns.items():
+        if signal in slow_signals(law) and not np.all(np.isfinite(slow[signal])):
+            raise UserError(f"the law depends on {column}, which isn't known for {run.name}; fill it in in runs.csv")
+    rest = np.full((1, 1), smooth.y[0])
+    return Motion(y, v, smooth.a[None], slow, np.full((1, 1), step), periodic=False, rest=rest), tracks
+
+
+def tracked_along(step: float, y: Array, v: Array, ranges: tuple[Interval, Interval]) -> tuple[Array, Array]:
+    """Give A (mm) and f (Hz) along a motion, before they are held inside the law's range.
+
+    They start in the middle of that range, as in an FMU that is told nothing else.
+
+    Args:
+        step: s between samples.
+        y, v: mm and mm/s, shape (n,).
+        ranges: the law's range of A and f.
+    """
+    A, f = (held(sum(interval) / 2, interval) for interval in ranges)
+    averages = start_tracking(A, f)
+    amplitudes, frequencies = [A], [f]
+    for place, speed in zip(y[1:].tolist(), v[1:].tolist(), strict=True):
+        A, f, averages = tracked(averages, step, f, ranges, place, speed)
+        amplitudes.append(A)
+        frequencies.append(f)
+    return np.array(amplitudes), np.array(frequencies)
+
+
+def _remembers_its_beginning(law: Law, motion: Motion, force: Array) -> bool:
+    """Tell whether the force still shows at the end where the law's memory began.
+
+    The other beginning is one loaded over the whole way of the motion.
+    """
+    if not law.equations.states:
+        return False
+    other = force_of_law(law, replace(motion, rest=motion.rest - np.ptp(motion.y))).force[0]
+    apart = np.abs(other - force)
+    at_first, at_last = float(np.max(apart[: len(apart) // 10 + 1])), float(apart[-1])
+    return at_first > NOWHERE * float(np.max(np.abs(force))) and at_last > REMEMBERED * at_first
