@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from pipeclamp.api.shown import PathOrName, Shown, frame_of, path_of
 from pipeclamp.show.view import View
-from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+from pipeclamp_identification.metrics_only.campaign import MetricRun
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests as AnyTests
 from pipeclamp_models.base.one_thread import one_thread
@@ -48,8 +48,9 @@ class Tests(Shown):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What to know of the runs that are used."""
-        return tuple(self.tests.remarks)
+        """What to know of the runs, those of free motion among them, which only `compare` takes."""
+        known = self.tests.of_sines() if self.tests.has_loops else self.tests
+        return tuple(known.remarks)
 
     @one_thread()
     def view(self) -> View:
@@ -70,22 +71,27 @@ class Tests(Shown):
 
     def __repr__(self) -> str:
         """Give name and number of runs."""
-        return f"<tests {self.name}: {len(self._metrics.runs)} runs, {len(self.left_out)} left out>"
+        return f"<tests {self.name}: {self._count()}, {len(self.left_out)} left out>"
 
     def __str__(self) -> str:
         """Say how many runs there are, over which conditions, which are left out, and what to know of them."""
-        runs = self._metrics.runs
+        runs = self._loops
         spans = [
             _span("A", "mm", [run.amplitude_mm for run in runs]),
             _span("f", "Hz", [run.frequency_Hz for run in runs]),
             _span("T", "°C", [run.temperature_C for run in runs if run.temperature_C is not None]),
         ]
-        words = f"{self.name}: {', '.join([f'{len(runs)} runs', *filter(None, spans)])}"
+        words = f"{self.name}: {', '.join([self._count(), *filter(None, spans)])}"
         return "\n".join([words, *self.left_out, *self.remarks])
 
+    def _count(self) -> str:
+        """Say how many runs there are, and how many of them have no loops."""
+        free = len(self.tests.free_runs)
+        return f"{len(self._loops) + free} runs{f', {free} of free motion' if free else ''}"
+
     @cached_property
-    def _metrics(self) -> MetricCampaign:
-        return self.tests.metrics()
+    def _loops(self) -> Sequence[MetricRun]:
+        return self.tests.metrics().runs if self.tests.has_loops else ()
 
 
 def _span(symbol: str, unit: str, values: Sequence[float]) -> str:

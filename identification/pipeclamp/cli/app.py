@@ -237,7 +237,7 @@ def compare(
 
     with told("compare") as tell:
         file = opened_law(law)
-        tests = _read(campaign, strict, tell)
+        tests = _read(campaign, strict, tell, free=True)
         held = tests.compare(file)
         view = comparison_view(held)
     effects = ", ".join(file.effects) or "none"
@@ -371,11 +371,14 @@ def schema(
     sys.stdout.write(schema_text(name))
 
 
-def _read(folder: Path, strict: bool, tell: Tell) -> Tests:
+def _read(folder: Path, strict: bool, tell: Tell, *, free: bool = False) -> Tests:
+    """Read tests and say what to know of them; runs of free motion only where they serve."""
     from pipeclamp_identification.workflow.reading import read_tests
 
     tell(f"read {folder}")
     tests = read_tests(folder, strict=strict)
+    if not free:
+        tests = tests.of_sines()
     for entry in tests.left_out:
         errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
     for words in tests.remarks:

@@ -12,14 +12,16 @@ from pipeclamp.pages.error_pictures import (
     HarmonicLevels,
     LoopInTime,
     along_loop_picture,
+    bars_of,
     conditions_picture,
     cycles_picture,
     error_bars,
     harmonics_picture,
 )
+from pipeclamp.pages.free_comparison import free_sections
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
-from pipeclamp.show.comparison import how_much, parts_table, percent, worst_table
+from pipeclamp.show.comparison import how_much, parts_table, worst_table
 from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
 from pipeclamp_identification.comparison.compare import Comparison, where_words
@@ -57,8 +59,12 @@ def comparison_sections(comparison: Comparison) -> list[Section]:
         summary.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
     summary += [f"Left out: {entry}." for entry in comparison.campaign.left_out]
     summary += [f"Note: {remark}." for remark in comparison.campaign.remarks]
+    free = free_sections(comparison)
+    if not comparison.runs:
+        return [Section("How much", summary), *free]
     return [
         Section("How much", summary),
+        *free,
         map_section(comparison),
         loops_section(comparison),
         _along_loop_section(comparison),
@@ -190,13 +196,3 @@ def _conditions_sections(comparison: Comparison) -> list[Section]:
         return []
     picture = error_bars([bars_of("", parts.by, parts) for parts in broken], "By condition, percent of the rms force")
     return [Section("By condition", [EVEN], [parts_table(parts, runs=True) for parts in broken], [picture])]
-
-
-def bars_of(title: str, axis: str, parts: Breakdown, *, short: bool = False) -> ErrorBars:
-    """Give a breakdown as bars; `short` leaves the word cycle out of its labels."""
-    labels = [part.label for part in parts.parts]
-    if short:
-        labels = [label.removeprefix("cycles ").removeprefix("cycle ") for label in labels]
-    known = any(part.noise_nrmse is not None for part in parts.parts)
-    scatter = [percent(part.noise_nrmse) for part in parts.parts]
-    return ErrorBars(title, axis, labels, [percent(part.nrmse) for part in parts.parts], scatter if known else None)

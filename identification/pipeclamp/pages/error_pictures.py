@@ -11,6 +11,8 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.page import INK, MEASURED, MODEL, SERIES, styled
+from pipeclamp.show.comparison import percent
+from pipeclamp_identification.comparison.breakdown import Breakdown
 from pipeclamp_models.base.arrays import Array
 
 ERROR, SCATTER = SERIES[0], INK
@@ -114,6 +116,16 @@ class ErrorBars:
     labels: Sequence[str] | Sequence[float]
     error: Sequence[float | None]
     scatter: Sequence[float | None] | None
+
+
+def bars_of(title: str, axis: str, parts: Breakdown, *, short: bool = False) -> ErrorBars:
+    """Give a breakdown as bars; `short` leaves the word cycle out of its labels."""
+    labels = [part.label for part in parts.parts]
+    if short:
+        labels = [label.removeprefix("cycles ").removeprefix("cycle ") for label in labels]
+    known = any(part.noise_nrmse is not None for part in parts.parts)
+    scatter = [percent(part.noise_nrmse) for part in parts.parts]
+    return ErrorBars(title, axis, labels, [percent(part.nrmse) for part in parts.parts], scatter if known else None)
 
 
 def error_bars(panels: Sequence[ErrorBars], title: str) -> go.Figure:

@@ -10,8 +10,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from pipeclamp.pages.comparison import bars_of
-from pipeclamp.pages.error_pictures import ConditionsMap, conditions_picture, error_bars
+from pipeclamp.pages.error_pictures import ConditionsMap, bars_of, conditions_picture, error_bars
 from pipeclamp.pages.page import MEASURED, MODEL, Section, styled
 from pipeclamp.show.comparison import parts_table
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES, ProbeTable

@@ -6,8 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from pipeclamp.pages.comparison import bars_of
-from pipeclamp.pages.error_pictures import error_bars
+from pipeclamp.pages.error_pictures import bars_of, error_bars
 from pipeclamp.pages.page import MEASURED, MODEL, Section, styled
 from pipeclamp.show.comparison import parts_table
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES

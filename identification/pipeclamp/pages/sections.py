@@ -51,7 +51,7 @@ def _(found: MetricDiagnosed) -> list[Section]:
 
 @sections_of.register
 def _(found: RecordTests) -> list[Section]:
-    return metrics_sections(found.campaign, found.loops)
+    return metrics_sections(found.sines, found.loops)
 
 
 @sections_of.register

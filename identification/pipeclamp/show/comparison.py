@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.answer import comparison_answer
@@ -10,18 +12,34 @@ from pipeclamp_identification.comparison.breakdown import (
     Part,
 )
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
+from pipeclamp_identification.fitting.misfit import overall_nrmse
 
 RUNS_PRINTED = 8
 """Runs that a terminal shows, worst first."""
 MEASURED = ("amplitude_mm", "frequency_Hz", "temperature_C")
 """Conditions that are shown with their value in each run, not with their level."""
+_MEAN_TAKEN = "An element never slips, so that the force is known up to a constant, and the measured mean is taken"
 SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
 
 
 def how_much(comparison: Comparison) -> list[str]:
     """Say how much the law errs, and what of it is scatter."""
+    if not comparison.free:
+        return _errs(comparison, "")
+    free = f"The law errs by {overall_nrmse(comparison.free):.2%} of the rms force over {_runs(len(comparison.free))}"
+    words = [f"{free} of free motion; no motion repeats, so that no scatter can be known."]
+    words += [f"{_MEAN_TAKEN}: {run.run}." for run in comparison.free if run.adrift]
+    return [*words, *(_errs(comparison, " of sines") if comparison.runs else [])]
+
+
+def _runs(count: int) -> str:
+    return f"{count} run{'s' if count > 1 else ''}"
+
+
+def _errs(comparison: Comparison, which: str) -> list[str]:
+    """Say how much the law errs on sines."""
     runs, single = len(comparison.runs), comparison.single_cycles
-    errs = f"The law errs by {comparison.nrmse:.2%} of the rms force over {runs} run{'s' if runs > 1 else ''}"
+    errs = f"The law errs by {overall_nrmse(comparison.runs):.2%} of the rms force over {_runs(runs)}{which}"
     if single == runs:
         return [f"{errs}; {SINGLE_CYCLES}."]
     words = [f"{errs}; {comparison.noise_nrmse:.2%} is cycle-to-cycle scatter, which no law can explain."]
@@ -52,6 +70,26 @@ def worst_table(comparison: Comparison, most: int | None = None) -> Table:
     return Table(header, rows, "error and cycle-to-cycle scatter, as a share of the run's rms force; worst first")
 
 
+def free_table(comparison: Comparison) -> Table:
+    """Give the runs of free motion as a table, worst first."""
+    rows = [
+        (
+            run.run,
+            float(run.time[-1]),
+            float(np.max(np.abs(run.y - run.y[0]))),
+            float(np.max(np.abs(run.v))),
+            100 * run.nrmse,
+            comparison.outside.get(run.run, ""),
+        )
+        for run in comparison.worst_free_first()
+    ]
+    header = (
+        "run of free motion", "s", "farthest / mm", "fastest / mm/s", "error / %",
+        "outside the law's range",
+    )  # fmt: skip
+    return Table(header, rows, "error as a share of the run's rms force; worst first")
+
+
 def percent(share: float | None) -> float | None:
     """Give a share in percent; None where it isn't known."""
     return None if share is None else 100 * share
@@ -79,6 +117,9 @@ def comparison_view(comparison: Comparison) -> View:
     """Tell how a law stands against records."""
     return View(
         comparison_answer(comparison),
-        [worst_table(comparison, most=RUNS_PRINTED)],
+        [
+            *([worst_table(comparison, most=RUNS_PRINTED)] if comparison.runs else []),
+            *([free_table(comparison)] if comparison.free else []),
+        ],
         [*how_much(comparison), *where_words(comparison)],
     )

@@ -20,7 +20,7 @@ def metrics_view(tests: object) -> View:
 
 @metrics_view.register
 def _(tests: RecordTests) -> View:
-    return metrics.metrics_view(tests.campaign, tests.loops)
+    return metrics.metrics_view(tests.sines, tests.loops)
 
 
 @metrics_view.register

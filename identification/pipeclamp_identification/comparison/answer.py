@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from typing import Literal
 
+import numpy as np
 from pydantic import Field
 
-from pipeclamp_identification.comparison import breakdown
+from pipeclamp_identification.comparison import breakdown, free_breakdown
 from pipeclamp_identification.comparison.breakdown import BRANCHES, PLACES, Breakdown, Part, phase_edges, place_of
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
-from pipeclamp_identification.comparison.concentration import region
-from pipeclamp_identification.fitting.misfit import known_noise
+from pipeclamp_identification.comparison.concentration import Region, region
+from pipeclamp_identification.comparison.free_breakdown import FreeSamples
+from pipeclamp_identification.comparison.free_concentration import free_region, outside_share
+from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.base.units import CELSIUS
 
 
 class PartAnswer(AnswerModel):
@@ -51,8 +57,23 @@ class DriftAnswer(AnswerModel):
     standard_error: float
 
 
+class FreeWhereAnswer(AnswerModel):
+    """Where the error along free motions sits; each breakdown parts the same whole."""
+
+    region: RegionAnswer | None
+    components: tuple[PartAnswer, ...] = Field(description="constant, with the displacement, with the velocity, rest")
+    time: tuple[PartAnswer, ...] = Field(description="tenths of each record")
+    places: tuple[PartAnswer, ...] = Field(description="between turning points, or nearly still")
+    directions: tuple[PartAnswer, ...]
+    displacement: tuple[PartAnswer, ...] = Field(description="classes, mm")
+    speed: tuple[PartAnswer, ...] = Field(description="classes, mm/s")
+    tracked_amplitude: tuple[PartAnswer, ...] = Field(description="classes, mm")
+    tracked_frequency: tuple[PartAnswer, ...] = Field(description="classes, Hz")
+    conditions: Mapping[str, tuple[PartAnswer, ...]] = Field(description="run, and what varies from run to run")
+
+
 class WhereAnswer(AnswerModel):
-    """Where the error sits."""
+    """Where the error sits: of the sines, and in `free` of free motions."""
 
     words: tuple[str, ...]
     region: RegionAnswer | None
@@ -63,25 +84,46 @@ class WhereAnswer(AnswerModel):
     cycles: tuple[PartAnswer, ...]
     drift: DriftAnswer | None
     conditions: Mapping[str, tuple[PartAnswer, ...]]
+    free: FreeWhereAnswer | None = Field(default=None, description="None where every motion is a sine")
+
+
+class TrackedAnswer(AnswerModel):
+    """Amplitude or frequency of a free motion, tracked as an FMU does: from the middle of the law's range on."""
+
+    minimum: float
+    maximum: float
+    outside_share: float = Field(description="of the time, outside the law's range; the law is then taken at its end")
 
 
 class RunComparison(AnswerModel):
     """The error of one run."""
 
     run: str
-    nrmse: float = Field(description="rms error over rms force of the run's steady samples")
-    noise_nrmse: float | None = Field(description="cycle-to-cycle scatter of it; None of a single cycle")
-    amplitude_mm: float
-    frequency_Hz: float
+    motion: Literal["sine", "free"] = "sine"
+    nrmse: float = Field(description="rms error over rms force: of a sine's steady samples, of all of a free motion")
+    noise_nrmse: float | None = Field(
+        description="cycle-to-cycle scatter of it; None of a single cycle and of a free motion"
+    )
+    amplitude_mm: float | None = Field(description="None of a free motion")
+    frequency_Hz: float | None = Field(description="None of a free motion")
     temperature_C: float | None
     outside_range: str | None = Field(description="what lies outside the range that the law was identified in")
+    tracked_amplitude_mm: TrackedAnswer | None = Field(default=None, description="None of a sine")
+    tracked_frequency_Hz: TrackedAnswer | None = Field(default=None, description="None of a sine")
+    mean_taken: bool | None = Field(
+        default=None,
+        description="of a free motion: the law knows its force up to a constant only, and the measured mean is taken",
+    )
 
 
 class ComparisonAnswer(AnswerModel):
     """The answer of `pipeclamp compare --json` for records."""
 
-    nrmse: float = Field(description="rms error over rms force, over the steady samples of all runs")
-    noise_nrmse: float | None = Field(description="cycle-to-cycle scatter of it, which no law can explain")
+    nrmse: float = Field(description="rms error over rms force, over the samples of all runs that are used")
+    noise_nrmse: float | None = Field(
+        description="cycle-to-cycle scatter of it, which no law can explain; None where a free motion counts, whose "
+        "scatter nobody knows"
+    )
     runs: tuple[RunComparison, ...]
     where: WhereAnswer
     left_out: tuple[LeftOutRun, ...]
@@ -92,32 +134,65 @@ def comparison_answer(comparison: Comparison) -> ComparisonAnswer:
     loops = comparison.loops
     return ComparisonAnswer(
         nrmse=comparison.nrmse,
-        noise_nrmse=known_noise(comparison.runs, loops),
-        runs=tuple(
-            RunComparison(
-                run=run.run,
-                nrmse=run.nrmse,
-                noise_nrmse=run.noise_nrmse if sums.scatter_known else None,
-                amplitude_mm=float(loops.amplitude_mm[row]),
-                frequency_Hz=float(loops.frequency_Hz[row]),
-                temperature_C=celsius(loops, row),
-                outside_range=comparison.outside.get(run.run),
-            )
-            for row, (run, sums) in enumerate(zip(comparison.runs, comparison.sums, strict=True))
+        noise_nrmse=comparison.known_noise,
+        runs=(
+            *(
+                RunComparison(
+                    run=run.run,
+                    nrmse=run.nrmse,
+                    noise_nrmse=run.noise_nrmse if sums.scatter_known else None,
+                    amplitude_mm=float(loops.amplitude_mm[row]),
+                    frequency_Hz=float(loops.frequency_Hz[row]),
+                    temperature_C=celsius(loops, row),
+                    outside_range=comparison.outside.get(run.run),
+                )
+                for row, (run, sums) in enumerate(zip(comparison.runs, comparison.sums, strict=True))
+            ),
+            *(_free_run(run, comparison) for run in comparison.free),
         ),
         where=_where(comparison),
         left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in comparison.campaign.left_out),
     )
 
 
+def _free_run(run: FreeMisfit, comparison: Comparison) -> RunComparison:
+    """Give the error of a run of free motion."""
+    A, f = (
+        TrackedAnswer(
+            minimum=float(np.min(values)),
+            maximum=float(np.max(values)),
+            outside_share=outside_share((FreeSamples(run),), index),
+        )
+        for index, values in enumerate((run.amplitude, run.frequency))
+    )
+    return RunComparison(
+        run=run.run,
+        motion="free",
+        nrmse=run.nrmse,
+        noise_nrmse=None,
+        amplitude_mm=None,
+        frequency_Hz=None,
+        temperature_C=run.temperature_K - CELSIUS if math.isfinite(run.temperature_K) else None,
+        outside_range=comparison.outside.get(run.run),
+        tracked_amplitude_mm=A,
+        tracked_frequency_Hz=f,
+        mean_taken=run.adrift,
+    )
+
+
 def _where(comparison: Comparison) -> WhereAnswer:
+    free = _free_where(comparison) if comparison.free else None
+    words = tuple(where_words(comparison))
+    if not comparison.runs:
+        return WhereAnswer(
+            words=words, region=None, phases=(), places=(), branches=(), harmonics=(), cycles=(), drift=None,
+            conditions={}, free=free,
+        )  # fmt: skip
     sums = comparison.sums
-    drift, densest = breakdown.drift(sums), region(sums, comparison.varied)
+    drift = breakdown.drift(sums)
     return WhereAnswer(
-        words=tuple(where_words(comparison)),
-        region=None
-        if densest is None
-        else RegionAnswer(words=densest.words, share=densest.share, even_share=densest.even),
+        words=words,
+        region=_region(region(sums, comparison.varied)),
         phases=_phases(breakdown.along_loop(sums)),
         places=parts_answer(breakdown.by_place(sums)),
         branches=parts_answer(breakdown.by_branch(sums)),
@@ -130,6 +205,32 @@ def _where(comparison: Comparison) -> WhereAnswer:
         ),
         conditions={
             condition.key: parts_answer(breakdown.by_condition(sums, condition)) for condition in comparison.varied
+        },
+        free=free,
+    )
+
+
+def _region(found: Region | None) -> RegionAnswer | None:
+    return None if found is None else RegionAnswer(words=found.words, share=found.share, even_share=found.even)
+
+
+def _free_where(comparison: Comparison) -> FreeWhereAnswer:
+    samples, varied = comparison.free_samples, comparison.free_varied
+    displacement, speed, amplitude, frequency = (
+        parts_answer(free_breakdown.by_class(samples, classes)) for classes in free_breakdown.motion_classes(samples)
+    )
+    return FreeWhereAnswer(
+        region=_region(free_region(samples, varied)),
+        components=parts_answer(free_breakdown.by_component(samples)),
+        time=parts_answer(free_breakdown.by_time(samples)),
+        places=parts_answer(free_breakdown.by_free_place(samples)),
+        directions=parts_answer(free_breakdown.by_direction(samples)),
+        displacement=displacement,
+        speed=speed,
+        tracked_amplitude=amplitude,
+        tracked_frequency=frequency,
+        conditions={
+            condition.key: parts_answer(free_breakdown.by_free_condition(samples, condition)) for condition in varied
         },
     )
 

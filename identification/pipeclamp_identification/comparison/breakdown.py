@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -349,7 +349,6 @@ def drift(sums: Sequence[RunSums]) -> Drift | None:
 
 def conditions_of(campaign: Campaign, loops: Loops) -> tuple[Condition, ...]:
     """Give the conditions of the tests: A, f, T, density, first cycle, further columns, specimen."""
-    T = number_levels(loops.temperature_K - CELSIUS, absolute=SAME_TEMPERATURE_K)
     stated = {
         "density_g_cm3": loops.density_g_cm3,
         "first_cycle": np.array([run.first_cycle for run in campaign.runs]),
@@ -358,9 +357,19 @@ def conditions_of(campaign: Campaign, loops: Loops) -> tuple[Condition, ...]:
     return (
         Condition("amplitude_mm", "A", "mm", number_levels(loops.amplitude_mm, relative=SAME_SHARE)),
         Condition("frequency_Hz", "f", "Hz", number_levels(loops.frequency_Hz, relative=SAME_SHARE)),
+        *stated_conditions(loops.temperature_K, stated, loops.specimen),
+    )
+
+
+def stated_conditions(
+    temperature: Array, stated: Mapping[str, Array], specimen: Sequence[str | None]
+) -> tuple[Condition, ...]:
+    """Give the conditions besides the motion's: of temperatures in K, columns by name, specimens, of each run."""
+    T = number_levels(temperature - CELSIUS, absolute=SAME_TEMPERATURE_K)
+    return (
         Condition("temperature_C", "T", "°C", T),
         *(Condition(column, column, "", _stated_levels(values)) for column, values in stated.items()),
-        Condition("specimen", "specimen", "", name_levels(loops.specimen), ordered=False),
+        Condition("specimen", "specimen", "", name_levels(specimen), ordered=False),
     )
 
 

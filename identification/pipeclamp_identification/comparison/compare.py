@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
+from pipeclamp_identification.campaign.free_motion import FreeRun
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Condition
@@ -16,8 +20,11 @@ from pipeclamp_identification.comparison.concentration import (
     region,
     region_sentence,
 )
+from pipeclamp_identification.comparison.free_breakdown import FreeSamples, free_conditions
+from pipeclamp_identification.comparison.free_concentration import OFTEN, free_words, outside_share
 from pipeclamp_identification.comparison.sums import RunSums, error_sums
-from pipeclamp_identification.fitting.misfit import RunMisfit, misfits, overall_noise, overall_nrmse
+from pipeclamp_identification.fitting.free_misfit import FreeMisfit, free_misfits
+from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_noise, overall_nrmse
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile, law_of
@@ -33,6 +40,7 @@ class Comparison:
         law: the law.
         campaign, loops: the tests.
         runs: the error on each run, in the campaign's order.
+        free: the error on each run of free motion, likewise.
         outside: runs whose conditions lie outside the range the law was identified in, with what is outside.
     """
 
@@ -41,16 +49,32 @@ class Comparison:
     loops: Loops
     runs: tuple[RunMisfit, ...]
     outside: dict[str, str]
+    free: tuple[FreeMisfit, ...] = ()
 
     @property
     def nrmse(self) -> float:
         """Error over all samples as a share of the force."""
-        return overall_nrmse(self.runs)
+        return overall_nrmse((*self.runs, *self.free))
 
     @property
     def noise_nrmse(self) -> float:
-        """The part of it that is scatter; of single cycles, only the noise between their samples."""
+        """The scatter of the sines, as a share of their force; of single cycles, only the noise between samples."""
         return overall_noise(self.runs)
+
+    @property
+    def known_noise(self) -> float | None:
+        """The part of the error that is scatter; None where no run shows any, or a free motion, which never does."""
+        return None if self.free else known_noise(self.runs, self.loops)
+
+    @cached_property
+    def free_samples(self) -> tuple[FreeSamples, ...]:
+        """The error of each run of free motion, sample by sample."""
+        return tuple(map(FreeSamples, self.free))
+
+    @cached_property
+    def free_varied(self) -> tuple[Condition, ...]:
+        """What varies from run to run of free motion."""
+        return free_conditions(self.campaign.free, self.free) if self.free else ()
 
     @cached_property
     def sums(self) -> tuple[RunSums, ...]:
@@ -76,6 +100,10 @@ class Comparison:
         """Give the rows of the runs by falling error."""
         return sorted(range(len(self.runs)), key=lambda row: -self.runs[row].nrmse)
 
+    def worst_free_first(self) -> list[FreeMisfit]:
+        """Give the runs of free motion by falling error."""
+        return sorted(self.free, key=lambda run: -run.nrmse)
+
 
 def compare(file: LawFile, campaign: Campaign, loops: Loops | None = None) -> Comparison:
     """Hold the law of a parameter file against a campaign, whose loops may be known already.
@@ -84,7 +112,29 @@ def compare(file: LawFile, campaign: Campaign, loops: Loops | None = None) -> Co
         UserError: the law needs a condition that the campaign doesn't state.
     """
     law, loops = law_of(file), loops or loops_of(campaign)
-    return Comparison(law, campaign, loops, misfits(law, campaign, loops), _outside(file, loops))
+    runs = misfits(law, campaign, loops) if campaign.runs else ()
+    free = free_misfits(file, campaign.free)
+    outside = {**(_outside(file, loops) if runs else {}), **(_free_outside(file, campaign.free, free) if free else {})}
+    return Comparison(law, campaign, loops, runs, outside, free)
+
+
+def _free_outside(file: LawFile, runs: Sequence[FreeRun], misfits: Sequence[FreeMisfit]) -> dict[str, str]:
+    columns = {
+        "T": np.array([misfit.temperature_K for misfit in misfits]),
+        "rho": np.array([math.nan if run.density_g_cm3 is None else run.density_g_cm3 for run in runs]),
+        **{name: np.array([run.conditions[name] for run in runs]) for name in runs[0].conditions},
+    }
+    found = outside_range(file, [run.name for run in runs], columns)
+    for misfit in misfits:
+        sample = (FreeSamples(misfit),)
+        texts = [
+            f"{symbol} for {share:.0%} of the time"
+            for index, symbol in enumerate(("A", "f"))
+            if (share := outside_share(sample, index)) > OFTEN
+        ]
+        if texts:
+            found[misfit.run] = "; ".join((*texts, *filter(None, [found.get(misfit.run)])))
+    return found
 
 
 def _outside(file: LawFile, loops: Loops) -> dict[str, str]:
@@ -96,7 +146,10 @@ def _outside(file: LawFile, loops: Loops) -> dict[str, str]:
 
 
 def where_words(comparison: Comparison) -> list[str]:
-    """Say in sentences where the error sits: place and conditions, harmonics, cycles, drift."""
+    """Say in sentences where the error sits: place and conditions, harmonics, cycles, drift; then free motions."""
+    free = free_words(comparison.free_samples, comparison.free_varied) if comparison.free else []
+    if not comparison.runs:
+        return free
     sums = comparison.sums
     sentences = [
         region_sentence(region(sums, comparison.varied), breakdown.along_loop(sums)),
@@ -104,7 +157,7 @@ def where_words(comparison: Comparison) -> list[str]:
         cycles_sentence(sums),
         drift_sentence(breakdown.drift(sums), comparison.nrmse),
     ]
-    return [sentence for sentence in sentences if sentence]
+    return [*filter(None, sentences), *free]
 
 
 def celsius(loops: Loops, row: int) -> float | None:

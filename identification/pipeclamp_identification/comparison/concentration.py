@@ -196,19 +196,23 @@ def region_sentence(found: Region | None, whole: Breakdown, model: str = "law") 
 
 def harmonic_sentence(harmonics: Breakdown) -> str | None:
     """Say which harmonics the error lies in; None where it is scatter."""
-    if is_scatter(harmonics):
-        return None
+    named = "" if is_scatter(harmonics) else shares_words(harmonics)
+    return f"By harmonic, {named}." if named else None
+
+
+def shares_words(parts: Breakdown) -> str:
+    """Name the parts that hold most of the error; empty where none holds much."""
     named: list[str] = []
     held = 0.0
     # where noise happens to be small a part lies below its scatter, and the others make more than the whole
-    whole = max(sum(max(harmonics.excess_share(part), 0.0) for part in harmonics.parts), 1.0)
-    for part in sorted(harmonics.parts, key=harmonics.excess_share, reverse=True)[:HARMONICS_NAMED]:
-        share = harmonics.excess_share(part) / whole
+    whole = max(sum(max(parts.excess_share(part), 0.0) for part in parts.parts), 1.0)
+    for part in sorted(parts.parts, key=parts.excess_share, reverse=True)[:HARMONICS_NAMED]:
+        share = parts.excess_share(part) / whole
         if held > HARMONICS_SHOWN or share < WORTH_NAMING:
             break
         held += share
         named.append(f"{share:.0%}{'' if named else ' of it'} is {_meaning(part.label)}")
-    return f"By harmonic, {', '.join(named)}." if named else None
+    return ", ".join(named)
 
 
 def _meaning(label: str) -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -131,7 +133,19 @@ def _run_misfit(run: Run, loops: Loops, index: int, force: Array) -> RunMisfit:
     return RunMisfit(run.name, phase, measured, computed, float(loops.scatter_rms_N[index]))
 
 
-def overall_nrmse(runs: tuple[RunMisfit, ...]) -> float:
+class Misfit(Protocol):
+    """How a law fits one run, whatever its motion."""
+
+    @property
+    def squared_error(self) -> float:
+        """Sum of squared errors, N2."""
+
+    @property
+    def squared_force(self) -> float:
+        """Sum of squared measured forces, N2."""
+
+
+def overall_nrmse(runs: Sequence[Misfit]) -> float:
     """Give the error over all samples of all runs as a share of their force."""
     return math.sqrt(sum(run.squared_error for run in runs) / sum(run.squared_force for run in runs))
 

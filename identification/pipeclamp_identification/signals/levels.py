@@ -60,13 +60,13 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
         groups = [group for group in groups if len(group)]
         ends = np.array([(rising[group[0]], rising[group[-1]]) for group in groups])
-        texts = _distinct(ends.ravel())
+        texts = distinct(ends.ravel())
         found = [
             Level(low if low == high else f"{low} to {high}", low, high, order[group])
             for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
         ]
     else:
-        texts = _distinct(np.array([np.mean(rising[group]) for group in groups]))
+        texts = distinct(np.array([np.mean(rising[group]) for group in groups]))
         found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
 
@@ -83,7 +83,7 @@ def _unknown(rows: Rows) -> tuple[Level, ...]:
     return (Level("not known", "", "", rows, known=False),) if len(rows) else ()
 
 
-def _distinct(values: Array) -> list[str]:
+def distinct(values: Array) -> list[str]:
     """Give numbers as text, with as few digits (two at least) as keep different ones apart."""
     different = len(np.unique(values))
     for digits in range(2, MOST_DIGITS):

@@ -76,6 +76,20 @@ class MetricTests:
         """What to know of the runs that are used: nothing, of metrics."""
         return ()
 
+    @property
+    def free_runs(self) -> Sequence[str]:
+        """Names of the runs of free motion: none, for metrics are of loops."""
+        return ()
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether there are others: all."""
+        return True
+
+    def of_sines(self) -> MetricTests:
+        """Give the tests without runs of free motion: as they are."""
+        return self
+
     def identify(
         self,
         *,

@@ -56,8 +56,31 @@ class RecordTests:
 
     @cached_property
     def loops(self) -> Loops:
-        """The records as loops, one row a run."""
+        """The records of sines as loops, one row a run."""
         return loops_of(self.campaign)
+
+    @cached_property
+    def sines(self) -> Campaign:
+        """The campaign without runs of free motion, which all but a comparison leave out.
+
+        Raises:
+            UserError: it has no others.
+        """
+        return self.campaign.of_sines()
+
+    def of_sines(self) -> RecordTests:
+        """Give the tests without runs of free motion, see `Tests.of_sines`."""
+        return self if self.sines is self.campaign else RecordTests(self.sines)
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether any run's motion is a sine."""
+        return bool(self.campaign.runs)
+
+    @property
+    def free_runs(self) -> Sequence[str]:
+        """Names of the runs of free motion."""
+        return [run.name for run in self.campaign.free]
 
     @property
     def name(self) -> str:
@@ -89,12 +112,12 @@ class RecordTests:
         declared: Iterable[Declaration] = (),
         progress: Progress = silent,
     ) -> FittedToRecords:
-        """Fit a law to all records, see `Tests.identify`."""
+        """Fit a law to all records of sines, see `Tests.identify`."""
         found = identify(
-            self.campaign, base=base, effects=effects, frozen=frozen, method=method, declared=declared,
+            self.sines, base=base, effects=effects, frozen=frozen, method=method, declared=declared,
             progress=progress,
         )  # fmt: skip
-        return FittedToRecords(self.campaign, found)
+        return FittedToRecords(self.sines, found)
 
     def compare(self, file: LawFile) -> Comparison:
         """Hold a law against the records, see `Tests.compare`."""
@@ -102,23 +125,23 @@ class RecordTests:
 
     def metrics(self) -> MetricCampaign:
         """Give the loops by their metrics alone, see `Tests.metrics`."""
-        return as_metrics(self.campaign, self.loops)
+        return as_metrics(self.sines, self.loops)
 
     def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
         """Refit a law with another structure, see `Tests.refit`."""
-        law = law_of(file)
+        law, sines = law_of(file), self.sines
         observations = loop_observations(self.loops)
         progress("error of the law as it is")
-        before = overall_nrmse(misfits(law, self.campaign, self.loops))
+        before = overall_nrmse(misfits(law, sines, self.loops))
         progress("refit")
         result = fit_structure(structure, self.loops, observations, start=start, progress=progress)
-        runs = misfits(result.law, self.campaign, self.loops)
+        runs = misfits(result.law, sines, self.loops)
         progress("error on left-out conditions")
         heldout = (
             heldout_nrmse(law, self.loops, observations),
             heldout_nrmse(result.law, self.loops, observations),
         )
-        fitted = FittedToRecords(self.campaign, Identification(result, self.loops, runs, "joint"))
+        fitted = FittedToRecords(sines, Identification(result, self.loops, runs, "joint"))
         return Refitted(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
 
     def diagnose(
@@ -133,6 +156,4 @@ class RecordTests:
         """Find which effect a law lacks, see `Tests.diagnose`."""
         from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 
-        return diagnosed(
-            file, self.campaign, self.loops, declared=declared, limits=limits, jobs=jobs, progress=progress
-        )
+        return diagnosed(file, self.sines, self.loops, declared=declared, limits=limits, jobs=jobs, progress=progress)

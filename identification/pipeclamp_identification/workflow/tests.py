@@ -119,6 +119,21 @@ class Tests(Protocol):
     def remarks(self) -> Sequence[str]:
         """What to know of the runs that are used."""
 
+    @property
+    def free_runs(self) -> Sequence[str]:
+        """Names of the runs of free motion, which only a comparison takes."""
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether there are others."""
+
+    def of_sines(self) -> Tests:
+        """Give the tests without runs of free motion; a remark names them.
+
+        Raises:
+            UserError: there are no others.
+        """
+
     def identify(
         self,
         *,

@@ -1,0 +1,115 @@
+"""Where the error along free motions sits, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.comparison.breakdown import Condition
+from pipeclamp_identification.comparison.concentration import (
+    PLACE_SETS,
+    Factor,
+    Region,
+    condition_factors,
+    densest,
+    region_sentence,
+    shares_words,
+)
+from pipeclamp_identification.comparison.free_breakdown import (
+    DIRECTIONS,
+    PLACE_NAMES,
+    STANDING,
+    Classes,
+    FreeSamples,
+    amplitude_classes,
+    by_component,
+    by_time,
+    speed_classes,
+)
+from pipeclamp_models.base.arrays import IntArray
+
+QUARTERS = ("first", "second", "third", "last")
+THIRDS = 3
+SIDES = ("at negative displacement", "at positive displacement")
+OFTEN = 0.05
+"""Share of the time above which it is said that A or f lay outside the law's range."""
+
+
+def free_region(samples: Sequence[FreeSamples], conditions: Sequence[Condition]) -> Region | None:
+    """Find where the error along free motions sits; None where it is spread evenly, or there is none."""
+    speed, amplitude = speed_classes(samples, THIRDS), amplitude_classes(samples, THIRDS)
+    shape = (len(PLACE_NAMES), len(DIRECTIONS), len(SIDES), THIRDS, THIRDS, len(QUARTERS))
+    cells = int(np.prod(shape))
+    excess, even = np.zeros((2, len(samples), cells))
+    for row, one in enumerate(samples):
+        where = (
+            one.place, one.direction, (one.misfit.y > 0).astype(np.intp), speed.of[row], amplitude.of[row],
+            one.time_part(len(QUARTERS)),
+        )  # fmt: skip
+        cell = np.ravel_multi_index(where, shape)
+        excess[row] = np.bincount(cell, one.squared_error, cells)
+        even[row] = np.bincount(cell, minlength=cells) * (one.misfit.squared_force / len(cell))
+    if not np.any(excess > 0.0):
+        return None
+    places = np.indices(shape).reshape(len(shape), cells)
+    factors = [
+        *_motion_factors(places, len(samples), speed, amplitude),
+        *condition_factors(conditions, len(samples), cells),
+    ]
+    return densest(excess, even, factors)
+
+
+def _motion_factors(places: IntArray, runs: int, speed: Classes, amplitude: Classes) -> Iterator[Factor]:
+    """Give the ways to confine a region along motions; `places` say where each cell lies, (6, cells)."""
+    everywhere = np.ones(runs)
+
+    def factor(name: str, words: str, inside: npt.NDArray[np.bool_]) -> Factor:
+        return Factor(name, words, everywhere, inside.astype(np.float64))
+
+    place, direction, side, fast, large, quarter = places
+    for members, words in PLACE_SETS:
+        yield factor("place", words, np.isin(place, members))
+    yield factor("place", "while the clamp nearly stands still", place == STANDING)
+    for index, words in enumerate(DIRECTIONS):
+        yield factor("direction", f"while {words}", direction == index)
+    for index, words in enumerate(SIDES):
+        yield factor("side", words, side == index)
+    for classes, of in ((speed, fast), (amplitude, large)):
+        for first, last in ((0, 0), (0, 1), (1, 1), (1, 2), (2, 2)):
+            low, high = (f"{classes.edges[edge]:.2g} {classes.unit}" for edge in (first, last + 1))
+            span = f"up to {high}" if first == 0 else f"from {low} up" if last == 2 else f"from {low} to {high}"
+            yield factor(classes.name, f"at a {classes.name} {span}", (of >= first) & (of <= last))
+    for index, words in enumerate(QUARTERS):
+        yield factor("time", f"in the {words} quarter of the record", quarter == index)
+    for index, words in enumerate(("first", "second")):
+        yield factor("time", f"in the {words} half of the record", quarter // 2 == index)
+
+
+def free_words(samples: Sequence[FreeSamples], conditions: Sequence[Condition]) -> list[str]:
+    """Say where the error along free motions sits, what it goes with, and where A and f left the law's range."""
+    components = by_component(samples)
+    words = [f"Free motion: {region_sentence(free_region(samples, conditions), by_time(samples))}"]
+    if components.squared_error > 0.0:
+        words.append(f"Free motion, by component: {shares_words(components)}.")
+    for index, (symbol, unit) in enumerate((("A", "mm"), ("f", "Hz"))):
+        low, high = samples[0].misfit.ranges[index]
+        share = outside_share(samples, index)
+        if share > OFTEN:
+            words.append(
+                f"Free motion: for {share:.0%} of the time the tracked {symbol} lies outside the law's range, "
+                f"{low:.4g} to {high:.4g} {unit}, and the law is taken at its end."
+            )
+    return words
+
+
+def outside_share(samples: Sequence[FreeSamples], index: int) -> float:
+    """Give the share of the time for which the tracked A (index 0) or f (1) lies outside the law's range."""
+    outside, total = 0, 0
+    for one in samples:
+        low, high = one.misfit.ranges[index]
+        values = (one.misfit.amplitude, one.misfit.frequency)[index]
+        outside += int(np.count_nonzero((values < low) | (values > high)))
+        total += len(values)
+    return outside / total
