@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -19,6 +20,8 @@ ERROR, SCATTER = SERIES[0], INK
 PANELS_PER_ROW = 3
 CELLS_ACROSS = 22
 """More cells side by side than this have no room for their numbers."""
+LABEL = 14
+"""Characters of a bar's label on one line."""
 REVERSAL = "rgba(82, 96, 109, 0.12)"
 """Colour of the zones near the reversals."""
 
@@ -86,8 +89,11 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
 
 
 def _ticks(labels: Sequence[str]) -> list[str]:
-    """Give labels of classes on two lines, so that they stand beside each other."""
-    return [label.replace(" to ", "<br>to ") for label in labels]
+    """Give labels of classes on two lines, and long ones on several, so that they stand beside each other."""
+    return [
+        textwrap.fill(label.replace(" to ", "\nto "), LABEL, replace_whitespace=False).replace("\n", "<br>")
+        for label in labels
+    ]
 
 
 def _cell_texts(error: Array, scatter: Array) -> list[list[str]]:

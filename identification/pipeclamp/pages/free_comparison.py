@@ -27,10 +27,9 @@ def free_sections(comparison: Comparison) -> list[Section]:
     if not comparison.free:
         return []
     samples = comparison.free_samples
-    breakdowns = [
+    named = [free_breakdown.by_free_place(samples), free_breakdown.by_direction(samples)]
+    numbered = [
         free_breakdown.by_time(samples),
-        free_breakdown.by_free_place(samples),
-        free_breakdown.by_direction(samples),
         *(free_breakdown.by_class(samples, classes) for classes in free_breakdown.motion_classes(samples)),
         *(free_breakdown.by_free_condition(samples, condition) for condition in comparison.free_varied),
     ]
@@ -38,10 +37,13 @@ def free_sections(comparison: Comparison) -> list[Section]:
     for run in comparison.worst_free_first()[:DRAWN]:
         title = f"{run.run}: error {100 * run.nrmse:.3g} %"
         figures += [over_time_picture(run, title), path_picture(run, f"{run.run}: force over displacement")]
-    bars = error_bars([bars_of("", parts.by, parts) for parts in breakdowns], "Where, percent of the rms force")
-    tables = [parts_table(parts, runs=True) for parts in breakdowns]
+    bars = [
+        error_bars([bars_of("", parts.by, parts) for parts in broken], f"{what}, percent of the rms force")
+        for what, broken in (("Between turning points", named), ("Over time and by what the motion does", numbered))
+    ]
+    tables = [parts_table(parts, runs=True) for parts in (*named, *numbered)]
     components = parts_table(free_breakdown.by_component(samples), even=False)
     return [
         Section("Free motions", [FOLLOWED], [free_table(comparison)], figures),
-        Section("Where along free motions", [EVEN], [components, *tables], [bars]),
+        Section("Where along free motions", [EVEN], [components, *tables], bars),
     ]

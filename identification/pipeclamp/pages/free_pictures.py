@@ -15,6 +15,8 @@ from pipeclamp_models.base.arrays import Array, IntArray
 
 STRETCHES = 600
 """Parts of a record of which the extremes are drawn: a pixel or two each."""
+PATH_POINTS = 6000
+"""Points of a path: a few pixels apart, once back and forth for each of a hundred cycles."""
 
 
 def drawn_samples(*channels: Array) -> IntArray:
@@ -28,6 +30,13 @@ def drawn_samples(*channels: Array) -> IntArray:
         for first, last in itertools.pairwise(edges)
     ]
     return np.unique([*np.minimum(edges, samples - 1).tolist(), *extremes])
+
+
+def drawn_path(y: Array, force: Array) -> IntArray:
+    """Give the samples that a picture of a path needs: evenly along it, both axes scaled to their range."""
+    way = np.abs(np.diff(y)) / np.ptp(y) + np.abs(np.diff(force)) / max(float(np.ptp(force)), np.finfo(float).tiny)
+    gone = np.concatenate([[0.0], np.cumsum(way)])
+    return np.unique(np.searchsorted(gone, np.linspace(0.0, gone[-1], PATH_POINTS)).clip(0, len(y) - 1))
 
 
 def over_time_picture(run: FreeMisfit, title: str) -> go.Figure:
@@ -59,7 +68,6 @@ def over_time_picture(run: FreeMisfit, title: str) -> go.Figure:
 
 def path_picture(run: FreeMisfit, title: str) -> go.Figure:
     """Draw a run's force over its displacement, measured and by the law."""
-    at = drawn_samples(run.measured, run.computed, run.y)
     figure = go.Figure(
         [
             go.Scatter(
@@ -70,6 +78,7 @@ def path_picture(run: FreeMisfit, title: str) -> go.Figure:
                 (run.measured, "measured", MEASURED, 2.5),
                 (run.computed, "law", MODEL, 1.2),
             )
+            for at in (drawn_path(run.y, force),)
         ]
     )  # fmt: skip
     figure.update_xaxes(title_text="y / mm").update_yaxes(title_text="F / N")

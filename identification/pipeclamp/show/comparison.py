@@ -97,15 +97,21 @@ def percent(share: float | None) -> float | None:
 
 def parts_table(parts: Breakdown, *, even: bool = True, runs: bool = False, most: int | None = None) -> Table:
     """Give parts as a table, worst first."""
-    header = [parts.by, "error / %", "scatter / %", "share of squared error / %", "share beyond scatter / %"]
+    known = any(part.squared_scatter is not None for part in parts.parts)
+    header = [parts.by, "error / %", *(["scatter / %"] if known else []), "share of squared error / %"]
+    header += ["share beyond scatter / %"] if known else []
     header += ["share if even / %"] if even else []
     header += ["runs"] if runs else []
 
     def row(part: Part) -> list[str | float | None]:
         beyond = None if part.squared_scatter is None else 100 * parts.excess_share(part)
-        cells = [part.label, percent(part.nrmse), percent(part.noise_nrmse), 100 * parts.share(part), beyond]
+        scatter = [percent(part.noise_nrmse)] if known else []
         return [
-            *cells,
+            part.label,
+            percent(part.nrmse),
+            *scatter,
+            100 * parts.share(part),
+            *([beyond] if known else []),
             *([100 * parts.even_share(part)] if even else []),
             *([float(part.runs)] if runs else []),
         ]

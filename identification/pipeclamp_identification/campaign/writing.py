@@ -14,7 +14,8 @@ from typing import Literal
 import numpy as np
 
 from pipeclamp_identification.campaign.description import description_text
-from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.free_motion import FreeRun
+from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_folder
@@ -108,13 +109,15 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
     columns = campaigns[0].condition_columns
     whose: dict[str, str] = {}
     taken: set[str] = set()
+    free = any(campaign.free for campaign in campaigns)
     for campaign in campaigns:
         if set(campaign.condition_columns) != set(columns):
             raise UserError(
                 f"join: {campaign.name} has the further columns {', '.join(campaign.condition_columns) or 'none'}, "
                 f"{campaigns[0].name} has {', '.join(columns) or 'none'}; expected the same, filled in in runs.csv"
             )
-        for run in campaign.runs:
+        every: tuple[Run | FreeRun, ...] = (*campaign.runs, *campaign.free)
+        for run in every:
             own = f"run {run.name!r} of {campaign.name}"
             if (other := whose.setdefault(_digest(run.record), own)) is not own:
                 raise UserError(
@@ -126,8 +129,9 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
             taken.add(name)
             row = {
                 "run": name,
-                "amplitude_mm": run.amplitude_mm,
-                "frequency_Hz": run.frequency_Hz,
+                **({"motion": "free" if isinstance(run, FreeRun) else "sine"} if free else {}),
+                "amplitude_mm": None if isinstance(run, FreeRun) else run.amplitude_mm,
+                "frequency_Hz": None if isinstance(run, FreeRun) else run.frequency_Hz,
                 "temperature_C": run.temperature_C,
                 "specimen": run.specimen,
                 "density_g_cm3": run.density_g_cm3,

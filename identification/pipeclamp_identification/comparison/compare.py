@@ -113,7 +113,10 @@ def compare(file: LawFile, campaign: Campaign, loops: Loops | None = None) -> Co
     """
     law, loops = law_of(file), loops or loops_of(campaign)
     runs = misfits(law, campaign, loops) if campaign.runs else ()
-    free = free_misfits(file, campaign.free)
+    free: tuple[FreeMisfit, ...] = ()
+    if campaign.free:
+        others = zip(loops.run, loops.temperature_K.tolist(), strict=True) if runs else ()
+        free = free_misfits(file, campaign.free, dict(others))
     outside = {**(_outside(file, loops) if runs else {}), **(_free_outside(file, campaign.free, free) if free else {})}
     return Comparison(law, campaign, loops, runs, outside, free)
 

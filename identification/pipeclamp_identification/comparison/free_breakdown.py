@@ -39,7 +39,12 @@ STANDING = len(PLACES)
 """The place, after those of PLACES, of samples at which the clamp nearly stands still."""
 PLACE_NAMES = (*(name for name, *_ in PLACES), "nearly still")
 DIRECTIONS = ("the displacement falls", "the displacement rises")
-COMPONENTS = ("mean force", "with the displacement (stiffness)", "with the velocity (damping)", "with neither")
+COMPONENTS = (
+    "mean force",
+    "in step with the displacement (stiffness)",
+    "in step with the velocity (damping)",
+    "in step with neither",
+)
 
 
 @dataclass(frozen=True)
@@ -131,8 +136,8 @@ def amplitude_classes(samples: Sequence[FreeSamples], count: int = CLASSES) -> C
 
 def by_time(samples: Sequence[FreeSamples]) -> Breakdown:
     """Break the error down by time within the record."""
-    labels = [f"{100 * part // TIME_PARTS} to {100 * (part + 1) // TIME_PARTS} %" for part in range(TIME_PARTS)]
-    return _broken("time within the record", labels, samples, [one.time_part() for one in samples])
+    labels = [f"{100 * part // TIME_PARTS} to {100 * (part + 1) // TIME_PARTS}" for part in range(TIME_PARTS)]
+    return _broken("time within the record / %", labels, samples, [one.time_part() for one in samples])
 
 
 def by_free_place(samples: Sequence[FreeSamples]) -> Breakdown:

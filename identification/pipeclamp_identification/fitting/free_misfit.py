@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -72,7 +73,9 @@ class FreeMisfit:
         return math.sqrt(self.squared_error / self.squared_force)
 
 
-def free_misfits(file: LawFile, runs: Sequence[FreeRun]) -> tuple[FreeMisfit, ...]:
+def free_misfits(
+    file: LawFile, runs: Sequence[FreeRun], others: Mapping[str, float] = MappingProxyType({})
+) -> tuple[FreeMisfit, ...]:
     """Hold a law against every sample of runs of free motion.
 
     The law begins at rest where the record begins, its memory unloaded, and sees the motion without its sensor's noise;
@@ -83,14 +86,18 @@ def free_misfits(file: LawFile, runs: Sequence[FreeRun]) -> tuple[FreeMisfit, ..
     Args:
         file: the law.
         runs: of free motion.
+        others: temperatures in K, nan where not known, of the campaign's other runs: where none is known at all, the
+            law is taken at its reference temperature.
 
     Raises:
         UserError: the law follows a condition that isn't known, or gives no finite force.
     """
     law = law_of(file)
-    temperature = _temperatures(law, runs)
+    temperature = _temperatures(runs)
+    used = _usable(law, runs, temperature, others)
     ranges = _range(file, "A"), _range(file, "f")
-    return tuple(_misfit(law, run, T, ranges) for run, T in zip(runs, temperature, strict=True))
+    found = (_misfit(law, run, T, ranges) for run, T in zip(runs, used, strict=True))
+    return tuple(replace(misfit, temperature_K=float(np.mean(T))) for misfit, T in zip(found, temperature, strict=True))
 
 
 def _range(file: LawFile, name: str) -> Interval:
@@ -102,8 +109,8 @@ def _range(file: LawFile, name: str) -> Interval:
     return file.range[name].minimum, file.range[name].maximum
 
 
-def _temperatures(law: Law, runs: Sequence[FreeRun]) -> list[Array]:
-    """Give each run's temperature in K along its motion, (n,) where the record measured it, else ()."""
+def _temperatures(runs: Sequence[FreeRun]) -> list[Array]:
+    """Give each run's temperature in K along its motion, (n,) where the record measured it, else (), nan if unknown."""
     found = []
     for run in runs:
         measured = run.record.temperature_C
@@ -113,11 +120,22 @@ def _temperatures(law: Law, runs: Sequence[FreeRun]) -> list[Array]:
             found.append(np.interp(run.motion.time, at, measured[known]) + CELSIUS)
         else:
             found.append(np.asarray(math.nan if run.temperature_C is None else run.temperature_C + CELSIUS))
+    return found
+
+
+def _usable(
+    law: Law, runs: Sequence[FreeRun], temperature: Sequence[Array], others: Mapping[str, float]
+) -> list[Array]:
+    """Give temperatures that the law can be evaluated at.
+
+    Raises:
+        UserError: they are known for some of the campaign's runs only.
+    """
     if "T" not in slow_signals(law):
-        return found
-    mean = np.array([float(np.mean(T)) for T in found])
-    usual = known_temperature(mean, [run.name for run in runs])
-    return [np.where(np.isfinite(T), T, value) for T, value in zip(found, usual, strict=True)]
+        return list(temperature)
+    mean = np.array([*(float(np.mean(T)) for T in temperature), *others.values()])
+    usual = known_temperature(mean, [*(run.name for run in runs), *others])
+    return [np.where(np.isfinite(T), T, value) for T, value in zip(temperature, usual, strict=False)]
 
 
 def _misfit(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, Interval]) -> FreeMisfit:
