@@ -36,7 +36,7 @@ class Comparison(Shown):
 
     @property
     def nrmse(self) -> float:
-        """Rms error over rms force, over all steady samples; of metrics alone the rms log ratio of dW and W."""
+        """Rms error over rms force, over all steady samples, and all of free motions; of metrics alone the rms log ratio of dW and W."""
         return self._held.nrmse
 
     @property
@@ -76,6 +76,9 @@ class Comparison(Shown):
 @one_thread()
 def compare(law: Law | PathOrName, tests: Tests | PathOrName) -> Comparison:
     """Hold a law against tests: how much it errs, and where.
+
+    Runs of free motion (`motion = free` in runs.csv) count too: the law follows them from rest, A and f tracked as an
+    FMU does; their scatter, and with it that of the whole, isn't known.
 
     Args:
         law: the law, or its file or bundled name.

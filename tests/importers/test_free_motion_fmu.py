@@ -1,0 +1,44 @@
+"""A clamp FMU in fmpy along a measured free motion: its force is the one that `compare` holds against the record."""
+
+import numpy as np
+import pytest
+
+from pipeclamp_fmu.build import build_clamp, condition_parameter
+from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.fitting.free_misfit import free_misfits
+from pipeclamp_models.law.bundled import open_law
+
+RATE, T, FIRST_CYCLE = 250.0, 350.0, 20.0
+CONDITIONS = {"density_g_cm3": 2.3, "current_A": 0.7, "first_cycle": FIRST_CYCLE}
+
+
+def shaken(time):
+    """From rest at 0.3 mm, beyond the law's range of A and f for a while, with a rest in between."""
+    draw = np.random.default_rng(8)
+    window = np.sin(np.pi * np.clip(time / 6, 0, 1)) ** 2 + 1.5 * np.sin(np.pi * np.clip((time - 8) / 12, 0, 1)) ** 2
+    lines = ((f, draw.uniform(0, 2 * np.pi), draw.normal()) for f in np.arange(0.8, 7.0, 0.4))
+    return 0.3 + 0.2 * window * sum(a / f * np.sin(2 * np.pi * f * time + phase) for f, phase, a in lines)
+
+
+@pytest.mark.parametrize("kind", ["emwm2", "memory", "further"])
+def test_its_force_is_that_of_compare(kind, drive, law_with_memory, law_with_further_conditions, tmp_path):
+    file = {"memory": law_with_memory, "further": law_with_further_conditions}.get(kind) or open_law("emwm2")
+    path = tmp_path / "clamp.fmu"
+    build_clamp(file, path)
+    time = np.arange(round(20 * RATE)) / RATE
+    record = Record(time, shaken(time), 1e3 * shaken(time))
+    run = FreeRun("run", None, T - 273.15, 2.3, FIRST_CYCLE, {"current_A": 0.7}, record, free_motion(record))
+    (held,) = free_misfits(file, [run])
+    assert np.ptp(held.amplitude) > 0.3
+    assert np.ptp(held.frequency) > 1.0
+    told = dict(condition_parameter(column, value) for column, value in CONDITIONS.items()) if kind == "further" else {}
+    clamp = drive(path, {"track": True, "T": T, "flange.s": held.y[0] / 1000, "flange.v": held.v[0] / 1000} | told)
+    seen = []
+    for y, v in zip(held.y[1:], held.v[1:], strict=True):
+        clamp.step(1 / RATE, flange__s=y / 1000, flange__v=v / 1000)
+        seen.append([clamp.get(name) for name in ("flange.f", "A_used", "f_used")])
+    force, A, f = np.array(seen).T
+    assert np.max(np.abs(force - held.computed[1:])) < 1e-9 * np.max(np.abs(held.computed))
+    for values, motion, interval in ((1000 * A, held.amplitude, held.ranges[0]), (f, held.frequency, held.ranges[1])):
+        assert np.allclose(values, np.clip(motion[1:], *interval), rtol=1e-12)
