@@ -36,7 +36,7 @@ class Comparison(Shown):
 
     @property
     def nrmse(self) -> float:
-        """Rms error over rms force, over all steady samples, and all of free motions; of metrics alone the rms log ratio of dW and W."""
+        """Rms error over rms force, over all samples used; of metrics alone the rms log ratio of dW and W."""
         return self._held.nrmse
 
     @property
