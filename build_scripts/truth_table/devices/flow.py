@@ -204,9 +204,9 @@ def loose_hanger(drive: Drive, p: Parameters) -> Array:
 
 
 def draw_loose_hanger(random: np.random.Generator, x: float, F: float, w: float) -> dict[str, float]:
-    """Clearance of 10 to 30 % of the largest displacement, the stop at 60 to 80 %."""
+    """Clearance of 10 to 30 % of the largest displacement, the stop at 60 to 80 %; friction is rounded, as it is."""
     g, stop = x * random.uniform(0.1, 0.3), x * random.uniform(0.6, 0.8)
     k = 0.6 * F / (x - g)
     return {"g": g, "stop": stop, "k": k, "k_stop": k * random.uniform(0.5, 2.0),
             "c": F * random.uniform(0.03, 0.1) / (w * x), "F": F * random.uniform(0.05, 0.15),
-            "v_r": 0.01 * w * x}  # fmt: skip
+            "v_r": w * x * 10 ** random.uniform(-3.0, -2.0)}  # fmt: skip
