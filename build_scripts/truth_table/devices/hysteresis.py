@@ -129,7 +129,7 @@ def draw_play_and_slip(random: np.random.Generator, x: float, F: float, w: float
     limit = (x - g) * random.uniform(0.08, 0.3)
     friction = random.uniform(0.3, 0.6)
     return {"g": g, "limit": limit, "k_s": friction * F / limit, "k_p": (1 - friction) * F / (x - g),
-            "c": random.uniform(0.005, 0.02) * F / (w * x)}  # fmt: skip
+            "c": random.uniform(0.001, 0.003) * F / (w * x)}  # fmt: skip
 
 
 def memory_alloy(drive: Drive, p: Parameters) -> Array:

@@ -110,7 +110,7 @@ DEVICES: dict[str, Device] = {
     ),
     "relief_damper": Device(
         "dF/dt = k (v - v_valve(F)), valve c1 up to F_r and c2 beyond",
-        "Kasai, Oohara and Sekiguchi 2004, Passive Control Symposium, Tokyo",
+        "Kasai and Nishimura 2004, J. Struct. Constr. Eng. AIJ 69(583)",
         flow.relief_damper, flow.draw_relief_damper, ("damper", "bench"), fastest=_fastest_oil,
     ),
     "rubber": Device(

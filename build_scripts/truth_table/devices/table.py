@@ -20,7 +20,11 @@ def ratio(row: Row) -> float:
 
 def median_ratio(rows: Sequence[Row]) -> float:
     """Give its median."""
-    return float(np.median([ratio(row) for row in rows]))
+    return _median_over_floor(rows, "after")
+
+
+def _median_over_floor(rows: Sequence[Row], error: str) -> float:
+    return float(np.median([row[error] / row["floor"] for row in rows] or [np.nan]))
 
 
 def step_over_identify(rows: Sequence[Row]) -> float:
@@ -84,10 +88,14 @@ def device_markdown(rows: Sequence[Row], command: str) -> str:
               "| device | holds | before | after | floor | after/floor | counted | ladder | identify s | ladder s |",
               "|---|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
     lines += [_line(row) for row in rows]
-    lines += ["", "| law | equation | source |", "|---|---|---|"]
-    for law in dict.fromkeys(row["name"].split("/")[0] for row in rows):
+    lines += ["", "Medians over the devices of a law, over the floor.", "",
+              "| law | devices | before | after | equation | source |", "|---|---|---|---|---|---|"]  # fmt: skip
+    laws = [row["name"].split("/")[0] for row in rows]
+    for law in dict.fromkeys(laws):
+        mine = [row for row, its in zip(rows, laws, strict=True) if its == law and not row["error"]]
+        before, after = (_median_over_floor(mine, key) for key in ("before", "after"))
         equation = DEVICES[law].equation.replace("|", "\\|")
-        lines.append(f"| {law} | {equation} | {DEVICES[law].source} |")
+        lines.append(f"| {law} | {laws.count(law)} | {before:.1f} | {after:.1f} | {equation} | {DEVICES[law].source} |")
     return "\n".join(lines) + "\n"
 
 
