@@ -140,6 +140,7 @@ def rung(verdict, kind="", *effects):
         ({"memory"}, [("missing", "cause", "memory"), ("complete",)], 1.1, "complete"),
         ({"memory"}, [("missing", "cause", "memory"), ("complete",)], 1.4, "falsely complete"),
         ({"memory"}, [("missing", "cause", "gap"), ("complete",)], 1.1, "wrong"),
+        (set(), [("unknown",), ("missing", "part", "memory")], 9.0, "part"),
         ({"memory"}, [("ambiguous", "", "gap", "memory")], 3.0, "ambiguous"),
     ],
 )

@@ -141,7 +141,8 @@ def counted(truth: frozenset[str], rungs: list[Rung], ratio: float) -> str:
     """Say how a case came out, in a word.
 
     "wrong": something was named as the cause that the device doesn't hold; "falsely complete": called complete with
-    an error on held-out conditions well above the noise; else the last verdict.
+    an error on held-out conditions well above the noise; else the last verdict, or "cause" or "part" where the ladder
+    ends with something that is missing and doesn't help.
 
     Args:
         truth: ids of effects that the device holds.
@@ -152,4 +153,4 @@ def counted(truth: frozenset[str], rungs: list[Rung], ratio: float) -> str:
         return "wrong"
     if rungs[-1].verdict == "complete" and ratio > FALSELY_COMPLETE:
         return "falsely complete"
-    return rungs[-1].verdict
+    return rungs[-1].kind or rungs[-1].verdict
