@@ -14,7 +14,9 @@ CONDITIONS = {"density_g_cm3": 2.3, "current_A": 0.7, "first_cycle": FIRST_CYCLE
 
 
 def shaken(time):
-    """From rest at 0.3 mm, beyond the law's range of A and f for a while, with a rest in between."""
+    """From 0.3 mm, beyond the law's range of A and f for a while, with a rest in between; cut off where it moves, so
+    that there is no force at rest to tell of a past, which FMUs don't have."""
+    time = time + 1.0
     draw = np.random.default_rng(8)
     window = np.sin(np.pi * np.clip(time / 6, 0, 1)) ** 2 + 1.5 * np.sin(np.pi * np.clip((time - 8) / 12, 0, 1)) ** 2
     lines = ((f, draw.uniform(0, 2 * np.pi), draw.normal()) for f in np.arange(0.8, 7.0, 0.4))

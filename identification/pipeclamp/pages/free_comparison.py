@@ -13,8 +13,9 @@ DRAWN = 4
 """Runs that are drawn, worst first."""
 
 FOLLOWED = (
-    "The law follows each motion from rest, its memory unloaded where the record begins. A and f are tracked from what "
-    "has passed of the motion, as an FMU with track = true does, and held inside the law's range."
+    "The law follows each motion from rest. Its memory is unloaded where the record begins, unless the force at rest "
+    "tells of a past: then the law is brought there from the nearest place that explains that force. A and f are "
+    "tracked from what has passed of the motion, as an FMU with track = true does, and held inside the law's range."
 )
 EVEN = (
     "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "

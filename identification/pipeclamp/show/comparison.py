@@ -78,16 +78,18 @@ def free_table(comparison: Comparison) -> Table:
             float(run.time[-1]),
             float(np.max(np.abs(run.y - run.y[0]))),
             float(np.max(np.abs(run.v))),
+            run.came_from,
             100 * run.nrmse,
             comparison.outside.get(run.run, ""),
         )
         for run in comparison.worst_free_first()
     ]
     header = (
-        "run of free motion", "s", "farthest / mm", "fastest / mm/s", "error / %",
+        "run of free motion", "s", "farthest / mm", "fastest / mm/s", "came from / mm", "error / %",
         "outside the law's range",
     )  # fmt: skip
-    return Table(header, rows, "error as a share of the run's rms force; worst first")
+    caption = "error as a share of the run's rms force; worst first; where the law's memory isn't unloaded: came from"
+    return Table(header, rows, caption)
 
 
 def percent(share: float | None) -> float | None:

@@ -110,6 +110,11 @@ class RunComparison(AnswerModel):
     outside_range: str | None = Field(description="what lies outside the range that the law was identified in")
     tracked_amplitude_mm: TrackedAnswer | None = Field(default=None, description="None of a sine")
     tracked_frequency_Hz: TrackedAnswer | None = Field(default=None, description="None of a sine")
+    came_from_mm: float | None = Field(
+        default=None,
+        description="of a free motion: whence the law was brought to where the record begins, so that its force at "
+        "rest is the measured one; None where its memory begins unloaded",
+    )
     mean_taken: bool | None = Field(
         default=None,
         description="of a free motion: the law knows its force up to a constant only, and the measured mean is taken",
@@ -176,6 +181,7 @@ def _free_run(run: FreeMisfit, comparison: Comparison) -> RunComparison:
         outside_range=comparison.outside.get(run.run),
         tracked_amplitude_mm=A,
         tracked_frequency_Hz=f,
+        came_from_mm=run.came_from,
         mean_taken=run.adrift,
     )
 

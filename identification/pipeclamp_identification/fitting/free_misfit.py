@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from pipeclamp_identification.campaign.free_motion import FreeRun
+from pipeclamp_identification.fitting.beginning import beginning, came_from
 from pipeclamp_identification.fitting.misfit import slow_signals
 from pipeclamp_identification.fitting.observations import known_temperature
 from pipeclamp_models.base.arrays import Array
@@ -42,6 +43,8 @@ class FreeMisfit:
             inside the law's range; same shape.
         ranges: the law's range of A and f.
         temperature_K: mean over the record; nan where it isn't known.
+        came_from: displacement in mm from which the law is brought to where the record begins, so that its force at
+            rest is the measured one; None where its memory is unloaded.
         adrift: whether the law's force is known up to a constant only, for which the measured mean is taken.
     """
 
@@ -55,6 +58,7 @@ class FreeMisfit:
     frequency: Array
     ranges: tuple[Interval, Interval]
     temperature_K: float
+    came_from: float | None
     adrift: bool
 
     @property
@@ -78,10 +82,11 @@ def free_misfits(
 ) -> tuple[FreeMisfit, ...]:
     """Hold a law against every sample of runs of free motion.
 
-    The law begins at rest where the record begins, its memory unloaded, and sees the motion without its sensor's noise;
-    A and f follow the motion as an FMU's do that is built with `--track`; load cycles are counted as there. Effects of
-    the rig (offset, delay, inertia) belong to what is measured. Where an element never slips along the whole record, so
-    that the force is known up to a constant only, the measured mean is taken for that constant.
+    The law begins at rest where the record begins, its memory loaded as the force at rest says (see `beginning`), and
+    sees the motion without its sensor's noise. A and f follow the motion as an FMU's do that is built with `--track`;
+    load cycles are counted as there. Effects of the rig (offset, delay, inertia) belong to what is measured. Where an
+    element never slips along the whole record, so that the force is known up to a constant only, the measured mean is
+    taken for that constant.
 
     Args:
         file: the law.
@@ -141,6 +146,10 @@ def _usable(
 def _misfit(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, Interval]) -> FreeMisfit:
     motion, tracks = _law_motion(law, run, temperature, ranges)
     force = force_of_law(law, motion).force[0]
+    begin = beginning(law, run, motion, force, ranges[0][1])
+    if begin:
+        motion = replace(motion, memory=begin.memory)
+        force = force_of_law(law, motion).force[0]
     if not np.all(np.isfinite(force)):
         raise UserError(
             f"the law gives a force that is not finite on run {run.name!r}; expected a motion near the law's range"
@@ -153,7 +162,18 @@ def _misfit(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, 
     if adrift:
         computed = computed + np.mean(measured - computed)
     return FreeMisfit(
-        run.name, time, y, v, measured, computed, amplitude, frequency, ranges, float(np.mean(temperature)), adrift
+        run.name,
+        time,
+        y,
+        v,
+        measured,
+        computed,
+        amplitude,
+        frequency,
+        ranges,
+        float(np.mean(temperature)),
+        begin.came_from if begin else None,
+        adrift,
     )
 
 
@@ -210,7 +230,7 @@ def _remembers_its_beginning(law: Law, motion: Motion, force: Array) -> bool:
     """
     if not law.equations.states:
         return False
-    other = force_of_law(law, replace(motion, rest=motion.rest - np.ptp(motion.y))).force[0]
+    other = force_of_law(law, replace(motion, memory=came_from(law, motion, -float(np.ptp(motion.y))).memory)).force[0]
     apart = np.abs(other - force)
     at_first, at_last = float(np.max(apart[: len(apart) // 10 + 1])), float(apart[-1])
     return at_first > NOWHERE * float(np.max(np.abs(force))) and at_last > REMEMBERED * at_first

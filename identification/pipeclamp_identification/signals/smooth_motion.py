@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 EVEN = 0.01
 """Share of a step by which times may miss an even grid: clocks are written with a few digits."""
@@ -66,13 +66,12 @@ def smooth_motion(time: Array, displacement: Array) -> SmoothMotion:
     grid, y = _on_grid(time, displacement)
     points = len(grid)
     h = (grid[-1] - grid[0]) / (points - 1)
-    slope = (y[-1] - y[0]) / (grid[-1] - grid[0])
-    line = y[0] + slope * (grid - grid[0])
-    left = y - line
-    series = np.fft.rfft(np.concatenate([left, -left[-2:0:-1]]))[1:-1]
     order = np.arange(1, points - 1, dtype=np.float64)
-    power = np.abs(series) ** 2
-    gain, noise = _smoothing(order, power)
+    gain, noise = _smoothing(order, np.abs(_sines(y, y[0], y[-1])) ** 2)
+    first, last = _ends(y, gain)
+    series = _sines(y, first, last)
+    slope = (last - first) / (grid[-1] - grid[0])
+    line = first + slope * (grid - grid[0])
     omega = np.pi * order / ((points - 1) * h)
 
     def back(factor: Array) -> Array:
@@ -98,6 +97,22 @@ def _on_grid(time: Array, displacement: Array) -> tuple[Array, Array]:
     points = round(float(time[-1] - time[0]) / max(usual, shortest)) + 1
     grid = np.linspace(time[0], time[-1], max(points, count))
     return grid, np.interp(grid, time, displacement)
+
+
+def _sines(y: Array, first: float, last: float) -> ComplexArray:
+    """Give the series of sines of what the line from the first to the last value leaves of samples, (n - 2,)."""
+    left = y - np.linspace(first, last, len(y))
+    left[[0, -1]] = 0.0
+    return np.asarray(np.fft.rfft(np.concatenate([left, -left[-2:0:-1]]))[1:-1])
+
+
+def _ends(y: Array, gain: Array) -> tuple[float, float]:
+    """Give the values at both ends by straight lines over half a wave of the cut-off: single samples hold noise."""
+    span = min(len(y) // max(int(np.count_nonzero(gain > 0.5)), 1), len(y) // 4)
+    if span < 3:
+        return float(y[0]), float(y[-1])
+    at = np.arange(span)
+    return float(np.polyfit(at, y[:span], 1)[1]), float(np.polyfit(at, y[::-1][:span], 1)[1])
 
 
 def _smoothing(order: Array, power: Array) -> tuple[Array, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -45,7 +45,8 @@ class Motion:
         h: time between samples in s, shape (R, 1).
         periodic: whether each row is a whole cycle that repeats.
         assumed: slow signals that nobody knows, whose values only let laws be evaluated that don't follow them.
-        rest: where a record's rows lie at rest before their first sample, memory unloaded, mm, shape (R, 1) or ().
+        rest: where a record's rows lie at rest before their first sample, mm, shape (R, 1) or ().
+        memory: the law's states there, shape (R,) each; None for an unloaded memory.
     """
 
     y: Array
@@ -56,6 +57,7 @@ class Motion:
     periodic: bool = True
     assumed: frozenset[str] = frozenset()
     rest: Array | float = 0.0
+    memory: Sequence[Array] | None = None
 
     @property
     def y_previous(self) -> Array:
@@ -69,9 +71,11 @@ class Motion:
         """Give some of the motions."""
         slow = {name: values[chosen] for name, values in self.slow.items()}
         rest = np.broadcast_to(self.rest, self.h.shape)[chosen]
+        memory = None if self.memory is None else [state[chosen] for state in self.memory]
         return replace(
-            self, y=self.y[chosen], v=self.v[chosen], a=self.a[chosen], slow=slow, h=self.h[chosen], rest=rest
-        )
+            self, y=self.y[chosen], v=self.v[chosen], a=self.a[chosen], slow=slow, h=self.h[chosen], rest=rest,
+            memory=memory,
+        )  # fmt: skip
 
     @cached_property
     def turning(self) -> Turning:

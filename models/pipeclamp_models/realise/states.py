@@ -80,6 +80,8 @@ class March:
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
         if self.motion.periodic:
             return self._periodic(rest, parameters)
+        if self.motion.memory is not None:
+            rest = np.array(self.motion.memory)
         columns = self._columns(self.motion.y_previous)
         trajectory = self._walk(rest, columns)
         slopes = np.zeros((rows, samples, count, parameters))
