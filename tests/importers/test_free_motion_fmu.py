@@ -8,6 +8,7 @@ from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.fitting.free_misfit import free_misfits
 from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import CoefficientEntry
 
 RATE, T, FIRST_CYCLE = 250.0, 350.0, 20.0
 CONDITIONS = {"density_g_cm3": 2.3, "current_A": 0.7, "first_cycle": FIRST_CYCLE}
@@ -23,9 +24,17 @@ def shaken(time):
     return 0.3 + 0.2 * window * sum(a / f * np.sin(2 * np.pi * f * time + phase) for f, phase, a in lines)
 
 
-@pytest.mark.parametrize("kind", ["emwm2", "memory", "further"])
+@pytest.mark.parametrize("kind", ["emwm2", "memory", "play", "further"])
 def test_its_force_is_that_of_compare(kind, drive, law_with_memory, law_with_further_conditions, tmp_path):
-    file = {"memory": law_with_memory, "further": law_with_further_conditions}.get(kind) or open_law("emwm2")
+    play = CoefficientEntry(value=0.05, unit="mm", state="given")
+    with_play = law_with_memory.model_copy(
+        update={
+            "effects": (*law_with_memory.effects, "play"),
+            "coefficients": {**law_with_memory.coefficients, "g_p": play},
+        }
+    )
+    laws = {"memory": law_with_memory, "play": with_play, "further": law_with_further_conditions}
+    file = laws.get(kind) or open_law("emwm2")
     path = tmp_path / "clamp.fmu"
     build_clamp(file, path)
     time = np.arange(round(20 * RATE)) / RATE
