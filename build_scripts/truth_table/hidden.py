@@ -9,7 +9,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from truth import T0, Array, BaseLaw, Motion, Part, first_order, jenkins, late, let_go, maxwell
+from truth import (
+    T0,
+    Array,
+    BaseLaw,
+    Motion,
+    Part,
+    bouc_wen,
+    first_order,
+    iwan,
+    jenkins,
+    jenkins_of_two_limits,
+    late,
+    let_go,
+    maxwell,
+)
 
 Shape = Mapping[str, float]
 
@@ -51,6 +65,37 @@ def memory(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape
         limits = shape["limit"] * np.ones(1)
     elements = motion.remember(("memory", rough), lambda: jenkins(motion, limits))
     return Part(force=size * base.k10 * elements)
+
+
+def directional_slip(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """An elastic-slip element with another limit each way; rough: two of them, that slip early and late."""
+    up, down = (shape["limit"] * share for share in ((1.3, 0.5) if shape["sign"] > 0 else (0.5, 1.3)))
+
+    def element() -> Array:
+        parts = (0.8, 1.2) if rough else (1.0,)
+        return np.mean([jenkins_of_two_limits(motion, part * up, part * down) for part in parts], axis=0)
+
+    return Part(force=size * base.k10 * motion.remember(("directional_slip", rough), element))
+
+
+def slip_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Slip displacements spread by a power (Iwan), with a peak; rough: without one."""
+    chi, peak = -0.7 + 0.5 * shape["any"], 0.0 if rough else 0.25
+    spread = motion.remember(("slip_spread", rough), lambda: iwan(motion, 2.5 * shape["limit"], chi, peak, 40))
+    return Part(force=size * base.k10 * spread)
+
+
+def bouc_wen_pinched(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Bouc-Wen hysteresis with pinching; rough: slip-lock as a factor on the stiffness, past zero force (Foliente)."""
+    n, limit, width = 1.0 + 1.5 * shape["any"], shape["limit"], 0.3
+
+    def hysteresis() -> Array:
+        if rough:
+            return bouc_wen(motion, limit, n, lambda z, side: 1 - 0.7 * np.exp(-(((z * side - 0.05) / width) ** 2)))
+        z = bouc_wen(motion, limit, n)
+        return z * (1 - 0.5 * np.exp(-((z / (width * limit)) ** 2)))
+
+    return Part(force=size * base.k10 * motion.remember(("bouc_wen", rough), hysteresis))
 
 
 def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -209,6 +254,9 @@ def delay(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape)
 
 EFFECTS: dict[str, Kind] = {
     "memory": Kind(memory, most=0.8),
+    "directional_slip": Kind(directional_slip, most=0.8),
+    "slip_spread": Kind(slip_spread, most=0.8),
+    "bouc_wen": Kind(bouc_wen_pinched, most=0.8),
     "coulomb": Kind(coulomb, most=0.15),
     "viscous": Kind(viscous, most=0.15),
     "quadratic_damping": Kind(quadratic_damping, most=0.08),

@@ -14,6 +14,8 @@ IMITATIONS = {
     ("relaxation", "inertia"): BAND, ("relaxation", "viscous"): BAND,
     ("hardening", "end_stop"): STROKE, ("gap", "end_stop"): STROKE, ("gap", "memory"): STROKE,
     ("play", "gap"): STROKE,
+    ("slip_spread", "memory"): STROKE, ("bouc_wen", "memory"): STROKE, ("slip_spread", "bouc_wen"): STROKE,
+    ("directional_slip", "memory"): STROKE,
     ("coulomb", "viscous"): ANY, ("coulomb", "memory"): ANY, ("viscous", "quadratic_damping"): ANY,
     ("viscous", "delay"): ANY, ("asymmetry", "offset"): ANY, ("asymmetry", "directional_damping"): ANY,
     ("damping_temperature", "loosening"): ("two temperatures",), ("contact_growth", "loosening"): ("two temperatures",),

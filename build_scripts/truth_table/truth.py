@@ -192,6 +192,57 @@ def jenkins(motion: Motion, limits: Array) -> Array:
     return result.T
 
 
+def jenkins_of_two_limits(motion: Motion, up: float, down: float) -> Array:
+    """An element of unit stiffness that slips at `up` and at -`down`, mm, (R, n)."""
+    result = np.empty_like(motion.y.T)
+    z = np.zeros(len(motion.y))
+    for step, move in enumerate(np.diff(motion.y, axis=1, prepend=motion.y[:, :1]).T):
+        z = np.clip(z + move, -down, up)
+        result[step] = z
+    return result.T
+
+
+def iwan(motion: Motion, limit: float, chi: float, peak: float, count: int) -> Array:
+    """Slip displacements spread as phi^chi up to `limit`, and a share at it, of unit stiffness, mm, (R, n).
+
+    Evenly spaced elements, many of them, weighted by the spread in their middle.
+    """
+    limits = limit * (np.arange(count) + 0.5) / count
+    weights = limits**chi
+    weights *= (1 - peak) / weights.sum()
+    limits, weights = np.append(limits, limit), np.append(weights, peak)
+    result = np.empty_like(motion.y.T)
+    z = np.zeros((len(motion.y), count + 1))
+    for step, move in enumerate(np.diff(motion.y, axis=1, prepend=motion.y[:, :1]).T):
+        z = np.minimum(np.maximum(z + move[:, None], -limits), limits)
+        result[step] = z @ weights
+    return result.T
+
+
+def bouc_wen(motion: Motion, limit: float, n: float, pinch: Callable[[Array, Array], Array] | None = None) -> Array:
+    """Hysteresis of unit stiffness, mm, (R, n): dz/dy = 1 - |z/limit|^n while |z| grows, else 1; Heun's rule.
+
+    Args:
+        motion: the batch.
+        limit: ultimate force over stiffness, mm.
+        n: sharpness.
+        pinch: a factor on dz/dy, of z/limit and of the direction.
+    """
+    result = np.empty_like(motion.y.T)
+    z = np.zeros(len(motion.y))
+
+    def slope(force: Array, move: Array) -> Array:
+        share = np.clip(force / limit, -1.0, 1.0)
+        grows = np.where(share * move > 0, 1 - np.abs(share) ** n, 1.0)
+        return grows if pinch is None else grows * pinch(share, np.sign(move))
+
+    for step, move in enumerate(np.diff(motion.y, axis=1, prepend=motion.y[:, :1]).T):
+        first = slope(z, move)
+        z = z + move * (first + slope(z + move * first, move)) / 2
+        result[step] = z
+    return result.T
+
+
 def maxwell(motion: Motion, tau: float) -> Array:
     """Maxwell arm of unit stiffness, mm, (R, n): dq/dt = v - q/tau by the implicit midpoint rule."""
     share = motion.step / (2 * tau)

@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.fitting.least_squares import Linearised, linearised, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.equations.effect import Family
+from pipeclamp_models.equations.effect import Effect, Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -118,9 +118,17 @@ def screened(structure: Structure, problem: Problem, law: Judged, tell: Callable
 
 
 def fits_beside(structure: Structure, name: str) -> bool:
-    """Tell whether an effect can be added to a law that another effect has joined."""
+    """Tell whether an effect can be added to a law that another effect has joined, as a second one.
+
+    Two memories that imitate each other are one memory, told more finely, and no second effect.
+    """
     try:
         _ = with_effect(structure, name).equations
     except UserError:
         return False
-    return True
+    return not any(_are_one_memory(structure.effect(name), present) for present in structure.all_effects())
+
+
+def _are_one_memory(one: Effect, other: Effect) -> bool:
+    alike = one.id in other.imitated_by and other.id in one.imitated_by
+    return alike and bool(one.states) and bool(other.states)

@@ -15,7 +15,7 @@ EFFECT = Effect(
     source=f"{WORDEN}, on bilinear damping; {DIXON}, on dampers that differ in bump and rebound",
     looks_like="the upper branch of the loop lies further from the middle than the lower one: even harmonics that "
     "follow |v|^alpha",
-    imitated_by=("asymmetry", "offset"),
+    imitated_by=("asymmetry", "offset", "directional_slip"),
     told_apart_by="amplitude and frequency swept apart: it follows the damping force, not the displacement",
     parameters=(
         Parameter(d, "-", "share by which damping differs between the directions", 0.02, -0.9, 0.9, neutral=0.0),

@@ -21,7 +21,7 @@ EFFECT = Effect(
     f"that is let go comes to rest at once, without its dampers; {WORDEN}, on backlash",
     looks_like="a flat piece at zero force after each reversal; where friction holds the clamp, at another place each "
     "way",
-    imitated_by=("gap", "memory"),
+    imitated_by=("gap",),
     told_apart_by="a small cycle ridden on a large one: play opens at every reversal, a gap about zero at zero only",
     parameters=(
         Parameter(

@@ -53,3 +53,22 @@ NORDIN = (
     "Nordin, Galic and Gutman: New models for backlash and gear play, International Journal of Adaptive Control and "
     "Signal Processing 11(1), 49-63 (1997)"
 )
+ARMSTRONG = (
+    "Armstrong-Hélouvry, Dupont and Canudas de Wit: A survey of models, analysis tools and compensation methods for "
+    "the control of machines with friction, Automatica 30(7), 1083-1138 (1994)"
+)
+SEGALMAN = (
+    "Segalman: A Four-Parameter Iwan Model for Lap-Type Joints, Journal of Applied Mechanics 72(5), 752-760 (2005)"
+)
+WEN = (
+    "Wen: Method for Random Vibration of Hysteretic Systems, Journal of the Engineering Mechanics Division 102(2), "
+    "249-263 (1976)"
+)
+BABER = (
+    "Baber and Noori: Random Vibration of Degrading, Pinching Systems, Journal of Engineering Mechanics 111(8), "
+    "1010-1026 (1985)"
+)
+FOLIENTE = (
+    "Foliente: Hysteresis Modeling of Wood Joints and Structural Systems, Journal of Structural Engineering 121(6), "
+    "1013-1022 (1995)"
+)
