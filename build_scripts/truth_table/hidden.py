@@ -15,13 +15,13 @@ from truth import (
     BaseLaw,
     Motion,
     Part,
+    behind_clearance,
     bouc_wen,
     first_order,
     iwan,
     jenkins,
     jenkins_of_two_limits,
     late,
-    let_go,
     maxwell,
 )
 
@@ -157,12 +157,10 @@ def gap(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -
 
 def play(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Clearance before the whole clamp; rough: let go, it creeps back against its own damping."""
-    y, g = motion.y, size
-    w = let_go(motion, base, g) if rough else np.clip(0.0, y - g, y + g)
-    up, down = y - w >= g * (1 - 1e-9), y - w <= -g * (1 - 1e-9)
+    w, side = behind_clearance(motion, base, size, rough)
 
     def passed(force: Array) -> Array:
-        return np.where(up, np.maximum(force, 0.0), np.where(down, np.minimum(force, 0.0), 0.0))
+        return np.where(side > 0, np.maximum(force, 0.0), np.where(side < 0, np.minimum(force, 0.0), 0.0))
 
     return Part(x=w, passed=passed)
 

@@ -256,16 +256,32 @@ def maxwell(motion: Motion, tau: float) -> Array:
     return result.T
 
 
-def let_go(motion: Motion, base: BaseLaw, clearance: float) -> Array:
-    """Where the end of the base law's clamp is behind a clearance, mm, (R, n); let go, it creeps back."""
-    k1, c, power = (entry[:, 0] for entry in (base.k1(motion), base.c(motion), 1 / base.alpha(motion)))
-    result = np.empty_like(motion.y.T)
+def behind_clearance(motion: Motion, base: BaseLaw, clearance: float, creeps: bool) -> tuple[Array, Array]:
+    """Where the end of the base law's clamp is behind a clearance, mm, and which end pushes it: 1, -1 or 0; (R, n).
+
+    Args:
+        motion: the batch.
+        base: the base law.
+        clearance: half of it, mm.
+        creeps: whether a clamp that is let go creeps back against its own damping, or stays.
+    """
+    k1, k3, c, alpha = (entry[:, 0] for entry in (base.k1(motion), base.k3(motion), base.c(motion), base.alpha(motion)))
+    place, side = np.empty_like(motion.y.T), np.empty_like(motion.y.T)
     w = np.zeros(len(motion.y))
+
+    def force(there: Array, speed: Array) -> Array:
+        return there * (k1 + k3 * there**2) + c * np.copysign(np.abs(speed) ** alpha, speed)
+
     for step, y in enumerate(motion.y.T):
-        back = motion.step * (k1 * np.abs(w) / c) ** power
-        w = np.clip(np.sign(w) * np.maximum(np.abs(w) - back, 0.0), y - clearance, y + clearance)
-        result[step] = w
-    return result.T
+        lower, upper = y - clearance, y + clearance
+        up = force(lower, (lower - w) / motion.step) > 0
+        down = ~up & (force(upper, (upper - w) / motion.step) < 0)
+        if creeps:
+            back = motion.step * (k1 * np.abs(w) / c) ** (1 / alpha)
+            w = np.copysign(np.maximum(np.abs(w) - back, 0.0), w)
+        w = np.where(up, lower, np.where(down, upper, np.clip(w, lower, upper)))
+        place[step], side[step] = w, up * 1.0 - down
+    return place.T, side.T
 
 
 def late(motion: Motion, force: Array, tau: float) -> Array:

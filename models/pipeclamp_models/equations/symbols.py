@@ -31,7 +31,7 @@ y_previous = sp.Symbol("y_previous", real=True)
 h = sp.Symbol("h", nonnegative=True)
 
 F_path = sp.Symbol("F_path", real=True)
-F_slow = sp.Function("F_slow", real=True)
+F_moved = sp.Function("F_moved", real=True)
 
 A = sp.Symbol("A", positive=True)
 f = sp.Symbol("f", positive=True)
@@ -57,7 +57,9 @@ SLOW = (
 
 SERIES = (
     Signal(F_path, "N", "force of all else in the clamp, after the step"),
-    Signal(sp.Symbol(F_slow.__name__, real=True), "N", "the same after a slow move to a place, from where it stood"),
+    Signal(
+        sp.Symbol(F_moved.__name__, real=True), "N", "the same at another place, reached at a share of the velocity"
+    ),
 )
 """What an effect in series with the whole clamp may use besides."""
 

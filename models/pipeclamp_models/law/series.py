@@ -38,19 +38,19 @@ def behind(effect: Effect, path: Path) -> Path:
     stood = effect.replaces[symbols.y].xreplace({symbols.y: symbols.y_previous})
     stages: list[Stage] = []
 
-    def slow(place: sp.Expr) -> sp.Symbol:
-        """Give the path's force after a slow move, which becomes a stage, with those that it takes itself."""
+    def moved_to(place: sp.Expr, share: sp.Expr) -> sp.Symbol:
+        """Give the path's force after a move to a place, which becomes a stage, with those that it takes itself."""
         end = f"_{len(stages)}_"
-        still = {symbols.y: place, symbols.y_previous: stood, symbols.v: sp.Integer(0)}
+        there = {symbols.y: place, symbols.y_previous: stood, symbols.v: share * symbols.v}
         copies = {stage.symbol: sp.Symbol(f"{stage.symbol}{end}", real=True) for stage in path.stages}
-        stages.extend(_moved(path.stages, {**copies, **still}))
-        after = path.force.xreplace({state.symbol: state.update for state in path.states}).xreplace(copies | still)
-        found = sp.Symbol(f"{symbols.F_slow}{end}", real=True)
-        stages.append(Stage(found, "N", "force of all behind it after a slow move", after))
+        stages.extend(_moved(path.stages, {**copies, **there}))
+        after = path.force.xreplace({state.symbol: state.update for state in path.states}).xreplace(copies | there)
+        found = sp.Symbol(f"{symbols.F_moved}{end}", real=True)
+        stages.append(Stage(found, "N", "force of all behind it at a place", after))
         return found
 
     for stage in effect.stages:
-        expression = stage.expression.replace(symbols.F_slow, slow)
+        expression = stage.expression.replace(symbols.F_moved, moved_to)
         stages.append(replace(stage, expression=expression))
     own = {state.symbol: sp.Symbol(f"{state.symbol}_after_", real=True) for state in effect.states}
     stages += [Stage(own[state.symbol], state.unit, state.meaning, state.update) for state in effect.states]

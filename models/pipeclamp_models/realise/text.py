@@ -83,9 +83,9 @@ def symbols_of(effect: Effect) -> list[symbols.Signal]:
     """Give what an effect's equations use besides its own parameters, coefficients and states."""
     used: set[sp.Symbol] = set().union(*(one.expression.free_symbols for one in effect_statements(effect)))
     used |= {
-        sp.Symbol(str(symbols.F_slow), real=True)
+        sp.Symbol(str(symbols.F_moved), real=True)
         for one in effect_statements(effect)
-        if one.expression.has(symbols.F_slow)
+        if one.expression.has(symbols.F_moved)
     }
     known = (*symbols.FAST, *symbols.SLOW, *symbols.SERIES, *symbols.FIXED)
     found = [signal for signal in known if signal.symbol in used]
@@ -137,8 +137,8 @@ class _Words(StrPrinter):  # type: ignore[misc]
     def _print_Abs(self, expression: sp.Abs) -> str:
         return f"|{self._print(expression.args[0])}|"
 
-    def _print_Unequality(self, expression: sp.Ne) -> str:
-        return f"{self._print(expression.lhs)} is not {self._print(expression.rhs)}"
+    def _print_Equality(self, expression: sp.Eq) -> str:
+        return f"{self._print(expression.lhs)} is {self._print(expression.rhs)}"
 
     def _print_Max(self, expression: sp.Max) -> str:
         return f"max({self.stringify(expression.args, ', ')})"
