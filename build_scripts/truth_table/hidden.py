@@ -156,13 +156,9 @@ def gap(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -
 
 
 def play(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Clearance before the whole clamp; rough: let go, it creeps back against its own damping."""
-    w, side = behind_clearance(motion, base, size, rough)
-
-    def passed(force: Array) -> Array:
-        return np.where(side > 0, np.maximum(force, 0.0), np.where(side < 0, np.minimum(force, 0.0), 0.0))
-
-    return Part(x=w, passed=passed)
+    """Clearance before the whole clamp; rough: before each half of it, of another width."""
+    widths = (0.7 * size, 1.3 * size) if rough else (size,)
+    return Part(ends=tuple(behind_clearance(motion, base, width) for width in widths))
 
 
 def relaxation(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:

@@ -137,7 +137,8 @@ class Part:
     Attributes:
         stiffness, damping: factors on the elastic and the damping force, broadcast to (R, n).
         x: what stands for y in the elastic force, or None.
-        passed: of the clamp's force, what comes through to its end, or None: a function of the force.
+        ends: of clearances before equal shares of the clamp: where the share's end is, mm, and which end of the
+            clearance pushes it (1, -1 or 0), each (R, n).
         force: added to the clamp's force, N.
         channel: what the force channel makes of the force, or None: a function of (motion, force).
     """
@@ -145,7 +146,7 @@ class Part:
     stiffness: Array | float = 1.0
     damping: Array | float = 1.0
     x: Array | None = None
-    passed: Callable[[Array], Array] | None = None
+    ends: tuple[tuple[Array, Array], ...] = ()
     force: Array | float = 0.0
     channel: Callable[[Motion, Array], Array] | None = None
 
@@ -168,12 +169,12 @@ def force(base: BaseLaw, motion: Motion, parts: tuple[Part, ...], scatter: tuple
     for part in parts:
         stiffness = stiffness * part.stiffness
         damping = damping * part.damping
-    total = stiffness * base.elastic(motion, x) + damping * base.damping(motion)
-    for part in parts:
-        total = total + part.force
-    for part in parts:
-        if part.passed is not None:
-            total = part.passed(total)
+    added = sum((part.force for part in parts), damping * base.damping(motion))
+    total = stiffness * base.elastic(motion, x) + added
+    ends = [end for part in parts for end in part.ends]
+    if ends:
+        shares = [pushed_through(stiffness * base.elastic(motion, place) + added, side) for place, side in ends]
+        total = np.mean(shares, axis=0)
     for part in parts:
         if part.channel is not None:
             total = part.channel(motion, total)
@@ -256,14 +257,15 @@ def maxwell(motion: Motion, tau: float) -> Array:
     return result.T
 
 
-def behind_clearance(motion: Motion, base: BaseLaw, clearance: float, creeps: bool) -> tuple[Array, Array]:
-    """Where the end of the base law's clamp is behind a clearance, mm, and which end pushes it: 1, -1 or 0; (R, n).
+def pushed_through(force: Array, side: Array) -> Array:
+    """Give what of a force comes through a clearance, of which this end pushes: 1, -1 or 0."""
+    return np.where(side > 0, np.maximum(force, 0.0), np.where(side < 0, np.minimum(force, 0.0), 0.0))
 
-    Args:
-        motion: the batch.
-        base: the base law.
-        clearance: half of it, mm.
-        creeps: whether a clamp that is let go creeps back against its own damping, or stays.
+
+def behind_clearance(motion: Motion, base: BaseLaw, clearance: float) -> tuple[Array, Array]:
+    """Where the end of the base law's clamp is behind a clearance (half of it, mm), and which end pushes it; (R, n).
+
+    Let go, it stays.
     """
     k1, k3, c, alpha = (entry[:, 0] for entry in (base.k1(motion), base.k3(motion), base.c(motion), base.alpha(motion)))
     place, side = np.empty_like(motion.y.T), np.empty_like(motion.y.T)
@@ -276,9 +278,6 @@ def behind_clearance(motion: Motion, base: BaseLaw, clearance: float, creeps: bo
         lower, upper = y - clearance, y + clearance
         up = force(lower, (lower - w) / motion.step) > 0
         down = ~up & (force(upper, (upper - w) / motion.step) < 0)
-        if creeps:
-            back = motion.step * (k1 * np.abs(w) / c) ** (1 / alpha)
-            w = np.copysign(np.maximum(np.abs(w) - back, 0.0), w)
         w = np.where(up, lower, np.where(down, upper, np.clip(w, lower, upper)))
         place[step], side[step] = w, up * 1.0 - down
     return place.T, side.T

@@ -30,8 +30,8 @@ EFFECT = Effect(
     id="play",
     part="clamp",
     does="a clearance before the whole clamp, taken up anew after each reversal",
-    source=f"{NORDIN}: the place within the clearance is a state, and the force vanishes between its ends. Here a clamp "
-    f"that is let go stays where its friction holds it; {WORDEN}, on backlash",
+    source=f"{NORDIN}: the place within the clearance is a state, and the force vanishes between its ends. Here a "
+    f"clamp that is let go stays where its friction holds it; {WORDEN}, on backlash",
     looks_like="a flat piece at zero force after each reversal; where friction holds the clamp, at another place each "
     "way",
     imitated_by=("gap",),
