@@ -11,7 +11,7 @@ import pytest
 import pipeclamp_identification
 from pipeclamp_identification.campaign.bundled import campaign_folder
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.diagnosis.screen import candidate_names
+from pipeclamp_identification.diagnosis.screen import candidate_names, fits_beside
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.loops.loops import loops_of
@@ -102,6 +102,14 @@ def test_a_users_own_parameter_is_kept_whatever_its_name():
     assert {start["k10"] for start in starts} == {3.0}
     assert starts[-1]["k_s1"] == starts[-1]["k_s2"] == 1.5
     assert all(np.isfinite(list(start.values())).all() for start in starts)
+
+
+def test_two_memories_that_imitate_each_other_are_no_pair():
+    remembering = Structure("power", ("memory:2",))
+    assert not fits_beside(remembering, "slip_spread")
+    assert not fits_beside(remembering, "bouc_wen")
+    assert fits_beside(remembering, "play")
+    assert fits_beside(remembering, "coulomb"), "it imitates memory, but remembers nothing"
 
 
 ALSO_A_CONDITION = {"density"}

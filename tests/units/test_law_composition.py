@@ -15,6 +15,10 @@ from pipeclamp_models.realise.motion import sinusoids
 
 CONTRACT = [
     "memory",
+    "directional_slip",
+    "slip_spread",
+    "bouc_wen",
+    "play",
     "coulomb",
     "viscous",
     "quadratic_damping",

@@ -8,6 +8,7 @@ from pipeclamp_models.equations.symbols import A_typical, F_moved, F_path, v, y,
 
 g_p, e, s = sp.symbols("g_p e_p s_p", real=True)
 way, pushed, pulled, place = sp.symbols("way_p F_pushed F_pulled e_next", real=True)
+at_pushing, at_pulling = sp.symbols("s_pushed s_pulled", real=True)
 stood = y_previous - e
 
 
@@ -18,12 +19,7 @@ def within(value: sp.Expr, most: sp.Expr) -> sp.Expr:
 
 def share_of(move: sp.Expr) -> sp.Expr:
     """Give the share of the velocity at which the clamp makes a move of its own in a step."""
-    return within(move / way, sp.Integer(1))
-
-
-def at_end(end: sp.Expr) -> sp.Expr:
-    """Give the clamp's force if it lies at an end of the clearance after the step."""
-    return F_moved(y - end, share_of(y - end - stood))
+    return sp.Max(-1, sp.Min(1, move / way))
 
 
 EFFECT = Effect(
@@ -38,8 +34,8 @@ EFFECT = Effect(
     told_apart_by="a small cycle ridden on a large one: play opens at every reversal, a gap about zero at zero only",
     parameters=(
         Parameter(
-            g_p, "mm", "half the clearance", tuple(part * A_typical for part in (0.01, 0.05, 0.2)), lower=0.0,
-            upper=A_typical, neutral=0.0,
+            g_p, "mm", "half the clearance", tuple(part * A_typical for part in (0.03, 0.15)), lower=0.0,
+            upper=A_typical, neutral=0.0, typical=0.05 * A_typical,
         ),
     ),
     stages=(
@@ -47,8 +43,10 @@ EFFECT = Effect(
             way, "mm", "move of the step; 1 where there is none",
             sp.Piecewise((1, sp.Eq(y, y_previous)), (y - y_previous, True)),
         ),
-        Stage(pushed, "N", "force at the clearance's one end, which pushes where it is positive", at_end(g_p)),
-        Stage(pulled, "N", "force at its other end, which pulls where it is negative", at_end(-g_p)),
+        Stage(at_pushing, "-", "share of the velocity that leads to the one end", share_of(y - g_p - stood)),
+        Stage(at_pulling, "-", "share of the velocity that leads to the other end", share_of(y + g_p - stood)),
+        Stage(pushed, "N", "force at the one end, which pushes where it is positive", F_moved(y - g_p, at_pushing)),
+        Stage(pulled, "N", "force at the other end, which pulls where it is negative", F_moved(y + g_p, at_pulling)),
         Stage(
             place, "mm", "place within the clearance after the step",
             sp.Piecewise(
