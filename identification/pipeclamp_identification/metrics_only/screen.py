@@ -53,9 +53,9 @@ def look(law: MetricJudged, name: str, observations: MetricObservations) -> Look
     if all(parameter in reasons for parameter in added):
         return Look(name, reasons[added[0]], False, 0.0)
     wanted = {*law.result.fitted, *(parameter for parameter in added if parameter not in reasons)}
-    numbers = 2 * len(observations.motion.y)
-    if len(wanted) > numbers:
-        return Look(name, f"with it the law has {len(wanted)} parameters, and there are {numbers} numbers", False, 0.0)
+    numbers, fitted = 2 * len(observations.motion.y), len(set(equations.names) - set(larger.held()) - set(reasons))
+    if fitted > numbers:
+        return Look(name, f"with it the law has {fitted} parameters, and there are {numbers} numbers", False, 0.0)
     free = np.array([place for place, parameter in enumerate(equations.names) if parameter in wanted], dtype=np.intp)
     new = np.array([equations.names[place] not in own for place in free])
     smooth = law.result.law.v_r, law.result.law.y_r
