@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse
 from pipeclamp_identification.loops.loops import loops_of
-from pipeclamp_identification.workflow.auto import MOST_EFFECTS, Settled, add_until_settled
+from pipeclamp_identification.workflow.auto import MOST_RUNGS, Settled, add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.law.catalogue import effect_id
@@ -122,7 +122,7 @@ def judged(case: Case, seed: int) -> Outcome:
     error = settled = ""
     try:
         file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
-        most = 0 if case.kind == "narrow" else MOST_EFFECTS
+        most = 0 if case.kind == "narrow" else MOST_RUNGS
         end = follow(file, RecordTests(data.campaign), steps, partial(noted, data=data), most)
         added = end.file.effects
         if isinstance(end.found, Diagnosed) and end.found.verdict == "ambiguous" and case.truth:

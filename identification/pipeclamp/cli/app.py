@@ -286,13 +286,13 @@ def diagnose(
             settled = add_until_settled(
                 file, tests, command=command_called(), declared=declarations, limits=reach, jobs=jobs, progress=tell
             )
-            file, found, additions, climbed = settled.file, settled.found, settled.additions, settled.words()
+            file, found, ladder, climbed = settled.file, settled.found, settled.ladder, settled.words()
         else:
             found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
-            additions, climbed = (), []
+            ladder, climbed = (), []
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
-    view = diagnosis_view(found, additions, following, drive)
+    view = diagnosis_view(found, ladder, following, drive)
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import diagnosis_page

@@ -10,17 +10,17 @@ from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture, w
 from pipeclamp.show.diagnosis import against, candidate_table, sentence
 from pipeclamp.show.table import Table
 from pipeclamp_identification.campaign.drive import DrivePlan
-from pipeclamp_identification.diagnosis.answer import explained
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.next_test import Proposal
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.law.catalogue import effect_id
 
 
 def diagnosis_sections(answer: Diagnosed) -> list[Section]:
     """Give the report of a diagnosis."""
     diagnosis, leftover = answer.diagnosis, answer.diagnosis.leftover
-    words = [answer.headline(), *(sentence(reason) for reason in diagnosis.reasons)]
+    words = [answer.headline(), *(sentence(word) for word in (*diagnosis.reasons, *answer.cautions()))]
     if answer.proposal:
         words.append(f"Next test: {answer.proposal.words()}.")
     if answer.no_test:
@@ -31,17 +31,22 @@ def diagnosis_sections(answer: Diagnosed) -> list[Section]:
     sections = [
         Section("Verdict", words, [candidate_table(diagnosis)], [falling]),
         Section("Evidence", _evidence(diagnosis), _screened(diagnosis)),
-        Section("What the best law leaves over", _left_over_sentences(answer), (), [
+        Section("What is left over", _left_over_sentences(answer), (), [
             curves_picture(
                 "phase / deg after the largest displacement", "residual / N",
                 [("rms over runs", leftover.phase.tolist(), leftover.shape.tolist(), "lines")],
-                "Residual force along the cycle, best law, noise included",
+                f"Residual force along the cycle, {_law_described(diagnosis)}, noise included",
             )
         ]),
     ]  # fmt: skip
     if answer.proposal:
         sections.append(_proposal_section(answer.proposal))
     return [*sections, *comparison_sections(answer.comparison)]
+
+
+def _law_described(diagnosis: Diagnosis) -> str:
+    effects = diagnosis.described.effects
+    return f"law with {' and '.join(effects)}" if effects else "law as it is"
 
 
 def _left_over_sentences(answer: Diagnosed) -> list[str]:
@@ -68,8 +73,8 @@ def _evidence(diagnosis: Diagnosis) -> list[str]:
         objections = "; ".join(against(candidate, diagnosis.law)) or "nothing in this data"
         words.append(
             f"{name}, in the picture: {effect.looks_like}. It takes the error on left-out conditions from "
-            f"{diagnosis.law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and explains "
-            f"{explained(candidate, diagnosis):.0%} of what is missing. Imitated by "
+            f"{diagnosis.law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and takes "
+            f"{explained_share(candidate, diagnosis.law):.0%} of what is missing. Imitated by "
             f"{', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}. "
             f"Against it: {objections}."
         )

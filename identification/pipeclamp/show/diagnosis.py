@@ -6,10 +6,11 @@ from pathlib import Path
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.answer import AddedEffect, diagnosis_answer, explained
+from pipeclamp_identification.diagnosis.answer import RungAnswer, diagnosis_answer
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
 
 WORSE = 1.02
@@ -37,7 +38,7 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
             " + ".join(candidate.effects),
             100 * candidate.heldout_nrmse,
             *(100 * error for error in candidate.heldout_by.values()),
-            100 * explained(candidate, diagnosis),
+            100 * explained_share(candidate, law),
             "; ".join(against(candidate, law)) or "–",
         )
         for candidate in sorted(judged, key=lambda candidate: candidate.squares)
@@ -48,7 +49,7 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
         "with",
         "error on left-out A, f / %",
         *(f"on left-out {name} / %" for name in law.heldout_by),
-        "of the lack of fit explained / %",
+        "of what is missing it takes / %",
         "speaks against it",
     )
     return Table(header, rows, "every candidate refitted jointly with the law")
@@ -59,10 +60,10 @@ def sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def diagnosis_view(found: Diagnosed, added: tuple[AddedEffect, ...], next_command: str, drive: Path | None) -> View:
-    """Tell a diagnosis, what was added before it, and the command to run next; the first line is its verdict."""
+def diagnosis_view(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_command: str, drive: Path | None) -> View:
+    """Tell a diagnosis, the ladder before it, and the command to run next; the first line is its verdict."""
     return View(
-        diagnosis_answer(found, added, next_command),
+        diagnosis_answer(found, ladder, next_command),
         [candidate_table(found.diagnosis)],
         verdict_lines(found, next_command, drive),
     )

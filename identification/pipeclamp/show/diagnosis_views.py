@@ -8,19 +8,19 @@ from pathlib import Path
 
 from pipeclamp.show import diagnosis, metric_diagnosis
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.answer import AddedEffect, BeforeAfter
+from pipeclamp_identification.diagnosis.answer import RungAnswer
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
-from pipeclamp_identification.workflow.change import Addition
+from pipeclamp_identification.workflow.auto import Rung
 
 
 @singledispatch
-def diagnosis_view(found: object, additions: Sequence[Addition], next_command: str, drive: Path | None = None) -> View:
+def diagnosis_view(found: object, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
     """Tell a diagnosis; the first line is its verdict.
 
     Args:
         found: the diagnosis.
-        additions: what was added before it.
+        ladder: what --auto did before it.
         next_command: the shell line to run next.
         drive: the file that the next test's drive signal goes to.
     """
@@ -28,17 +28,22 @@ def diagnosis_view(found: object, additions: Sequence[Addition], next_command: s
 
 
 @diagnosis_view.register
-def _(found: Diagnosed, additions: Sequence[Addition], next_command: str, drive: Path | None = None) -> View:
-    return diagnosis.diagnosis_view(found, _added(additions), next_command, drive)
+def _(found: Diagnosed, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
+    return diagnosis.diagnosis_view(found, _rungs(ladder), next_command, drive)
 
 
 @diagnosis_view.register
-def _(found: MetricDiagnosed, additions: Sequence[Addition], next_command: str, drive: Path | None = None) -> View:
-    return metric_diagnosis.metric_diagnosis_view(found, _added(additions), next_command, drive)
+def _(found: MetricDiagnosed, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
+    return metric_diagnosis.metric_diagnosis_view(found, _rungs(ladder), next_command, drive)
 
 
-def _added(additions: Sequence[Addition]) -> tuple[AddedEffect, ...]:
+def _rungs(ladder: Sequence[Rung]) -> tuple[RungAnswer, ...]:
     return tuple(
-        AddedEffect(effect=one.effect, heldout_nrmse=BeforeAfter(before=one.heldout[0], after=one.heldout[1]))
-        for one in additions
+        RungAnswer(
+            effect=rung.change.effect.removeprefix("+ "),
+            kind=rung.kind,
+            heldout_before=rung.change.heldout[0],
+            heldout_after=rung.change.heldout[1],
+        )
+        for rung in ladder
     )

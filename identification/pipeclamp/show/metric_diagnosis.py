@@ -7,9 +7,9 @@ from pathlib import Path
 from pipeclamp.show.diagnosis import verdict_lines
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.answer import AddedEffect
+from pipeclamp_identification.diagnosis.answer import RungAnswer
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
-from pipeclamp_identification.metrics_only.diagnosis_answer import error, explained, metric_diagnosis_answer
+from pipeclamp_identification.metrics_only.diagnosis_answer import error, metric_diagnosis_answer
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 
 
@@ -20,7 +20,7 @@ def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
             judged.effects[0],
             100 * error(judged, diagnosis),
             100 * diagnosis.heldout[judged.effects[0]],
-            100 * explained(judged, diagnosis),
+            100 * diagnosis.explained(judged),
             100 * diagnosis.chances[judged.effects[0]],
             "; ".join(judged.objections) or "–",
         )
@@ -32,11 +32,11 @@ def metric_candidate_table(diagnosis: MetricDiagnosis) -> Table:
 
 
 def metric_diagnosis_view(
-    found: MetricDiagnosed, added: tuple[AddedEffect, ...], next_command: str, drive: Path | None
+    found: MetricDiagnosed, ladder: tuple[RungAnswer, ...], next_command: str, drive: Path | None
 ) -> View:
-    """Tell a diagnosis, what was added before it, and the command to run next; the first line is its verdict."""
+    """Tell a diagnosis, the ladder before it, and the command to run next; the first line is its verdict."""
     return View(
-        metric_diagnosis_answer(found, added, next_command),
+        metric_diagnosis_answer(found, ladder, next_command),
         [metric_candidate_table(found.diagnosis)],
         verdict_lines(found, next_command, drive),
     )

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
-import numpy as np
 from pydantic import Field
 
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
-from pipeclamp_identification.diagnosis.verdict import Diagnosis, Verdict
+from pipeclamp_identification.diagnosis.verdict import Diagnosis
+from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
 
@@ -30,18 +32,21 @@ class HeldoutErrors(AnswerModel):
     best: float
 
 
-class BeforeAfter(AnswerModel):
-    """An error on left-out conditions before and after."""
+class RungAnswer(AnswerModel):
+    """One step that --auto took before it diagnosed last."""
 
-    before: float
-    after: float
+    effect: str = Field(description="what was added; with - before it what went again, with `base` what took its place")
+    kind: Kind | Literal["revision"] = Field(description="how it was named; `revision`: asked again, and changed")
+    heldout_before: float = Field(description="error on left-out groups of A and f before")
+    heldout_after: float = Field(description="the same after")
 
 
-class AddedEffect(AnswerModel):
-    """What --auto added on the way."""
+class RemainsAnswer(AnswerModel):
+    """What is left once what is named first is in the law."""
 
-    effect: str
-    heldout_nrmse: BeforeAfter
+    force_N: float | None = Field(description="rms of what follows the conditions; null where there are no forces")
+    noise_share: float = Field(description="the same over the scatter")
+    where: tuple[str, ...] = Field(description="where it is, in words")
 
 
 class CandidateAnswer(AnswerModel):
@@ -51,7 +56,7 @@ class CandidateAnswer(AnswerModel):
     heldout_nrmse: float = Field(description="error on left-out groups of A and f")
     heldout_by: Mapping[str, float] = Field(description="the same on other groups that were left out")
     lack_of_fit: float = Field(description="what follows the conditions and isn't explained, over the force noise")
-    explained: float = Field(description="share of the lack of fit's mean square that it explains")
+    explained: float = Field(description="share of the mean-square lack of fit that it takes, on left-out conditions")
     objections: tuple[str, ...] = Field(description="what speaks physically against it")
     parameters: Mapping[str, float]
 
@@ -93,6 +98,11 @@ class DiagnosisAnswer(AnswerModel):
 
     verdict: Verdict
     effects: tuple[str, ...] = Field(description="as `add` takes them, best first")
+    kind: Kind | None = Field(description="cause: it explains what is missing; part: it takes so much of it")
+    explained: float | None = Field(
+        description="share of the mean-square lack of fit, on left-out conditions, that what is named first takes"
+    )
+    remains: RemainsAnswer | None = Field(description="what is left with what is named first")
     candidates: tuple[CandidateAnswer, ...]
     pair: CandidateAnswer | None
     screened_out: Mapping[str, float] = Field(description="effects that one step showed can't help, and their promise")
@@ -105,16 +115,19 @@ class DiagnosisAnswer(AnswerModel):
     left_over: tuple[str, ...]
     reasons: tuple[str, ...]
     left_out: tuple[LeftOutRun, ...]
-    added: tuple[AddedEffect, ...]
+    ladder: tuple[RungAnswer, ...] = Field(description="what --auto did before this verdict")
     next_command: str = Field(description="the shell line to run next")
 
 
-def diagnosis_answer(found: Diagnosed, added: tuple[AddedEffect, ...], next_command: str) -> DiagnosisAnswer:
-    """Give what a diagnosis found, what was added before it, and the command to run next."""
+def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_command: str) -> DiagnosisAnswer:
+    """Give what a diagnosis found, the ladder before it, and the command to run next."""
     diagnosis = found.diagnosis
     return DiagnosisAnswer(
         verdict=found.verdict,
         effects=found.effects,
+        kind=found.kind,
+        explained=diagnosis.explained,
+        remains=_remains(diagnosis),
         candidates=tuple(_candidate(candidate, diagnosis) for candidate in diagnosis.candidates),
         pair=_candidate(diagnosis.pair, diagnosis) if diagnosis.pair else None,
         screened_out=diagnosis.screened_out,
@@ -138,9 +151,19 @@ def diagnosis_answer(found: Diagnosed, added: tuple[AddedEffect, ...], next_comm
         left_over=found.left_over(),
         reasons=diagnosis.reasons,
         left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.comparison.campaign.left_out),
-        added=added,
+        ladder=ladder,
         next_command=next_command,
     )
+
+
+def _remains(diagnosis: Diagnosis) -> RemainsAnswer | None:
+    """Give what is left with what is named first; None where nothing is named."""
+    named = diagnosis.found.named
+    if named is None:
+        return None
+    leftover = diagnosis.leftover
+    where = leftover.lines if diagnosis.is_adequate(named) else (*leftover.words, *leftover.lines)
+    return RemainsAnswer(force_N=named.lack.rms, noise_share=named.lack.share, where=where)
 
 
 def _candidate(candidate: Judged, diagnosis: Diagnosis) -> CandidateAnswer:
@@ -149,7 +172,7 @@ def _candidate(candidate: Judged, diagnosis: Diagnosis) -> CandidateAnswer:
         heldout_nrmse=candidate.heldout_nrmse,
         heldout_by=candidate.heldout_by,
         lack_of_fit=candidate.lack.share,
-        explained=explained(candidate, diagnosis),
+        explained=explained_share(candidate, diagnosis.law),
         objections=candidate.objections,
         parameters={
             parameter.name: candidate.result.law.values[parameter.name]
@@ -158,12 +181,6 @@ def _candidate(candidate: Judged, diagnosis: Diagnosis) -> CandidateAnswer:
             for parameter in effect.parameters
         },
     )
-
-
-def explained(candidate: Judged, diagnosis: Diagnosis) -> float:
-    """Give the share of the lack of fit's energy that a candidate explains."""
-    whole = diagnosis.law.lack.excess
-    return float(np.clip(1.0 - max(candidate.lack.excess, 0.0) / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
 
 def _next_test(proposal: Proposal) -> NextTestAnswer:

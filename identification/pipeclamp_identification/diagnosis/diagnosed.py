@@ -7,20 +7,24 @@ from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
+from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
-from pipeclamp_identification.diagnosis.verdict import Diagnosis, Verdict, diagnose
+from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, structure_of
 
-HEADLINES: dict[Verdict, str] = {
-    "complete": "Complete: what is left is scatter.",
-    "missing": "Missing: {}.",
-    "ambiguous": "One of these is missing, and this data can't tell which: {}.",
-    "unknown": "Something is missing, and nothing in the catalogue explains it.",
+HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
+    ("complete", None): "Complete: what is left is scatter.",
+    ("missing", "cause"): "Missing: {}.",
+    ("missing", "part"): "Part of what is missing: {}.",
+    ("ambiguous", "cause"): "One of these is missing, and this data can't tell which: {}.",
+    ("ambiguous", "part"): "One of these takes part of what is missing, and this data can't tell which: {}.",
+    ("unknown", None): "Something is missing, and nothing in the catalogue takes a material share of it.",
 }
+NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 
 
 @dataclass(frozen=True)
@@ -49,29 +53,35 @@ class Diagnosed:
         """What is missing, or may be, as `add` takes it; best first."""
         return self.diagnosis.effects
 
+    @property
+    def kind(self) -> Kind | None:
+        """How what is named is meant: as the cause, or as a part of what is missing."""
+        return self.diagnosis.kind
+
     def headline(self) -> str:
         """Give the verdict in words."""
-        return HEADLINES[self.verdict].format(" or ".join(self.effects))
+        return HEADLINES[self.verdict, self.kind].format(" or ".join(self.effects))
 
     def words(self) -> tuple[str, ...]:
-        """Say why, and what the best law leaves over."""
-        return (*self.diagnosis.reasons, *self.left_over())
+        """Say why, and what is left over."""
+        return (*self.diagnosis.reasons, *self.cautions(), *self.left_over())
 
     def left_over(self) -> tuple[str, ...]:
-        """Say what the best law leaves over, beyond scatter."""
+        """Say what is left over beyond scatter: with what is named first, or else by the best law."""
         diagnosis = self.diagnosis
-        best, leftover = diagnosis.best, diagnosis.leftover
+        described, leftover = diagnosis.described, diagnosis.leftover
         if self.verdict == "complete":
             return ()
-        if diagnosis.is_adequate(best):
+        if diagnosis.is_adequate(described):
             return leftover.lines
-        law = f"with {' and '.join(best.effects)}" if best.effects else "as it is"
-        left = f"the law {law} leaves {best.lack.share:.0%} of the force noise that follows the conditions"
+        law = f"with {' and '.join(described.effects)}" if described.effects else "as it is"
+        lack = described.lack
+        left = f"the law {law} leaves {lack.rms:.3g} N that follow the conditions, {lack.share:.2g} times the noise"
         return (left, *leftover.words, *leftover.lines)
 
     def cautions(self) -> tuple[str, ...]:
-        """Say what to mind of what was named: nothing, where there are records."""
-        return ()
+        """Say what to mind of what was named."""
+        return (NO_PROOF,) if self.kind == "part" else ()
 
 
 def diagnosed(

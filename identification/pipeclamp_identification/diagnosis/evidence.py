@@ -92,14 +92,16 @@ def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whit
     plain_slopes = np.moveaxis(observations.loops.plain_slopes(result.law_force, result.places), 0, -1) / scale
     mean_squares = np.empty(len(groups))
     normal = np.einsum("rmp,rmq->pq", jacobian, jacobian)
+    prior = np.diag(result.precision / scale**2)
     squares = np.empty(len(groups))
     for group in range(int(groups.max()) + 1):
         own = groups == group
         J = jacobian[own].reshape(-1, jacobian.shape[2])
         r = fitted.residual[own].ravel()
         rest = normal - J.T @ J
-        # A direction that this group alone determines can't be foretold without it.
-        step = np.linalg.pinv(np.nan_to_num(rest), rcond=1e-10, hermitian=True) @ np.nan_to_num(J.T @ r)
+        # A direction that this group alone determines can't be foretold without it, but by the priors.
+        step = np.linalg.pinv(np.nan_to_num(rest) + prior, rcond=1e-10, hermitian=True) @ np.nan_to_num(J.T @ r)
+        step = np.clip(step, *(result.room * scale))
         whole = np.sum((r + J @ step).reshape(np.count_nonzero(own), -1) ** 2, axis=1)
         squares[own] = np.nan_to_num(whole, nan=np.inf)
         error = np.where(observations.loops.seen[own], plain[own] + plain_slopes[own] @ step, 0.0)
@@ -129,6 +131,11 @@ class LackOfFit:
     def excess(self) -> float:
         """Mean square of what follows the conditions, N2."""
         return float(self.by_channel.sum())
+
+    @property
+    def rms(self) -> float:
+        """What follows the conditions, N."""
+        return float(np.sqrt(max(self.excess, 0.0)))
 
 
 def lack_of_fit(

@@ -29,6 +29,10 @@ from pipeclamp_models.law.law import Structure
 
 CLOSELY = 1e-7
 """Tolerance of a candidate's fit."""
+ROUGHLY = 1e-3
+"""Tolerance of the fits that only tell the best of several starts."""
+VALLEYS = 2
+"""Starts from which an effect is fitted, those that promise most: the error has valleys between them."""
 WORTH_PROCESSES = 100
 """Rows from which on fits are shared out to processes, which take some seconds to start."""
 
@@ -123,7 +127,7 @@ def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
     noise = noise_model(loops, harmonics.plain_residual(first.law_force))
     groups = condition_groups(loops)
     problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops))
-    return problem, judge((), structure, first.law.values, problem)
+    return problem, judge((), structure, [first.law.values], problem)
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:
@@ -140,15 +144,18 @@ def weighed_for(problem: Problem, best: Fit) -> Problem:
     return replace(problem, noise=noise, discrepancy=max(float(excess.sum()) / np.count_nonzero(seen), 0.0))
 
 
-def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, float], problem: Problem) -> Judged:
+def judge(
+    effects: tuple[str, ...], structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem
+) -> Judged:
     """Fit a structure to the problem and gather the evidence.
 
     Args:
         effects: what the structure has beyond the law as it is.
         structure: what is fitted.
-        start: values to start from.
+        starts: values to start from, most promising first.
         problem: the data.
     """
+    start = _best_start(structure, starts, problem)
     result = fit(structure, problem.observations, start=start, tolerance=CLOSELY)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
@@ -169,6 +176,14 @@ def judge(effects: tuple[str, ...], structure: Structure, start: Mapping[str, fl
     return Judged(effects, lean, fitted, score, lack, error, further, objections(effects, result), akaike)
 
 
+def _best_start(structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem) -> Mapping[str, float]:
+    """Give where a rough fit ends from the best of the most promising starts."""
+    if len(starts) == 1:
+        return starts[0]
+    rough = [fit(structure, problem.observations, start=start, tolerance=ROUGHLY) for start in starts[:VALLEYS]]
+    return min(rough, key=lambda result: result.cost).law.values
+
+
 def _share_of_force(score: LeftOutScore, loops: Loops) -> float:
     """Give the error on left-out groups as a share of the force, scatter included."""
     return float(np.sqrt(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2)))
@@ -176,11 +191,14 @@ def _share_of_force(score: LeftOutScore, loops: Loops) -> float:
 
 @dataclass(frozen=True)
 class Contender:
-    """A law to be judged: what it has beyond the law as it is, its structure, and values to start from."""
+    """A law to be judged: what it has beyond the law as it is, its structure, and values to start from.
+
+    Starts are ordered, most promising first.
+    """
 
     effects: tuple[str, ...]
     structure: Structure
-    start: Mapping[str, float]
+    starts: Sequence[Mapping[str, float]]
 
 
 def judge_each(
@@ -198,7 +216,7 @@ def judge_each(
         what came of each, in the same order.
     """
     processes = min(effective_n_jobs(jobs), len(contenders)) if problem.is_large else 1
-    work = (delayed(judge)(each.effects, each.structure, each.start, problem) for each in contenders)
+    work = (delayed(judge)(each.effects, each.structure, each.starts, problem) for each in contenders)
     judged = []
     for result in Parallel(n_jobs=max(processes, 1), return_as="generator")(work):
         tell(f"fitted {' and '.join(result.effects)}")

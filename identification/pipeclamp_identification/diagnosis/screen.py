@@ -54,6 +54,11 @@ class Promise:
     steps: Sequence[Linearised]
     starts: Sequence[Mapping[str, float]]
 
+    def ranked_starts(self) -> list[Mapping[str, float]]:
+        """Give the starts, most promising first."""
+        costs = [step.cost_after_one_step() for step in self.steps]
+        return [self.starts[place] for place in np.argsort(costs, kind="stable")]
+
 
 def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> Promise | None:
     """Give what an effect promises; None if it can't be fitted."""

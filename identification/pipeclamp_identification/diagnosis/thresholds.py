@@ -15,12 +15,20 @@ MATERIAL_NOISE_SHARE = 0.1
 MATERIAL_FORCE_SHARE = 2e-4
 """Nor is what lies below this share of the force (rms): few load cells are truer."""
 FORM_SHARE = 0.1
-"""An effect may leave over this share (rms) of what the bare base law lacks: real effects rarely have a catalogue's
-exact form."""
-MOST_FORM_NOISE_SHARE = 1.0
-"""But a law that leaves over more than the force noise itself is not complete, whatever its effects' form."""
+"""What no effect explains may be this share (rms) of what the bare base law lacks, and pass for the form of the law's
+effects: real effects rarely have a catalogue's exact form."""
+FORM_NOISE_SHARE = 0.75
+"""But no more than this share of the force noise: with it, a law's error is a quarter above the floor. What leaves over
+more doesn't fit in its form either."""
 UNEXPLAINED_SHARE = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
+MATERIAL_PART_SHARE = 0.1
+"""A part that is worth a rung takes this share of the mean-square lack of fit: the error falls by a twentieth."""
+PART_STANDARD_ERRORS = 2.0
+"""And its gain on left-out groups exceeds its own standard error, from group to group, so many times."""
+SAME_PART_SHARE = 0.5
+"""Two effects rival each other for a part where one promises less than this share beside the other of what it promises
+alone; otherwise both are missing."""
 ALONE_SHARE = UNEXPLAINED_SHARE**2
 """Of two effects that explain it together, the one to name must explain this share (mean square) alone: two that do so
 only against each other are terms of a series, not physics."""

@@ -58,7 +58,10 @@ class Fit:
         frozen: why a parameter was held, by name.
         at_bound: parameters that ended at a bound.
         law_force: force (R, n) and Jacobian at the solution.
-        cost: half the sum of squared weighted residuals.
+        cost: half the sum of squared weighted residuals, without the priors'.
+        precision: of the priors of the fitted parameters, one over their variance; zero where there is none, shape
+            (fitted,).
+        room: from each fitted parameter down and up to its bounds, shape (2, fitted).
     """
 
     law: Law
@@ -69,6 +72,8 @@ class Fit:
     at_bound: frozenset[str]
     law_force: LawForce
     cost: float
+    precision: Array
+    room: Array
 
     @property
     def places(self) -> npt.NDArray[np.intp]:
@@ -320,6 +325,8 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
         at_bound=frozenset(),
         law_force=law_force,
         cost=float(np.sum(residual**2)) / 2,
+        precision=np.zeros(0),
+        room=np.zeros((2, 0)),
     )
 
 
@@ -332,6 +339,30 @@ def parameter_bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) ->
     lower = np.array([number_of(parameter.lower, scales) for parameter in equations.parameters])
     upper = np.array([number_of(parameter.upper, scales) for parameter in equations.parameters])
     return lower, upper
+
+
+@dataclass(frozen=True)
+class Priors:
+    """Normal priors of parameters, shape (P,) each: `root` is one over the standard deviation, zero without a prior."""
+
+    mean: Array
+    root: Array
+
+    def of(self, chosen: npt.NDArray[np.intp]) -> Priors:
+        """Give those of some parameters."""
+        return Priors(self.mean[chosen], self.root[chosen])
+
+    def residual(self, values: Array) -> Array:
+        """Give the residuals by which priors join the data's."""
+        return (values - self.mean) * self.root
+
+
+def priors(equations: Equations, scales: Mapping[sp.Symbol, float]) -> Priors:
+    """Give the priors of a law's parameters, for data of these scales."""
+    spreads = [parameter.spread for parameter in equations.parameters]
+    roots = [0.0 if spread is None else 1.0 / number_of(spread, scales) for spread in spreads]
+    means = [parameter.neutral or 0.0 for parameter in equations.parameters]
+    return Priors(np.array(means), np.array(roots))
 
 
 def _starts(
@@ -389,11 +420,14 @@ def _minimise(
     # What only holds a law against tests does without it: it takes as long to load as all the rest.
     from scipy.optimize import least_squares
 
+    prior = priors(equations, scales).of(free)
+    prior_slopes = np.diag(prior.root)
+
     def minimise(method: str, at: Array) -> OptimizeResult:
         return least_squares(
-            evaluator.residual,
+            lambda point: np.concatenate([evaluator.residual(point), prior.residual(point)]),
             at,
-            jac=evaluator.jacobian,
+            jac=lambda point: np.concatenate([evaluator.jacobian(point), prior_slopes]),
             bounds=(lower, upper),
             x_scale="jac",
             method=method,
@@ -435,10 +469,12 @@ def _finish(
         [index for index, name in enumerate(equations.names) if name not in frozen and name not in at_bound],
         dtype=np.intp,
     )
+    roots = priors(equations, scales).root
     while True:
         evaluator = _Evaluator(law, values, free)
         jacobian = evaluator.jacobian(values[free])
         norms = np.linalg.norm(jacobian, axis=0)
+        norms[norms < SINGULAR * roots[free]] = 0.0
         scaled = jacobian / np.where(norms > 0, norms, 1.0)
         _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
         if len(free) == 0 or (np.all(norms > 0) and singular[-1] > SINGULAR * singular[0]):
@@ -447,17 +483,20 @@ def _finish(
         frozen[equations.names[free[weak]]] = "the data doesn't determine it"
         free = np.delete(free, weak)
     residual = evaluator.residual(values[free])
+    precision = roots[free] ** 2
     law_force = evaluator.law_force(values[free])
     by_run = residual.reshape(law.observations.motion.y.shape[0], -1)
     return Fit(
         law=Law(structure, dict(zip(equations.names, values.tolist(), strict=True)), *law.smoothing),
         equations=equations,
         fitted=tuple(equations.names[index] for index in free),
-        covariance=_covariance(scaled, norms, by_run, law.observations.compared(law_force)),
+        covariance=_covariance(scaled, norms, by_run, law.observations.compared(law_force), precision),
         frozen=frozen,
         at_bound=frozenset(at_bound),
         law_force=law_force,
         cost=float(residual @ residual) / 2,
+        precision=precision,
+        room=np.stack([lower[free] - values[free], upper[free] - values[free]]),
     )
 
 
@@ -466,10 +505,10 @@ def _last_of_largest(shares: Array) -> int:
     return int(np.flatnonzero(shares > (1 - ALIKE) * shares.max())[-1])
 
 
-def _covariance(scaled: Array, norms: Array, residual: Array, compared: int) -> Array:
+def _covariance(scaled: Array, norms: Array, residual: Array, compared: int, precision: Array) -> Array:
     """Give the covariance from the scaled Jacobian (residuals, P), its norms (P,) and the residuals by run (R, m).
 
-    So many of the residuals are compared: the others are zero, whatever the law.
+    So many of the residuals are compared: the others are zero, whatever the law. `precision` is that of the priors.
 
     Residuals of one run share their causes (its temperature, its scatter), so they are counted run by run: the
     covariance is the sandwich of run sums, where there are runs enough for it, and never below the one that trusts the
@@ -478,8 +517,8 @@ def _covariance(scaled: Array, norms: Array, residual: Array, compared: int) -> 
     runs, count = residual.shape[0], scaled.shape[1]
     if count == 0:
         return np.zeros((0, 0))
-    inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
     spread = max(1.0, float(np.sum(residual**2)) / max(compared - count, 1))
+    inverse = np.linalg.pinv(scaled.T @ scaled + spread * np.diag(precision / norms**2), hermitian=True)
     plain = inverse * spread
     if runs > 2 * count:
         scores = np.einsum("rmp,rm->rp", scaled.reshape(runs, -1, count), residual)

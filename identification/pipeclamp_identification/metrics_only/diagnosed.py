@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from pipeclamp_identification.diagnosis.diagnosed import NO_PROOF
+from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest
-from pipeclamp_identification.diagnosis.verdict import Verdict
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
@@ -16,11 +17,13 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, structure_of
 
-HEADLINES: dict[Verdict, str] = {
-    "complete": "Complete, as far as dW and W can show: what is left is scatter.",
-    "missing": "Missing: {}.",
-    "ambiguous": "One of these is missing, and these metrics can't tell which: {}.",
-    "unknown": "These metrics can't say what is missing.",
+HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
+    ("complete", None): "Complete, as far as dW and W can show: what is left is scatter.",
+    ("missing", "cause"): "Missing: {}.",
+    ("missing", "part"): "Part of what is missing: {}.",
+    ("ambiguous", "cause"): "One of these is missing, and these metrics can't tell which: {}.",
+    ("ambiguous", "part"): "One of these takes part of what is missing, and these metrics can't tell which: {}.",
+    ("unknown", None): "These metrics can't say what is missing.",
 }
 CONDITIONS = {"A": "amplitude", "f": "frequency", "T": "temperature", "N": "cycle number", "rho": "density"}
 
@@ -53,9 +56,14 @@ class MetricDiagnosed:
         """What is missing, or may be, as `add` takes it; best first."""
         return self.diagnosis.effects
 
+    @property
+    def kind(self) -> Kind | None:
+        """How what is named is meant: as the cause, or as a part of what is missing."""
+        return self.diagnosis.kind
+
     def headline(self) -> str:
         """Give the verdict in words."""
-        return HEADLINES[self.verdict].format(" or ".join(self.diagnosis.effects))
+        return HEADLINES[self.verdict, self.kind].format(" or ".join(self.diagnosis.effects))
 
     def words(self) -> list[str]:
         """Say why, what it rests on, and what metrics can't show."""
@@ -63,7 +71,7 @@ class MetricDiagnosed:
 
     def cautions(self) -> list[str]:
         """Warn where what was named rests on single measurements."""
-        diagnosis, words = self.diagnosis, []
+        diagnosis, words = self.diagnosis, [NO_PROOF] if self.kind == "part" else []
         name = "".join(diagnosis.effects[:1])
         if diagnosis.rests_on:
             rows = "; ".join(_place(self.campaign, row) for row in diagnosis.rests_on)

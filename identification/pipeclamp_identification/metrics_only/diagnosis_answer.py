@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from pydantic import Field
 
-from pipeclamp_identification.diagnosis.answer import AddedEffect, HeldoutErrors, LawErrors
-from pipeclamp_identification.diagnosis.verdict import Verdict
+from pipeclamp_identification.diagnosis.answer import HeldoutErrors, LawErrors, RemainsAnswer, RungAnswer
+from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.metrics_only.comparison_answer import MEASURE
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import MetricJudged
@@ -58,6 +58,9 @@ class MetricDiagnosisAnswer(AnswerModel):
 
     verdict: Verdict
     effects: tuple[str, ...] = Field(description="as `add` takes them, best first")
+    kind: Kind | None = Field(description="cause: it explains what is missing; part: it takes so much of it")
+    explained: float | None = Field(description="share of what the richest law explains that what is named first takes")
+    remains: RemainsAnswer | None = Field(description="what is left with what is named first")
     measure: str = Field(description="what the errors measure")
     candidates: tuple[MetricCandidateAnswer, ...]
     screened_out: tuple[str, ...] = Field(description="effects that were fitted and gain next to nothing")
@@ -72,19 +75,23 @@ class MetricDiagnosisAnswer(AnswerModel):
     left_over: tuple[str, ...]
     reasons: tuple[str, ...]
     left_out: tuple[LeftOutRun, ...]
-    added: tuple[AddedEffect, ...]
+    ladder: tuple[RungAnswer, ...] = Field(description="what --auto did before this verdict")
     next_command: str = Field(description="the shell line to run next")
 
 
 def metric_diagnosis_answer(
-    found: MetricDiagnosed, added: tuple[AddedEffect, ...], next_command: str
+    found: MetricDiagnosed, ladder: tuple[RungAnswer, ...], next_command: str
 ) -> MetricDiagnosisAnswer:
-    """Give what a diagnosis found, what was added before it, and the command to run next."""
+    """Give what a diagnosis found, the ladder before it, and the command to run next."""
     diagnosis, proposal = found.diagnosis, found.proposal
     dissipated, elastic = diagnosis.scatter.share
+    named = diagnosis.named
     return MetricDiagnosisAnswer(
         verdict=found.verdict,
         effects=found.effects,
+        kind=found.kind,
+        explained=None if named is None else diagnosis.explained(named),
+        remains=None if named is None else RemainsAnswer(force_N=None, noise_share=rms(named.residual), where=()),
         measure=MEASURE,
         candidates=tuple(_candidate(judged, diagnosis) for judged in diagnosis.candidates),
         screened_out=diagnosis.screened_out,
@@ -107,7 +114,7 @@ def metric_diagnosis_answer(
         left_over=(),
         reasons=tuple(found.words()),
         left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.campaign.left_out),
-        added=added,
+        ladder=ladder,
         next_command=next_command,
     )
 
@@ -117,19 +124,13 @@ def error(judged: MetricJudged, diagnosis: MetricDiagnosis) -> float:
     return rms(judged.residual * diagnosis.observations.relative_error)
 
 
-def explained(judged: MetricJudged, diagnosis: MetricDiagnosis) -> float:
-    """Give the share of what the richest law explains beyond the law as it is that a candidate explains alone."""
-    whole = diagnosis.law.squares - min(diagnosis.richest.squares, judged.squares)
-    return float(np.clip((diagnosis.law.squares - judged.squares) / whole, 0.0, 1.0)) if whole > 0 else 0.0
-
-
 def _candidate(judged: MetricJudged, diagnosis: MetricDiagnosis) -> MetricCandidateAnswer:
     name = judged.effects[0]
     return MetricCandidateAnswer(
         effect=name,
         heldout_nrmse=diagnosis.heldout[name],
         nrmse=error(judged, diagnosis),
-        explained=explained(judged, diagnosis),
+        explained=diagnosis.explained(judged),
         chance=diagnosis.chances[name],
         objections=judged.objections,
         parameters={

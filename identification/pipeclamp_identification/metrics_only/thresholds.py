@@ -27,3 +27,6 @@ UNSEEN_SHARE = 0.05
 coarse cycle alone make a percent, and what shows makes half of it or more."""
 IMITATED_SHARE = 0.02
 """An effect of which the law's own parameters leave no more than this share can't be told from them."""
+NEARLY_ALL_SHARE = 0.9
+"""An effect that explains this share of the squares that the richest law explains is named as the cause; with less it
+takes a part."""

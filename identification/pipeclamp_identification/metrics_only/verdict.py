@@ -8,9 +8,10 @@ from functools import partial
 
 import numpy as np
 
+from pipeclamp_identification.diagnosis.candidates import distinct
+from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.noise import smooth_functions
 from pipeclamp_identification.diagnosis.screen import candidate_names
-from pipeclamp_identification.diagnosis.verdict import Verdict, distinct
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.evidence import (
     EXPECTED_FREEDOMS,
@@ -30,6 +31,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
     FEWEST_FREEDOMS,
     GREATER_PART_SHARE,
     HOPELESS_CHANCE,
+    NEARLY_ALL_SHARE,
     REAL_CHANCE,
     RIVAL_LIKELIHOOD,
 )
@@ -85,6 +87,23 @@ class MetricDiagnosis:
     rests_on: tuple[int, ...]
     tested_once: tuple[str, ...]
     reasons: tuple[str, ...]
+
+    @property
+    def named(self) -> MetricJudged | None:
+        """The law with what is named first; None where nothing is."""
+        return next((judged for judged in self.candidates if judged.effects == self.effects[:1]), None)
+
+    @property
+    def kind(self) -> Kind | None:
+        """Whether what is named first explains nearly all that the metrics show missing, or takes a part of it."""
+        if self.named is None:
+            return None
+        return "cause" if self.explained(self.named) > NEARLY_ALL_SHARE else "part"
+
+    def explained(self, judged: MetricJudged) -> float:
+        """Give the share of what the richest law explains beyond the law as it is that a candidate explains alone."""
+        whole = self.law.squares - min(self.richest.squares, judged.squares)
+        return float(np.clip((self.law.squares - judged.squares) / whole, 0.0, 1.0)) if whole > 0 else 0.0
 
     @property
     def best(self) -> MetricJudged:

@@ -1,18 +1,35 @@
-"""Diagnose and add, again and again, until the law is complete, ambiguous or beyond the catalogue."""
+"""Diagnose and add, again and again, until no step lowers the error on left-out conditions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.workflow.change import Addition, add_effect
+from pipeclamp_identification.workflow.change import Addition, add_effect, rebase, remove_effect
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile
 
-MOST_EFFECTS = 8
+MOST_RUNGS = 12
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of the ladder.
+
+    Attributes:
+        change: what was done to the law, and what the error did.
+        kind: how it was named; `revision` where the law was asked again, and an effect went or another base came.
+        words: what to mind of it.
+    """
+
+    change: Addition
+    kind: Kind | Literal["revision"]
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -22,24 +39,24 @@ class Settled:
     Attributes:
         file: the law.
         found: the last diagnosis.
-        additions: what was added on the way.
-        cautions: what to mind of each addition.
+        ladder: what was done on the way.
         in_vain: what the last diagnosis named, where adding it didn't lower the error on left-out conditions.
     """
 
     file: LawFile
     found: Diagnosed
-    additions: tuple[Addition, ...]
-    cautions: tuple[tuple[str, ...], ...]
+    ladder: tuple[Rung, ...]
     in_vain: Addition | None = None
 
     def words(self) -> list[str]:
-        """Say what each addition did to the error on left-out conditions, and what to mind of it."""
+        """Say what each rung did to the error on left-out conditions, and what to mind of it."""
         words = []
-        for one, cautions in zip(self.additions, self.cautions, strict=True):
-            before, after = one.heldout
-            words += [f"{one.effect}: error on left-out conditions {before:.2%} -> {after:.2%}"]
-            words += [f"  {caution}" for caution in cautions]
+        for rung in self.ladder:
+            before, after = rung.change.heldout
+            words.append(
+                f"{rung.change.effect} ({rung.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
+            )
+            words += [f"  {word}" for word in rung.words]
         if self.in_vain:
             before, after = self.in_vain.heldout
             words.append(
@@ -58,33 +75,64 @@ def add_until_settled(
     limits: Limits | None = None,
     jobs: int = 1,
     progress: Progress = silent,
-    most: int = MOST_EFFECTS,
+    most: int = MOST_RUNGS,
     seen: Callable[[Diagnosed, LawFile], None] = lambda found, file: None,
 ) -> Settled:
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
+
+    After each addition the effects so far are asked again: one that the law does as well without goes. Where nothing
+    is named, the other base laws are tried; one that does better beyond doubt takes the base's place.
 
     Args:
         file: the law to begin with.
         tests: records, or metrics alone.
         command, declared, limits, jobs, progress: as for `add_effect` and `Tests.diagnose`.
-        most: effects that are added at most.
+        most: rungs at most.
         seen: is given each diagnosis with its law.
 
     Raises:
         UserError: the data can't serve the law.
     """
-    additions: list[Addition] = []
-    cautions: list[tuple[str, ...]] = []
+    ladder: list[Rung] = []
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
         seen(found, file)
-        if found.verdict != "missing" or len(additions) == most:
-            return Settled(file, found, tuple(additions), tuple(cautions))
+        if len(ladder) >= most or found.verdict not in ("missing", "unknown"):
+            return Settled(file, found, tuple(ladder))
+        if found.verdict == "unknown":
+            rung = _on_another_base(file, tests, command, progress)
+            if rung is None:
+                return Settled(file, found, tuple(ladder))
+            ladder.append(rung)
+            file = rung.change.after
+            continue
         addition = add_effect(
             file, found.effects[0], tests, command=command, date=file.date, declared=declared, progress=progress
         )
         if addition.heldout[1] >= addition.heldout[0]:
-            return Settled(file, found, tuple(additions), tuple(cautions), in_vain=addition)
-        additions.append(addition)
-        cautions.append(tuple(found.cautions()))
+            return Settled(file, found, tuple(ladder), in_vain=addition)
+        ladder.append(Rung(addition, found.kind or "cause", tuple(found.cautions())))
         file = addition.after
+        while (rung := _without_a_spare(file, found.effects[0], tests, command, progress)) is not None:
+            ladder.append(rung)
+            file = rung.change.after
+
+
+def _without_a_spare(file: LawFile, keep: str, tests: Tests, command: str, progress: Progress) -> Rung | None:
+    """Take out an effect that the law does as well without."""
+    spare = tests.superfluous(file, keep, progress)
+    if spare is None:
+        return None
+    change = remove_effect(file, spare, tests, command=command, date=file.date, progress=progress)
+    return Rung(change, "revision", (f"the law does as well without {spare}, now that it has {keep}",))
+
+
+def _on_another_base(file: LawFile, tests: Tests, command: str, progress: Progress) -> Rung | None:
+    """Put a law on a base that does better; None where none does."""
+    structure = tests.better_base(file, progress)
+    if structure is None:
+        return None
+    change = rebase(file, structure, tests, command=command, date=file.date, progress=progress)
+    if change.heldout[1] >= change.heldout[0]:
+        return None
+    return Rung(change, "revision", (f"base {structure.base} does better than {file.base} on left-out conditions",))

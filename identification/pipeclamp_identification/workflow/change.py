@@ -83,6 +83,17 @@ def remove_effect(
     return _changed(file, new, f"- {effect}", tests, command=command, date=date, progress=progress)
 
 
+def rebase(
+    file: LawFile, structure: Structure, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
+) -> Addition:
+    """Put a law on another base and refit everything to tests; `structure` is the whole law on it, see `add_effect`.
+
+    Raises:
+        UserError: the data can't serve it.
+    """
+    return _changed(file, structure, f"base {structure.base}", tests, command=command, date=date, progress=progress)
+
+
 def _changed(
     file: LawFile,
     new: Structure,

@@ -146,3 +146,11 @@ class MetricTests:
         from pipeclamp_identification.metrics_only.diagnosed import metrics_diagnosed
 
         return metrics_diagnosed(file, self.campaign, declared=declared, limits=limits, progress=progress)
+
+    def superfluous(self, file: LawFile, keep: str, progress: Progress) -> str | None:
+        """Two numbers a run are too few to take effects out again by."""
+        return None
+
+    def better_base(self, file: LawFile, progress: Progress) -> Structure | None:
+        """Two numbers a run are too few to choose a base by."""
+        return None

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.campaign.reading import LeftOut
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
@@ -53,6 +54,10 @@ class Diagnosed(Protocol):
     @property
     def effects(self) -> tuple[str, ...]:
         """What is missing, or may be, as `add` takes it; best first."""
+
+    @property
+    def kind(self) -> Kind | None:
+        """How what is named is meant: as the cause, or as a part of what is missing."""
 
     @property
     def proposal(self) -> Proposed | None:
@@ -198,6 +203,25 @@ class Tests(Protocol):
             limits: what the rig can do, for the next test.
             jobs: processes; -1 for as many as there are cores.
             progress: is told what is being done.
+
+        Raises:
+            UserError: the tests can't serve the law.
+        """
+
+    def superfluous(self, file: LawFile, keep: str, progress: Progress) -> str | None:
+        """Give the effect that a law does as well without; None where each is needed, or nothing can tell.
+
+        Args:
+            file: the law.
+            keep: the effect that was added last, which isn't asked.
+            progress: is told what is being done.
+
+        Raises:
+            UserError: the tests can't serve the law.
+        """
+
+    def better_base(self, file: LawFile, progress: Progress) -> Structure | None:
+        """Give a law on another base that does better on left-out conditions; None where none does, or nothing can tell.
 
         Raises:
             UserError: the tests can't serve the law.

@@ -58,6 +58,16 @@ class Parameter:
         return self.start if isinstance(self.start, tuple) else (self.start,)
 
     @property
+    def spread(self) -> sp.Expr | float | None:
+        """Standard deviation of the normal prior about `neutral`; None where there is none.
+
+        How strongly a coefficient follows a condition is what few conditions leave open, so it shrinks to "not at all"
+        as far as the data don't say otherwise. Its bounds, which lie symmetrically, are three standard deviations off.
+        """
+        symmetric = self.neutral is not None and not self.lower + self.upper - 2 * self.neutral
+        return self.upper / 3 if self.follows and symmetric and self.upper != math.inf else None
+
+    @property
     def size(self) -> sp.Expr | float:
         """A typical size, such as real clamps and rigs have: what is stated, or the middle one of the starts."""
         return self.typical if self.typical is not None else self.starts[len(self.starts) // 2]

@@ -1,0 +1,121 @@
+"""Candidates: the effects that promise something, fitted with the law one by one and in pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from pipeclamp_identification.diagnosis.problem import Contender, Judged, Problem, judge, judge_each
+from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
+from pipeclamp_identification.diagnosis.thresholds import LARGER_MEMBER_SQUARES, WORTH_FITTING_SHARE
+from pipeclamp_identification.fitting.least_squares import linearised
+from pipeclamp_identification.fitting.refinement import refined_starts
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.law import Structure, with_effect
+
+MOST_FITTED = 8
+"""Candidates that the screen lets through to a full fit, at most."""
+MOST_PAIRED = 3
+"""Best candidates that are tried together with a second effect, where one alone doesn't explain."""
+
+
+def candidates(
+    structure: Structure, problem: Problem, promises: Sequence[Promise], jobs: int, tell: Callable[[str], None]
+) -> tuple[list[Judged], dict[str, float]]:
+    """Fit the effects that promise something; best first, and what was screened out with its share of the best's."""
+    top = promises[0].gain if promises else 0.0
+    ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:MOST_FITTED]
+    worth = max(WORTH_FITTING_SHARE * top, 1e-300)
+    chosen = [promise for promise in promises if effect_id(promise.name) in ids and promise.gain >= worth]
+    left = {promise.name: promise.gain / top if top > 0 else 0.0 for promise in promises if promise not in chosen}
+    contenders = [
+        Contender((promise.name,), with_effect(structure, promise.name), promise.ranked_starts()) for promise in chosen
+    ]
+    judged = ranked(judge_each(contenders, problem, jobs, tell))
+    grown = [larger_as_asked(each, structure, problem, tell) for each in judged[:MOST_PAIRED]]
+    return ranked([*grown, *judged[MOST_PAIRED:]]), left
+
+
+def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell: Callable[[str], None]) -> Judged:
+    """Give a law with added effects' members as large as the data ask for: larger while each does clearly better."""
+    for place in range(len(judged.effects)):
+        while (larger := _with_larger(judged, place, structure, problem, tell)) is not None:
+            judged = larger
+    return judged
+
+
+def _with_larger(
+    judged: Judged, place: int, structure: Structure, problem: Problem, tell: Callable[[str], None]
+) -> Judged | None:
+    """Give a law with the next larger member of one of its added effects; None where it doesn't do clearly better."""
+    smaller = structure.effect(judged.effects[place])
+    if smaller.refinement is None or not smaller.refinement.at_once:
+        return None
+    effects = (*judged.effects[:place], smaller.refinement.name, *judged.effects[place + 1 :])
+    tell(f"fit {' and '.join(effects)}")
+    larger = structure
+    for effect in effects:
+        larger = with_effect(larger, effect)
+    starts = refined_starts(larger, smaller, problem.observations, judged.result.law.values)
+    starts.sort(key=lambda point: linearised(larger, problem.observations, point).cost_after_one_step())
+    grown = judge(effects, larger, starts, problem)
+    return None if grown.objections or grown.squares > judged.squares - LARGER_MEMBER_SQUARES else grown
+
+
+def pairs(
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    sound: Sequence[Judged],
+    promises: Sequence[Promise],
+    jobs: int,
+    tell: Callable[[str], None],
+) -> list[Judged]:
+    """Fit the best candidates together with the second effects that promise most; give the sound pairs, best first."""
+    contenders: list[Contender] = []
+    seen: set[frozenset[str]] = set()
+    for first in best_of_each(sound)[:MOST_PAIRED]:
+        larger = with_effect(structure, first.effects[0])
+        seconds = [
+            beside(promise, first, law)
+            for promise in promises
+            if effect_id(promise.name) != effect_id(first.effects[0]) and fits_beside(larger, promise.name)
+        ]
+        tried: set[str] = set()
+        for _, start, second in sorted(seconds, key=lambda entry: -entry[0]):
+            both = frozenset((effect_id(first.effects[0]), effect_id(second.name)))
+            if both in seen or len(tried) == MOST_PAIRED:
+                continue
+            tried.add(second.name)
+            contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), [start]))
+        seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
+    usable = ranked(pair for pair in judge_each(contenders, problem, jobs, tell) if not pair.objections)
+    return [larger_as_asked(pair, structure, problem, tell) for pair in usable[:1]] + usable[1:]
+
+
+def best_of_each(judged: Sequence[Judged]) -> list[Judged]:
+    """Give the best of each id, of candidates that are ranked."""
+    names = distinct(candidate.effects[0] for candidate in judged)
+    return [candidate for candidate in judged if candidate.effects[0] in names]
+
+
+def distinct(names: Iterable[str]) -> tuple[str, ...]:
+    """Give the first name of each id: members of one numbered family don't rival one another."""
+    first: dict[str, str] = {}
+    for name in names:
+        first.setdefault(effect_id(name), name)
+    return tuple(first.values())
+
+
+def ranked(judged: Iterable[Judged]) -> list[Judged]:
+    """Give laws by their squares on left-out conditions, best first."""
+    return sorted(judged, key=lambda candidate: candidate.squares)
+
+
+def likeliest(judged: Iterable[Judged]) -> Judged:
+    """Give the candidate that the fit to all data prefers, of those that nothing speaks against."""
+    return min((each for each in judged if not each.objections), key=lambda each: each.akaike)
+
+
+def as_it_is(judged: Judged) -> Contender:
+    """Give a law for judging it once more, from its own values."""
+    return Contender(judged.effects, judged.result.law.structure, [judged.result.law.values])

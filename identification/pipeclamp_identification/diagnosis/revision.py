@@ -1,0 +1,103 @@
+"""What a law that has grown is asked again: is each effect still needed, does another base do better?"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, prepare, weighed_for
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
+from pipeclamp_identification.diagnosis.weighing import explained_share, takes_part
+from pipeclamp_identification.fitting.series_orders import choose_series
+from pipeclamp_identification.fitting.surfaces import surface_values
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.law import Structure, find_base
+
+OTHER_BASES = ("power", "memory", "series")
+"""Base laws that are tried in one another's place."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A law to be asked again, with the tests: fitted, and weighed by its own residuals."""
+
+    structure: Structure
+    problem: Problem
+    law: Judged
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Its parameters' values."""
+        return self.law.result.law.values
+
+
+def ask_again(structure: Structure, loops: Loops) -> Asked:
+    """Fit a law for asking it again.
+
+    Raises:
+        UserError: the tests can't serve the law.
+    """
+    problem, law = prepare(structure, loops)
+    problem = weighed_for(problem, law.result)
+    return Asked(structure, problem, judge((), structure, [law.result.law.values], problem))
+
+
+def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
+    """Give the effect that the law does as well without on left-out conditions; None where each is needed.
+
+    Args:
+        asked: the law.
+        keep: the effect that was added last, which isn't asked.
+        progress: is told what is being done.
+    """
+    spare: list[tuple[float, str]] = []
+    for name in asked.structure.effects:
+        if name == keep:
+            continue
+        progress(f"does the law do as well without {name}?")
+        without = replace(asked.structure, effects=tuple(one for one in asked.structure.effects if one != name))
+        try:
+            judged = judge((), without, [_shared(asked.values, without)], asked.problem)
+        except UserError:  # another effect modifies what only this one has
+            continue
+        gain = np.bincount(asked.problem.groups, weights=judged.score.squares - asked.law.score.squares)
+        doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else 0.0
+        if gain.sum() < doubt and explained_share(asked.law, judged) < MATERIAL_PART_SHARE:
+            spare.append((float(gain.sum()), name))
+    return min(spare)[1] if spare else None
+
+
+def better_base(asked: Asked, progress: Progress) -> Structure | None:
+    """Give the law on another base that does better on every kind of left-out condition; None where none does."""
+    found: list[Judged] = []
+    for base in OTHER_BASES:
+        if base == asked.structure.base.partition(":")[0]:
+            continue
+        progress(f"the law on base {base}")
+        try:
+            other = _on(base, asked)
+            starts = [{**surface_values(other, asked.problem.loops), **_shared(asked.values, other)}]
+            judged = judge((), other, starts, asked.problem)
+        except UserError:  # an effect scales what this base hasn't got
+            continue
+        if takes_part(judged, asked.law, asked.problem):
+            found.append(judged)
+    return min(found, key=lambda judged: judged.squares).result.law.structure if found else None
+
+
+def _on(base: str, asked: Asked) -> Structure:
+    """Give the law on another base; an effect that is one of the base's terms is in it already."""
+    terms = find_base(base).terms
+    effects = tuple(name for name in asked.structure.effects if name not in terms)
+    other = replace(asked.structure, base=base, effects=effects)
+    return choose_series(asked.problem.loops, asked.problem.harmonics, other) if base == "series" else other
+
+
+def _shared(values: Mapping[str, float], structure: Structure) -> dict[str, float]:
+    """Give the values of those parameters that the structure has too."""
+    names = set(structure.equations.names)
+    return {name: value for name, value in values.items() if name in names}

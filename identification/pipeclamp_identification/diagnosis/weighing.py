@@ -1,0 +1,300 @@
+"""What the candidates make of the verdict: a cause, a part, rivals that can't be told apart, or nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, pairs
+from pipeclamp_identification.diagnosis.evidence import LackOfFit
+from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
+from pipeclamp_identification.diagnosis.thresholds import (
+    ALONE_SHARE,
+    MATERIAL_PART_SHARE,
+    PART_STANDARD_ERRORS,
+    REAL_LACK_CHANCE,
+    RIVAL_DRAWS_SHARE,
+    RIVAL_LIKELIHOOD,
+    SAME_PART_SHARE,
+    UNEXPLAINED_SHARE,
+)
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.law import Structure, with_effect
+
+DRAWS = 2000
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Lack of fit that is let pass, as shares of the force noise.
+
+    Attributes:
+        complete: below this a law counts as complete.
+        form: below this what no effect explains passes for the form of the effects that the law has.
+        left: below this, and below a share of what is missing, an effect counts as explaining it.
+    """
+
+    complete: float
+    form: float
+    left: float
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`."""
+
+    verdict: Verdict
+    effects: tuple[str, ...]
+    kind: Kind | None
+    named: Judged | None
+    pair: Judged | None
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Candidates on the scales.
+
+    Attributes:
+        structure: of the law.
+        problem: the data.
+        law: the law as it is, refitted.
+        candidates: every effect that was fitted, best first.
+        tolerance: lack of fit that is let pass.
+        jobs, tell: as for `verdict.diagnose`.
+    """
+
+    structure: Structure
+    problem: Problem
+    law: Judged
+    candidates: Sequence[Judged]
+    tolerance: Tolerance
+    jobs: int
+    tell: Callable[[str], None]
+
+    @property
+    def form_allowed(self) -> bool:
+        """Whether what is missing is so small that it may be the form of the effects that the law has."""
+        return self.law.lack.share < self.tolerance.form
+
+    @property
+    def sound(self) -> list[Judged]:
+        """Candidates that better the law, with nothing that speaks against them; best first."""
+        return [each for each in self.candidates if not each.objections and _betters(each, self.law)]
+
+    def explains(self, candidate: Judged) -> bool:
+        """Tell whether a law leaves over next to nothing of what is missing."""
+        left, missing = candidate.lack.sure_share, self.law.lack.share
+        next_to_nothing = left < self.tolerance.left and left < UNEXPLAINED_SHARE * missing
+        return is_adequate(candidate.lack, self.tolerance) or next_to_nothing or left < self.tolerance.form < missing
+
+
+def weigh(
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    candidates: Sequence[Judged],
+    tolerance: Tolerance,
+    jobs: int,
+    tell: Callable[[str], None],
+) -> Weighed:
+    """Weigh the candidates; arguments as in `Scales`."""
+    if is_adequate(law.lack, tolerance):
+        if is_complete(law, problem, tolerance):
+            return _nothing("complete", _scatter_words(law.lack, problem))
+        return _nothing("unknown", _few_runs_words(law.lack, problem))
+    scales = Scales(structure, problem, law, candidates, tolerance, jobs, tell)
+    sound = scales.sound
+    pair: Judged | None = None
+    if sound:
+        best = likeliest(sound)
+        # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
+        best = best if scales.explains(best) and not scales.explains(sound[0]) else sound[0]
+        if scales.explains(best):
+            return _cause(best, sound, scales)
+        if not scales.form_allowed:
+            promises = screened(structure, problem, law, tell)
+            tell("two effects together")
+            found = pairs(structure, problem, law, sound, promises, jobs, tell)
+            pair = found[0] if found else None
+            weighed = _cause_of_two(found, sound, scales) or _part(sound, promises, pair, scales)
+            if weighed is not None:
+                return weighed
+    if scales.form_allowed:
+        return _nothing("complete", _form_words(law.lack, best=sound[0] if sound else None, law=law))
+    if not sound:
+        return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
+    return _nothing("unknown", _immaterial_words(sound[0], law), pair)
+
+
+def _nothing(verdict: Verdict, reason: str, pair: Judged | None = None) -> Weighed:
+    return Weighed(verdict, (), None, None, pair, (reason,))
+
+
+def is_adequate(lack: LackOfFit, tolerance: Tolerance) -> bool:
+    """Tell whether nothing that a law leaves over follows the conditions."""
+    return lack.p_value > REAL_LACK_CHANCE or lack.share < tolerance.complete
+
+
+def is_complete(law: Judged, problem: Problem, tolerance: Tolerance) -> bool:
+    """Tell whether what a law leaves over is scatter, and such as rigs have."""
+    immaterial = law.lack.share < tolerance.complete
+    return is_adequate(law.lack, tolerance) and (immaterial or not problem.noise.is_no_rigs)
+
+
+def explained_share(judged: Judged, law: Judged) -> float:
+    """Give the share of the mean-square lack of fit, on left-out conditions, that a law takes."""
+    before, after = law.score.mean_squares.sum(), judged.score.mean_squares.sum()
+    return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
+
+
+def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
+    """Tell whether a law takes a material share on every kind of left-out condition, beyond doubt."""
+    gain = np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares)
+    doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else np.inf
+    elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
+    material = explained_share(candidate, law) >= MATERIAL_PART_SHARE
+    return bool(material and elsewhere and gain.sum() > PART_STANDARD_ERRORS * doubt)
+
+
+def _betters(candidate: Judged, law: Judged) -> bool:
+    """Tell whether an effect betters the law: on left-out conditions, or by the fit to all data beyond doubt."""
+    return candidate.squares < law.squares or candidate.akaike + RIVAL_LIKELIHOOD < law.akaike
+
+
+def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
+    """Name one effect that explains what is missing, and the others that do so as well."""
+    rivals = [
+        each
+        for each in _near(best, [other for other in sound if scales.explains(other)], scales.problem)
+        if each is not best
+    ]
+    names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
+    if len(names) > 1:
+        return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
+    return Weighed("missing", names, "cause", best, None, (f"{best.effects[0]} explains it and no rival comes near",))
+
+
+def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name the first of two effects that together explain what is missing; None where no two do."""
+    if not found or not scales.explains(found[0]):
+        return None
+    pair = found[0]
+    together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
+    firsts = [name for name in _first_of_pairs(found, sound, scales) if _helps_alone(name, sound, scales.law)]
+    if not firsts:
+        reason = f"{together}; they cancel each other, and neither helps by itself"
+        return Weighed("unknown", (), None, None, pair, (reason,))
+    named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
+    if len(firsts) > 1:
+        reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
+        return Weighed("ambiguous", tuple(firsts), "cause", named, pair, (reason,))
+    return Weighed("missing", tuple(firsts), "cause", named, pair, (together,))
+
+
+def _part(sound: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
+    """Name the effect that clearly takes most of what is missing, though much remains; None where none does."""
+    able = [candidate for candidate in sound if takes_part(candidate, scales.law, scales.problem)]
+    if not able:
+        return None
+    best = able[0]
+    rivals = [
+        each
+        for each in _near(best, able, scales.problem)
+        if each is not best and _same_part(each, best, promises, scales)
+    ]
+    names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
+    takes = (
+        f"{best.effects[0]} takes {explained_share(best, scales.law):.0%} of what is missing (mean square, on "
+        "left-out conditions)"
+    )
+    if len(names) > 1:
+        others = " and ".join(names[1:])
+        return Weighed("ambiguous", names, "part", best, pair, (f"{takes}; {others} would take much the same part",))
+    return Weighed("missing", names, "part", best, pair, (f"{takes}, and no rival comes near",))
+
+
+def _same_part(other: Judged, best: Judged, promises: Sequence[Promise], scales: Scales) -> bool:
+    """Tell whether an effect takes what the best one takes too: beside it, little of its own is left."""
+    name = other.effects[0]
+    promise = next((each for each in promises if effect_id(each.name) == effect_id(name)), None)
+    if promise is None or promise.gain <= 0 or not fits_beside(with_effect(scales.structure, best.effects[0]), name):
+        return True
+    return beside(promise, best, scales.law)[0] < SAME_PART_SHARE * promise.gain
+
+
+def _first_of_pairs(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
+    """Give the better effect of the best pair, and of each pair without it that is as likely."""
+    firsts: list[str] = []
+    for pair in found:
+        taken = {effect_id(name) for name in firsts}
+        as_likely = pair.akaike - found[0].akaike < RIVAL_LIKELIHOOD and scales.explains(pair)
+        if as_likely and not taken & {effect_id(name) for name in pair.effects}:
+            firsts.append(min(pair.effects, key=lambda name: _alone(name, sound)))
+    return firsts
+
+
+def _alone(name: str, sound: Sequence[Judged]) -> float:
+    same = (candidate.squares for candidate in sound if effect_id(candidate.effects[0]) == effect_id(name))
+    return min(same, default=np.inf)
+
+
+def _helps_alone(name: str, sound: Sequence[Judged], law: Judged) -> bool:
+    """Tell whether an effect explains something of the lack of fit without a second one."""
+    excess = (one.lack.excess for one in sound if effect_id(one.effects[0]) == effect_id(name))
+    return min(excess, default=np.inf) < (1 - ALONE_SHARE) * law.lack.excess
+
+
+def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judged]:
+    """Find who can't be told from the best: by left-out conditions, resampled ones, or the fit to all data."""
+    others = [each for each in others if each is not best]
+    if not others:
+        return []
+    random = np.random.default_rng(0)
+    squares: Array = np.stack([each.squares_by_run(problem.loops) for each in (best, *others)], axis=1)
+    count = len(squares)
+    weights = random.multinomial(count, np.full(count, 1 / count), size=DRAWS)
+    wins = np.bincount(np.argmin(weights @ squares, axis=1), minlength=1 + len(others)) / DRAWS
+    near = []
+    for place, candidate in enumerate(others, 1):
+        difference = squares[:, place] - squares[:, 0]
+        error = np.sqrt(count * np.var(difference, ddof=1)) if count > 1 else np.inf
+        as_likely = candidate.akaike - best.akaike < RIVAL_LIKELIHOOD
+        if difference.sum() <= error or wins[place] >= RIVAL_DRAWS_SHARE or as_likely:
+            near.append(candidate)
+    return near
+
+
+def _scatter_words(lack: LackOfFit, problem: Problem) -> str:
+    return (
+        f"what follows the conditions is {lack.share:.1%} of the force noise; the rest doesn't follow them: noise, and "
+        f"{problem.noise.stiffness_scatter:.2%} of stiffness and {problem.noise.damping_scatter:.2%} of damping from "
+        "run to run"
+    )
+
+
+def _few_runs_words(lack: LackOfFit, problem: Problem) -> str:
+    return (
+        f"{_scatter_words(lack, problem)}: more than rigs have, and these {len(problem.loops.run)} runs are too few to "
+        "tell it from physics; repeat some of them three times each"
+    )
+
+
+def _form_words(lack: LackOfFit, best: Judged | None, law: Judged) -> str:
+    asked = "no effect of the catalogue takes any of it"
+    if best is not None:
+        asked = f"the best of the catalogue, {best.effects[0]}, takes {explained_share(best, law):.0%} of it"
+    return (
+        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) still follow the conditions: {asked}, "
+        "so it passes for the form of the effects that the law has"
+    )
+
+
+def _immaterial_words(best: Judged, law: Judged) -> str:
+    takes = explained_share(best, law)
+    return f"the best of the catalogue, {best.effects[0]}, takes {takes:.0%} of what is missing on left-out conditions"
