@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
-from pipeclamp_identification.diagnosis.problem import Contender, Judged, Problem, judge, judge_each
+from pipeclamp_identification.diagnosis.problem import Contender, Judged, Problem, judge, judge_each, roughly
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
 from pipeclamp_identification.diagnosis.thresholds import LARGER_MEMBER_SQUARES, WORTH_FITTING_SHARE
 from pipeclamp_identification.fitting.least_squares import linearised
@@ -88,8 +89,22 @@ def pairs(
             tried.add(second.name)
             contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), [start]))
         seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
-    usable = ranked(pair for pair in judge_each(contenders, problem, jobs, tell) if not pair.objections)
+    usable = ranked(
+        pair
+        for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell)
+        if not pair.objections
+    )
     return [larger_as_asked(pair, structure, problem, tell) for pair in usable[:1]] + usable[1:]
+
+
+def _best_roughly(contenders: Sequence[Contender], problem: Problem, tell: Callable[[str], None]) -> list[Contender]:
+    """Give those that do best when all are fitted roughly, from where that ended."""
+    rough = []
+    for each in contenders:
+        tell(f"fit {' and '.join(each.effects)} roughly")
+        rough.append(roughly(each.structure, each.starts, problem))
+    order = sorted(range(len(rough)), key=lambda place: rough[place].cost)[:MOST_PAIRED]
+    return [replace(contenders[place], starts=[rough[place].law.values]) for place in order]
 
 
 def best_of_each(judged: Sequence[Judged]) -> list[Judged]:

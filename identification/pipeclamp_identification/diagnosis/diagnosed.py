@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from pipeclamp_identification.campaign.reading import Campaign
@@ -57,6 +57,12 @@ class Diagnosed:
     def kind(self) -> Kind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
         return self.diagnosis.kind
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Parameters of the law with what is named first, by name; empty where nothing is named."""
+        named = self.diagnosis.found.named
+        return {} if named is None else named.result.law.values
 
     def headline(self) -> str:
         """Give the verdict in words."""

@@ -27,10 +27,12 @@ from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Structure
 
-CLOSELY = 1e-7
-"""Tolerance of a candidate's fit."""
+CLOSELY = 1e-5
+"""Tolerance of a candidate's fit: a step that gains less is far below what any verdict asks."""
 ROUGHLY = 1e-3
-"""Tolerance of the fits that only tell the best of several starts."""
+"""Tolerance of the fits that only tell the best of several starts, or of several pairs."""
+COARSE_SAMPLES = 128
+"""Points of the cycle at which laws are evaluated for those."""
 VALLEYS = 2
 """Starts from which an effect is fitted, those that promise most: the error has valleys between them."""
 WORTH_PROCESSES = 100
@@ -69,6 +71,13 @@ class Problem:
     def observations(self) -> WhitenedObservations:
         """What laws are fitted to: whitened by noise and discrepancy."""
         return WhitenedObservations(self.harmonics, self.noise.whitener(self.discrepancy))
+
+    @cached_property
+    def coarse(self) -> WhitenedObservations:
+        """The same for rough fits: laws are evaluated at fewer points."""
+        return WhitenedObservations(
+            loop_observations(self.loops, COARSE_SAMPLES), self.noise.whitener(self.discrepancy)
+        )
 
     @cached_property
     def against_noise(self) -> WhitenedObservations:
@@ -155,7 +164,7 @@ def judge(
         starts: values to start from, most promising first.
         problem: the data.
     """
-    start = _best_start(structure, starts, problem)
+    start = starts[0] if len(starts) == 1 else roughly(structure, starts, problem).law.values
     result = fit(structure, problem.observations, start=start, tolerance=CLOSELY)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
@@ -176,12 +185,10 @@ def judge(
     return Judged(effects, lean, fitted, score, lack, error, further, objections(effects, result), akaike)
 
 
-def _best_start(structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem) -> Mapping[str, float]:
-    """Give where a rough fit ends from the best of the most promising starts."""
-    if len(starts) == 1:
-        return starts[0]
-    rough = [fit(structure, problem.observations, start=start, tolerance=ROUGHLY) for start in starts[:VALLEYS]]
-    return min(rough, key=lambda result: result.cost).law.values
+def roughly(structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem) -> Fit:
+    """Fit a structure roughly from the most promising starts; give the best."""
+    rough = [fit(structure, problem.coarse, start=start, tolerance=ROUGHLY) for start in starts[:VALLEYS]]
+    return min(rough, key=lambda result: result.cost)
 
 
 def _share_of_force(score: LeftOutScore, loops: Loops) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, prepare, weighed_for
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.diagnosis.weighing import explained_share, takes_part
+from pipeclamp_identification.fitting.least_squares import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
@@ -80,8 +81,7 @@ def better_base(asked: Asked, progress: Progress) -> Structure | None:
         progress(f"the law on base {base}")
         try:
             other = _on(base, asked)
-            starts = [{**surface_values(other, asked.problem.loops), **_shared(asked.values, other)}]
-            judged = judge((), other, starts, asked.problem)
+            judged = judge((), other, _starts(other, asked), asked.problem)
         except UserError:  # an effect scales what this base hasn't got
             continue
         if takes_part(judged, asked.law, asked.problem):
@@ -95,6 +95,18 @@ def _on(base: str, asked: Asked) -> Structure:
     effects = tuple(name for name in asked.structure.effects if name not in terms)
     other = replace(asked.structure, base=base, effects=effects)
     return choose_series(asked.problem.loops, asked.problem.harmonics, other) if base == "series" else other
+
+
+def _starts(other: Structure, asked: Asked) -> list[Mapping[str, float]]:
+    """Give where the law on another base starts: from the law's own values, and from the base's beginnings."""
+    surfaces = surface_values(other, asked.problem.loops)
+    added = {parameter.name for name in other.effects for parameter in other.effect(name).parameters}
+    anew = starting_points(
+        other,
+        asked.problem.observations,
+        {**surfaces, **{name: asked.values[name] for name in added & set(asked.values)}},
+    )
+    return [{**anew[0], **surfaces, **_shared(asked.values, other)}, *anew]
 
 
 def _shared(values: Mapping[str, float], structure: Structure) -> dict[str, float]:

@@ -16,6 +16,8 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 
 FOLDS = 8
+CLOSELY = 1e-6
+"""Tolerance of a fold's fit: it begins at the fit to all, and its error is told to four digits."""
 SAME = 0.05
 """Conditions closer than this share of each other count as the same: drives never hit their set points. Where they lie
 so dense that they would all be the same, classes of them are left out."""
@@ -90,7 +92,7 @@ def heldout_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: 
     widened = observations.with_discrepancy(force_of_law(law, observations.motion))
     error = force = 0.0
     for used, left_out in folds(groups, most):
-        refitted = fit(law.structure, widened.rows(used), start=law.values).law
+        refitted = fit(law.structure, widened.rows(used), start=law.values, tolerance=CLOSELY).law
         beyond = observations.rows(left_out)
         misfit = beyond.mean_squares(force_of_law(refitted, beyond.motion))
         error += float(np.sum(misfit + loops.noise_rms_N[left_out] ** 2))

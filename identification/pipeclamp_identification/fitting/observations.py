@@ -107,19 +107,19 @@ def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: 
     return np.asarray(transform + at_reversals.change(left_over) @ sums)
 
 
-def _transforms(loops: Loops) -> Array | None:
+def _transforms(loops: Loops, samples: int) -> Array | None:
     """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
     few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=True)]
     if not any(few) and not loops.force_average:
         return None
     count = loops.force.shape[1] - 1
-    plain = harmonics_of(np.eye(SAMPLES), count)
+    plain = harmonics_of(np.eye(samples), count)
     own = np.tile(plain, (len(loops.run), 1, 1))
     with one_thread():
         for row in np.flatnonzero(few):
             carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
             own[row, :, : 2 * carried + 1] = sampled_transform(
-                loops.phases[row], loops.at_reversals[row], SAMPLES, carried
+                loops.phases[row], loops.at_reversals[row], samples, carried
             )
     # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
     return averaged(own, loops.force_average, axis=1)
@@ -268,8 +268,8 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
     return temperature
 
 
-def loop_observations(loops: Loops) -> LoopObservations:
-    """Give the harmonics of loops as observations, in units of their scatter."""
+def loop_observations(loops: Loops, samples: int = SAMPLES) -> LoopObservations:
+    """Give the harmonics of loops as observations, in units of their scatter; laws are evaluated at so many points."""
     harmonics = np.empty((len(loops.run), 2 * loops.force.shape[1] - 1))
     harmonics[:, 0] = loops.force[:, 0].real
     harmonics[:, 1::2] = loops.force[:, 1:].real
@@ -277,7 +277,7 @@ def loop_observations(loops: Loops) -> LoopObservations:
     error = loops.force_standard_error
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES), axis=1) / 2
-    return LoopObservations(loop_motion(loops), harmonics, both, amplitude, _transforms(loops))
+    return LoopObservations(loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples))
 
 
 def data_scales(observations: Observations) -> Mapping[sp.Symbol, float]:

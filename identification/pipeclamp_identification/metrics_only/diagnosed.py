@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from pipeclamp_identification.diagnosis.diagnosed import NO_PROOF
@@ -60,6 +60,11 @@ class MetricDiagnosed:
     def kind(self) -> Kind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
         return self.diagnosis.kind
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Nothing: the fit to two numbers a run is quick, and finds its own beginning."""
+        return {}
 
     def headline(self) -> str:
         """Give the verdict in words."""

@@ -107,8 +107,9 @@ def add_until_settled(
             file = rung.change.after
             continue
         addition = add_effect(
-            file, found.effects[0], tests, command=command, date=file.date, declared=declared, progress=progress
-        )
+            file, found.effects[0], tests,
+            command=command, date=file.date, declared=declared, start=found.values, progress=progress,
+        )  # fmt: skip
         if addition.heldout[1] >= addition.heldout[0]:
             return Settled(file, found, tuple(ladder), in_vain=addition)
         ladder.append(Rung(addition, found.kind or "cause", tuple(found.cautions())))

@@ -42,6 +42,7 @@ def add_effect(
     command: str,
     date: str | None,
     declared: Iterable[Declaration] = (),
+    start: Mapping[str, float] | None = None,
     progress: Progress = silent,
 ) -> Addition:
     """Add an effect to a law and refit everything to tests.
@@ -53,13 +54,14 @@ def add_effect(
         declared: a user's own effects.
         command: the command that makes the new file again.
         date: when it is made; None leaves the line out.
+        start: values to begin at, by name, where they are known better than from the law.
         progress: is told what is being done.
 
     Raises:
         UserError: the effect isn't known or is there already, or the data can't serve it.
     """
     new = with_effect(structure_of(file).with_declared(declared), effect)
-    return _changed(file, new, f"+ {effect}", tests, command=command, date=date, progress=progress)
+    return _changed(file, new, f"+ {effect}", tests, command=command, date=date, start=start, progress=progress)
 
 
 def remove_effect(
@@ -102,10 +104,11 @@ def _changed(
     *,
     command: str,
     date: str | None,
+    start: Mapping[str, float] | None = None,
     progress: Progress,
 ) -> Addition:
     """Refit a law with another structure and state the error before and after."""
-    done = tests.refit(file, new, _shared_values(law_of(file).values, new), progress)
+    done = tests.refit(file, new, _shared_values({**law_of(file).values, **(start or {})}, new), progress)
     after = done.fitted.file(name=file.name, command=command, date=date)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
     history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(done.heldout[0])}))

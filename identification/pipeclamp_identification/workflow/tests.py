@@ -60,6 +60,10 @@ class Diagnosed(Protocol):
         """How what is named is meant: as the cause, or as a part of what is missing."""
 
     @property
+    def values(self) -> Mapping[str, float]:
+        """Parameters of the law with what is named first, by name, for its fit to begin at; empty where nothing is."""
+
+    @property
     def proposal(self) -> Proposed | None:
         """The test to run next, where rivals are left and one within the limits tells them apart."""
 
@@ -221,7 +225,7 @@ class Tests(Protocol):
         """
 
     def better_base(self, file: LawFile, progress: Progress) -> Structure | None:
-        """Give a law on another base that does better on left-out conditions; None where none does, or nothing can tell.
+        """Give a law on another base that does better on left-out conditions; None where none does or can be told.
 
         Raises:
             UserError: the tests can't serve the law.
