@@ -16,10 +16,7 @@ from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.law import Structure, find_base
-
-OTHER_BASES = ("power", "memory", "series")
-"""Base laws that are tried in one another's place."""
+from pipeclamp_models.law.law import BASES, Structure, find_base
 
 
 @dataclass(frozen=True)
@@ -75,9 +72,8 @@ def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
 def better_base(asked: Asked, progress: Progress) -> Structure | None:
     """Give the law on another base that does better on every kind of left-out condition; None where none does."""
     found: list[Judged] = []
-    for base in OTHER_BASES:
-        if base == asked.structure.base.partition(":")[0]:
-            continue
+    own = asked.structure.base.partition(":")[0]
+    for base in (name for name, entry in BASES.items() if entry.general and name != own):
         progress(f"the law on base {base}")
         try:
             other = _on(base, asked)

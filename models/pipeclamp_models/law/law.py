@@ -25,10 +25,17 @@ HELD = "_"
 
 @dataclass(frozen=True)
 class Base:
-    """A base law: the terms it consists of and the parameters that its form fixes."""
+    """A base law.
+
+    Attributes:
+        terms: names of the effects that it consists of.
+        fixed: parameters that its form fixes.
+        general: whether it may stand for any device; otherwise it states one clamp's surfaces.
+    """
 
     terms: tuple[str, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
+    general: bool = True
 
 
 BASES: Mapping[str, Base] = {
@@ -38,7 +45,7 @@ BASES: Mapping[str, Base] = {
         {"alpha0": 1.0, "alpha_A": 0.0, "alpha_f": 0.0},
     ),
     "series": Base(("elastic_series", "damping_series")),
-    "published": Base(("published_clamp",)),
+    "published": Base(("published_clamp",), general=False),
 }
 """Base laws by name: Eq. 17 (`power`), Eq. 14 (`memory`), Eq. 10 (`series`), the paper's own surfaces."""
 
