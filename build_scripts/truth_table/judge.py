@@ -20,7 +20,7 @@ from pipeclamp_identification.workflow.auto import MOST_RUNGS, Settled, add_unti
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.file import LawFile, law_of, structure_of
 
 COMMAND = "truth table"
 RIG_LIMITS = Limits((0.1, 1.5), (0.5, 20.0), (20.0, 300.0))
@@ -30,11 +30,15 @@ MOST_TESTS = 2
 
 
 class Noted(Protocol):
-    """What is counted of a diagnosis, of whatever kind: verdict and effects."""
+    """What is counted of a diagnosis, of whatever kind: verdict, kind and effects."""
 
     @property
     def verdict(self) -> str:
         """The verdict."""
+
+    @property
+    def kind(self) -> str | None:
+        """How what was answered with it is meant."""
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -46,7 +50,7 @@ class Step:
     """One diagnosis.
 
     Attributes:
-        verdict, effects: what was answered.
+        verdict, kind, effects: what was answered.
         heldout_over_floor: error of the law, as it was diagnosed, on held-out conditions over that of the truth itself.
         lack: lack of fit of the law over the noise.
         candidates: effects, squares on left-out groups, lack of fit, objections; best first.
@@ -55,6 +59,7 @@ class Step:
     """
 
     verdict: str
+    kind: str | None
     effects: tuple[str, ...]
     heldout_over_floor: float
     lack: float
@@ -124,7 +129,7 @@ def judged(case: Case, seed: int) -> Outcome:
         file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
         most = 0 if case.kind == "narrow" else MOST_RUNGS
         end = follow(file, RecordTests(data.campaign), steps, partial(noted, data=data), most)
-        added = end.file.effects
+        added = tuple(one.name for one in structure_of(end.file).all_effects() if one.part != "base")
         if isinstance(end.found, Diagnosed) and end.found.verdict == "ambiguous" and case.truth:
             settled = after_proposed(drawn, data, end.file, end.found, tests)
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
@@ -207,7 +212,7 @@ def noted(found: Diagnosed, file: LawFile, data: Measured) -> Step:
     """Note a diagnosis."""
     diagnosis = found.diagnosis
     return Step(
-        found.verdict, _ids(found),
+        found.verdict, found.kind, _ids(found),
         round(heldout_over_floor(file, data.heldout, data.heldout_floor), 4), round(diagnosis.law.lack.share, 4),
         _shown(found), tuple((name, round(promise, 4)) for name, promise in diagnosis.screened_out.items()),
         (*diagnosis.reasons, f"not locked to the motion, Hz: {list(found.diagnosis.leftover.time_locked_Hz)}"),
@@ -232,21 +237,28 @@ def counted(case: Case, steps: Sequence[Noted], added: Sequence[str]) -> str:
 
     "right", "ambiguous3" (truth among at most three), "ambiguous" (among more), "ambiguous_wrong", "wrong" (another
     effect, with confidence), "unknown", "complete" (missed), and, where nothing is hidden, "right" or "false_alarm".
-    Of two effects: "right" when both were added and nothing else; "wrong" when something else was added;
+    "other_part": another effect, which was said to take a part and to prove nothing.
+    Of two effects: "right" when both were added and nothing else; "wrong" or "other_part" when something else was;
     "ambiguous3" when it ends with the second among at most three; "one" when it ends otherwise.
     """
     first = steps[0]
     if case.kind == "none":
         return "right" if first.verdict == "complete" else "false_alarm"
     if case.kind == "unlisted":
+        if first.kind == "part":
+            return "right"
         return {"unknown": "right", "missing": "wrong", "complete": "complete"}.get(first.verdict, "ambiguous_wrong")
     if case.kind == "two":
-        return _two(case, steps[-1], {effect_id(name) for name in added})
+        return _two(case, steps, {effect_id(name) for name in added})
     if first.verdict == "missing":
-        return "right" if set(first.effects) <= case.truth else "wrong"
+        return "right" if set(first.effects) <= case.truth else _other(first)
     if first.verdict == "ambiguous":
         return _ambiguous(first, case.truth)
     return first.verdict
+
+
+def _other(step: Noted) -> str:
+    return "other_part" if step.kind == "part" else "wrong"
 
 
 def _ambiguous(step: Noted, truth: frozenset[str]) -> str:
@@ -255,9 +267,11 @@ def _ambiguous(step: Noted, truth: frozenset[str]) -> str:
     return "ambiguous3" if len(step.effects) <= 3 else "ambiguous"
 
 
-def _two(case: Case, last: Noted, found: set[str]) -> str:
+def _two(case: Case, steps: Sequence[Noted], found: set[str]) -> str:
+    last = steps[-1]
     if found - case.truth:
-        return "wrong"
+        others = [step for step in steps if step.verdict == "missing" and not set(step.effects) <= case.truth]
+        return "wrong" if any(step.kind != "part" for step in others) else "other_part"
     if found == case.truth:
         return "right"
     if last.verdict == "ambiguous":

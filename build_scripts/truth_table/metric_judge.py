@@ -10,9 +10,8 @@ from judge import COMMAND, Outcome, follow, outcome_of
 from metric_cases import draw_metrics, measure_metrics
 
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
-from pipeclamp_identification.metrics_only.diagnosis_answer import explained
 from pipeclamp_identification.metrics_only.law import identify_metrics, metric_law_file
-from pipeclamp_identification.workflow.auto import MOST_EFFECTS
+from pipeclamp_identification.workflow.auto import MOST_RUNGS
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.file import LawFile
@@ -25,7 +24,7 @@ class MetricStep:
     """One diagnosis.
 
     Attributes:
-        verdict, effects: what was answered.
+        verdict, kind, effects: what was answered.
         cautions: warnings beside what was named.
         scatter: share of dW and of W that was taken for scatter.
         candidates: effects, squares, share explained, chance, objections; best first.
@@ -33,6 +32,7 @@ class MetricStep:
     """
 
     verdict: str
+    kind: str | None
     effects: tuple[str, ...]
     cautions: tuple[str, ...]
     scatter: tuple[float, float]
@@ -50,7 +50,7 @@ def judged_metrics(case: Case, seed: int) -> Outcome:
     error = ""
     try:
         file = metric_law_file(identify_metrics(campaign), campaign, name="base", command=COMMAND, date=None)
-        most = MOST_EFFECTS if case.kind == "two" else 0
+        most = MOST_RUNGS if case.kind == "two" else 0
         added = follow(file, MetricTests(campaign), steps, noted_metrics, most).file.effects
     except Exception as fault:  # a case that fails is a finding, and mustn't end the others
         error = f"{type(fault).__name__}: {fault}"
@@ -62,11 +62,11 @@ def noted_metrics(found: MetricDiagnosed, file: LawFile) -> MetricStep:
     diagnosis = found.diagnosis
     dissipated, elastic = diagnosis.scatter.share
     return MetricStep(
-        found.verdict, tuple(map(effect_id, found.effects)), tuple(found.cautions()),
+        found.verdict, found.kind, tuple(map(effect_id, found.effects)), tuple(found.cautions()),
         (round(dissipated, 5), round(elastic, 5)),
         tuple(
             (
-                one.effects[0], round(one.squares, 1), round(explained(one, diagnosis), 3),
+                one.effects[0], round(one.squares, 1), round(diagnosis.explained(one), 3),
                 float(f"{diagnosis.chances[one.effects[0]]:.3g}"), "; ".join(one.objections),
             )
             for one in diagnosis.candidates[:MOST_SHOWN]

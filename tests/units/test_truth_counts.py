@@ -12,10 +12,10 @@ def rig_on_path(monkeypatch):
     monkeypatch.syspath_prepend(FOLDER)
 
 
-def step(verdict, *effects):
+def step(verdict, *effects, kind="cause"):
     from judge import Step
 
-    return Step(verdict, effects, 1.0, 0.0, (), (), ())
+    return Step(verdict, kind if effects else None, effects, 1.0, 0.0, (), (), ())
 
 
 def case(kind, *hidden):
@@ -51,6 +51,21 @@ def test_how_a_case_came_out(kind, hidden, verdict, effects, added, expected):
     from judge import counted
 
     assert counted(case(kind, *hidden), [step(verdict, *effects)], added) == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "hidden", "named", "added", "expected"),
+    [
+        ("effect", ("gap",), "gap", ["gap"], "right"),
+        ("effect", ("gap",), "memory", ["memory"], "other_part"),
+        ("unlisted", ("mains_hum",), "gap", ["gap"], "right"),
+        ("two", ("gap", "viscous"), "delay", ["viscous", "delay"], "other_part"),
+    ],
+)
+def test_a_part_claims_less_than_a_cause(kind, hidden, named, added, expected):
+    from judge import counted
+
+    assert counted(case(kind, *hidden), [step("missing", named, kind="part")], added) == expected
 
 
 def row(counted, strength=1.0):
