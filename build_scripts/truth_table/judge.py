@@ -271,7 +271,7 @@ def _two(case: Case, steps: Sequence[Noted], found: set[str]) -> str:
     last = steps[-1]
     if found - case.truth:
         others = [step for step in steps if step.verdict == "missing" and not set(step.effects) <= case.truth]
-        return "wrong" if any(step.kind != "part" for step in others) else "other_part"
+        return "other_part" if others and all(step.kind == "part" for step in others) else "wrong"
     if found == case.truth:
         return "right"
     if last.verdict == "ambiguous":

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 Row = dict[str, Any]
-COLUMNS = ("right", "ambiguous3", "ambiguous", "ambiguous_wrong", "wrong", "other_part", "unknown", "complete", "one", "false_alarm",
-           "failed")  # fmt: skip
+COLUMNS = ("right", "ambiguous3", "ambiguous", "ambiguous_wrong", "wrong", "other_part", "unknown", "complete",
+           "one", "false_alarm", "failed")  # fmt: skip
 WEAKEST = 0.3
 """The targets hold for what the base law can't imitate from this share of the noise on."""
 KINDS = ("effect", "none", "two", "unlisted")
