@@ -22,6 +22,9 @@ FORM_NOISE_SHARE = 0.75
 more doesn't fit in its form either."""
 UNEXPLAINED_SHARE = 0.3
 """A best candidate that leaves over more than this share (rms) of the lack of fit doesn't explain it."""
+HALF_LEFT_SHARE = 0.5
+"""Nor does one that leaves over more than half (rms) of it, however small what is left: at the edge of what is material
+or significant, next to nothing decides on which side a law lies."""
 MATERIAL_PART_SHARE = 0.1
 """A part that is worth a rung takes this share of the mean-square lack of fit: the error falls by a twentieth."""
 PART_STANDARD_ERRORS = 2.0

@@ -14,6 +14,7 @@ from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
+    HALF_LEFT_SHARE,
     MATERIAL_PART_SHARE,
     PART_STANDARD_ERRORS,
     REAL_LACK_CHANCE,
@@ -36,7 +37,8 @@ class Tolerance:
     Attributes:
         complete: below this a law counts as complete.
         form: below this what no effect explains passes for the form of the effects that the law has.
-        left: below this, and below a share of what is missing, an effect counts as explaining it.
+        left: below this, and below a share of what is missing, an effect counts as explaining it; a law that lacks
+            less is improved by causes alone.
     """
 
     complete: float
@@ -88,10 +90,12 @@ class Scales:
         return [each for each in self.candidates if not each.objections and _betters(each, self.law)]
 
     def explains(self, candidate: Judged) -> bool:
-        """Tell whether a law leaves over next to nothing of what is missing."""
+        """Tell whether a law leaves over next to nothing of what is missing, or what may be form."""
         left, missing = candidate.lack.sure_share, self.law.lack.share
+        if left > HALF_LEFT_SHARE * missing:
+            return False
         next_to_nothing = left < self.tolerance.left and left < UNEXPLAINED_SHARE * missing
-        return is_adequate(candidate.lack, self.tolerance) or next_to_nothing or left < self.tolerance.form < missing
+        return is_adequate(candidate.lack, self.tolerance) or next_to_nothing or left < self.tolerance.form
 
 
 def weigh(
@@ -200,7 +204,7 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
 def _part(sound: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
     """Name the effect that clearly takes most of what is missing, though much remains; None where none does."""
     able = [candidate for candidate in sound if takes_part(candidate, scales.law, scales.problem)]
-    if not able:
+    if not able or scales.law.lack.share < scales.tolerance.left:
         return None
     best = able[0]
     rivals = [

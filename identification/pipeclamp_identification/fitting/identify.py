@@ -20,6 +20,7 @@ from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.equations import symbols
+from pipeclamp_models.equations.effect import Parameter
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import (
     SCHEMA,
@@ -33,6 +34,7 @@ from pipeclamp_models.law.file import (
     Interval,
     LawFile,
     LeftOutRun,
+    Prior,
     RunQuality,
 )
 from pipeclamp_models.law.law import Equations, Structure
@@ -265,8 +267,13 @@ def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
             state=state,
             meaning=parameter.meaning,
             reason=result.frozen.get(name, ""),
+            prior=_prior(parameter, result.spreads.get(name)) if state != "held" else None,
         )
     return entries
+
+
+def _prior(parameter: Parameter, spread: float | None) -> Prior | None:
+    return None if spread is None else Prior(mean=parameter.neutral or 0.0, standard_deviation=rounded(spread))
 
 
 def ages(equations: Equations) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -59,8 +60,7 @@ class Fit:
         at_bound: parameters that ended at a bound.
         law_force: force (R, n) and Jacobian at the solution.
         cost: half the sum of squared weighted residuals, without the priors'.
-        precision: of the priors of the fitted parameters, one over their variance; zero where there is none, shape
-            (fitted,).
+        spreads: standard deviations of the priors, by parameter; those that have none are not in it.
         room: from each fitted parameter down and up to its bounds, shape (2, fitted).
     """
 
@@ -72,7 +72,7 @@ class Fit:
     at_bound: frozenset[str]
     law_force: LawForce
     cost: float
-    precision: Array
+    spreads: Mapping[str, float]
     room: Array
 
     @property
@@ -80,6 +80,11 @@ class Fit:
         """Places of the fitted parameters among all of the law's."""
         place = {name: index for index, name in enumerate(self.equations.names)}
         return np.array([place[name] for name in self.fitted], dtype=np.intp)
+
+    @property
+    def precision(self) -> Array:
+        """One over the variance of the fitted parameters' priors, zero where there is none, shape (fitted,)."""
+        return np.array([self.spreads.get(name, math.inf) ** -2.0 for name in self.fitted])
 
     def standard_errors(self) -> dict[str, float]:
         """Give the standard error of each fitted parameter by name."""
@@ -325,7 +330,7 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
         at_bound=frozenset(),
         law_force=law_force,
         cost=float(np.sum(residual**2)) / 2,
-        precision=np.zeros(0),
+        spreads=spreads_of(equations, scales),
         room=np.zeros((2, 0)),
     )
 
@@ -357,10 +362,19 @@ class Priors:
         return (values - self.mean) * self.root
 
 
+def spreads_of(equations: Equations, scales: Mapping[sp.Symbol, float]) -> dict[str, float]:
+    """Give the standard deviations of the priors of a law's parameters, for data of these scales, by name."""
+    return {
+        parameter.name: number_of(parameter.spread, scales)
+        for parameter in equations.parameters
+        if parameter.spread is not None
+    }
+
+
 def priors(equations: Equations, scales: Mapping[sp.Symbol, float]) -> Priors:
     """Give the priors of a law's parameters, for data of these scales."""
-    spreads = [parameter.spread for parameter in equations.parameters]
-    roots = [0.0 if spread is None else 1.0 / number_of(spread, scales) for spread in spreads]
+    spreads = spreads_of(equations, scales)
+    roots = [1.0 / spreads.get(name, math.inf) for name in equations.names]
     means = [parameter.neutral or 0.0 for parameter in equations.parameters]
     return Priors(np.array(means), np.array(roots))
 
@@ -469,6 +483,7 @@ def _finish(
         [index for index, name in enumerate(equations.names) if name not in frozen and name not in at_bound],
         dtype=np.intp,
     )
+    spreads = spreads_of(equations, scales)
     roots = priors(equations, scales).root
     while True:
         evaluator = _Evaluator(law, values, free)
@@ -483,19 +498,18 @@ def _finish(
         frozen[equations.names[free[weak]]] = "the data doesn't determine it"
         free = np.delete(free, weak)
     residual = evaluator.residual(values[free])
-    precision = roots[free] ** 2
     law_force = evaluator.law_force(values[free])
     by_run = residual.reshape(law.observations.motion.y.shape[0], -1)
     return Fit(
         law=Law(structure, dict(zip(equations.names, values.tolist(), strict=True)), *law.smoothing),
         equations=equations,
         fitted=tuple(equations.names[index] for index in free),
-        covariance=_covariance(scaled, norms, by_run, law.observations.compared(law_force), precision),
+        covariance=_covariance(scaled, norms, by_run, law.observations.compared(law_force), roots[free] ** 2),
         frozen=frozen,
         at_bound=frozenset(at_bound),
         law_force=law_force,
         cost=float(residual @ residual) / 2,
-        precision=precision,
+        spreads=spreads,
         room=np.stack([lower[free] - values[free], upper[free] - values[free]]),
     )
 

@@ -26,6 +26,13 @@ class Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class Prior(Part):
+    """What was held likely of a parameter before the tests: a normal distribution. What they leave open stays near."""
+
+    mean: Finite
+    standard_deviation: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
 class CoefficientEntry(Part):
     """One parameter of the law.
 
@@ -39,6 +46,7 @@ class CoefficientEntry(Part):
     state: CoefficientState
     meaning: str = ""
     reason: str = ""
+    prior: Prior | None = None
 
 
 class Interval(Part):
