@@ -25,8 +25,8 @@ UNEXPLAINED_SHARE = 0.3
 HALF_LEFT_SHARE = 0.5
 """Nor does one that leaves over more than half (rms) of it, however small what is left: at the edge of what is material
 or significant, next to nothing decides on which side a law lies."""
-MATERIAL_PART_SHARE = 0.1
-"""A part that is worth a rung takes this share of the mean-square lack of fit: the error falls by a twentieth."""
+MATERIAL_PART_SHARE = 0.05
+"""A part that is worth a rung takes this share of the mean-square lack of fit: the error falls by a fortieth."""
 PART_STANDARD_ERRORS = 2.0
 """And its gain on left-out groups exceeds its own standard error, from group to group, so many times."""
 SAME_PART_SHARE = 0.5
