@@ -80,7 +80,8 @@ def add_until_settled(
 ) -> Settled:
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
 
-    After each addition the effects so far are asked again: one that the law does as well without goes. Where nothing
+    Of several effects that take much the same part the best is added; of several that may be the cause none is: the
+    proposed test would tell. After each addition the effects so far are asked again: one that the law does as well without goes. Where nothing
     is named, the other base laws are tried; one that does better beyond doubt takes the base's place.
 
     Args:
@@ -97,7 +98,7 @@ def add_until_settled(
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
         seen(found, file)
-        if len(ladder) >= most or found.verdict not in ("missing", "unknown"):
+        if len(ladder) >= most or not _goes_on(found):
             return Settled(file, found, tuple(ladder))
         if found.verdict == "unknown":
             rung = _on_another_base(file, tests, command, progress)
@@ -112,11 +113,22 @@ def add_until_settled(
         )  # fmt: skip
         if addition.heldout[1] >= addition.heldout[0]:
             return Settled(file, found, tuple(ladder), in_vain=addition)
-        ladder.append(Rung(addition, found.kind or "cause", tuple(found.cautions())))
+        ladder.append(Rung(addition, found.kind or "cause", (*_rivals(found), *found.cautions())))
         file = addition.after
         while (rung := _without_a_spare(file, found.effects[0], tests, command, progress)) is not None:
             ladder.append(rung)
             file = rung.change.after
+
+
+def _goes_on(found: Diagnosed) -> bool:
+    """Tell whether there is something to do: a part is no claim, so the best of several that act alike may be taken."""
+    return found.verdict in ("missing", "unknown") or (found.verdict == "ambiguous" and found.kind == "part")
+
+
+def _rivals(found: Diagnosed) -> tuple[str, ...]:
+    if len(found.effects) == 1:
+        return ()
+    return (f"{' or '.join(found.effects[1:])} would have done much the same",)
 
 
 def _without_a_spare(file: LawFile, keep: str, tests: Tests, command: str, progress: Progress) -> Rung | None:
