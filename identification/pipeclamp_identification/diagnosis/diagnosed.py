@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, structure_of
+from pipeclamp_models.law.file import LawFile, law_of, structure_of
 
 HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("complete", None): "Complete: what is left is scatter.",
@@ -116,7 +116,7 @@ def diagnosed(
     """
     comparison = compare(file, campaign, loops)
     structure = structure_of(file).with_declared(declared)
-    diagnosis = diagnose(structure, campaign, comparison.loops, jobs=jobs, progress=progress)
+    diagnosis = diagnose(structure, campaign, comparison.loops, start=law_of(file).values, jobs=jobs, progress=progress)
     found = next_test(diagnosis, limits)
     if isinstance(found, NoTest):
         return Diagnosed(diagnosis, comparison, None, found.words)

@@ -127,12 +127,18 @@ class Judged:
         return float(self.score.squares.sum())
 
 
-def prepare(structure: Structure, loops: Loops) -> tuple[Problem, Judged]:
-    """Fit the law as it is, estimate the noise, and fit it again in the noise's units."""
+def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | None = None) -> tuple[Problem, Judged]:
+    """Fit the law as it is, estimate the noise, and fit it again in the noise's units.
+
+    Args:
+        structure: the law's structure.
+        loops: the tests.
+        start: values to start from, by name, where they are known.
+    """
     ages = "N" in {str(symbol) for symbol in structure.equations.slow_signals}
     loops = per_cycle(loops) if ages or drifts(loops) else loops
     harmonics = loop_observations(loops)
-    first = fit_structure(structure, loops, harmonics)
+    first = fit_structure(structure, loops, harmonics, start=start)
     noise = noise_model(loops, harmonics.plain_residual(first.law_force))
     groups = condition_groups(loops)
     problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops))

@@ -16,7 +16,7 @@ from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.law import BASES, Structure, find_base
+from pipeclamp_models.law.law import BASES, Law, Structure, find_base
 
 
 @dataclass(frozen=True)
@@ -33,15 +33,15 @@ class Asked:
         return self.law.result.law.values
 
 
-def ask_again(structure: Structure, loops: Loops) -> Asked:
+def ask_again(law: Law, loops: Loops) -> Asked:
     """Fit a law for asking it again.
 
     Raises:
         UserError: the tests can't serve the law.
     """
-    problem, law = prepare(structure, loops)
-    problem = weighed_for(problem, law.result)
-    return Asked(structure, problem, judge((), structure, [law.result.law.values], problem))
+    problem, fitted = prepare(law.structure, loops, law.values)
+    problem = weighed_for(problem, fitted.result)
+    return Asked(law.structure, problem, judge((), law.structure, [fitted.result.law.values], problem))
 
 
 def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:

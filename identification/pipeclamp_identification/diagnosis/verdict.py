@@ -111,6 +111,7 @@ def diagnose(
     campaign: Campaign,
     loops: Loops | None = None,
     *,
+    start: Mapping[str, float] | None = None,
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> Diagnosis:
@@ -120,6 +121,7 @@ def diagnose(
         structure: the law's structure; its parameters are refitted.
         campaign: the tests.
         loops: `loops_of(campaign)`, where they are known already.
+        start: values of the law's parameters to start from, by name, where they are known.
         jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
         progress: is told what is being done.
 
@@ -131,7 +133,7 @@ def diagnose(
     if len(loops.run) < FEWEST_RUNS:
         raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least {FEWEST_RUNS}")
     tell("law as it is")
-    problem, law = prepare(structure, loops)
+    problem, law = prepare(structure, loops, start)
     complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
     form = max(complete, min(FORM_SHARE * _bare_lack(structure, problem), FORM_NOISE_SHARE))
     tolerance = Tolerance(complete, form, max(complete, FORM_NOISE_SHARE))

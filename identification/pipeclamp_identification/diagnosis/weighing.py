@@ -16,6 +16,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     HALF_LEFT_SHARE,
     MATERIAL_PART_SHARE,
+    NEAR_NOISE_SHARE,
     PART_STANDARD_ERRORS,
     REAL_LACK_CHANCE,
     RIVAL_DRAWS_SHARE,
@@ -123,10 +124,14 @@ def weigh(
             return _cause(best, sound, scales)
         if not scales.form_allowed:
             promises = screened(structure, problem, law, tell)
-            tell("two effects together")
-            found = pairs(structure, problem, law, sound, promises, jobs, tell)
-            pair = found[0] if found else None
-            weighed = _cause_of_two(found, sound, scales) or _part(sound, promises, pair, scales)
+            able = [each for each in sound if takes_part(each, law, problem)]
+            weighed = None
+            if not able or able[0].lack.share < NEAR_NOISE_SHARE:
+                tell("two effects together")
+                found = pairs(structure, problem, law, sound, promises, jobs, tell)
+                pair = found[0] if found else None
+                weighed = _cause_of_two(found, sound, scales)
+            weighed = weighed or _part(able, promises, pair, scales)
             if weighed is not None:
                 return weighed
     if scales.form_allowed:
@@ -201,9 +206,8 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     return Weighed("missing", tuple(firsts), "cause", named, pair, (together,))
 
 
-def _part(sound: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
+def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
     """Name the effect that clearly takes most of what is missing, though much remains; None where none does."""
-    able = [candidate for candidate in sound if takes_part(candidate, scales.law, scales.problem)]
     if not able or scales.law.lack.share < scales.tolerance.left:
         return None
     best = able[0]

@@ -23,7 +23,7 @@ from pipeclamp_identification.metrics_only.writing import as_metrics
 from pipeclamp_identification.workflow.tests import Refitted, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, law_of, structure_of
+from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Structure
 
 if TYPE_CHECKING:
@@ -162,13 +162,12 @@ class RecordTests:
         """Give the effect that a law does as well without, see `Tests.superfluous`."""
         from pipeclamp_identification.diagnosis.revision import ask_again, superfluous
 
-        structure = structure_of(file)
-        if set(structure.effects) <= {keep}:
+        if set(file.effects) <= {keep}:
             return None
-        return superfluous(ask_again(structure, self.loops), keep, progress)
+        return superfluous(ask_again(law_of(file), self.loops), keep, progress)
 
     def better_base(self, file: LawFile, progress: Progress) -> Structure | None:
         """Give a law on another base that does better, see `Tests.better_base`."""
         from pipeclamp_identification.diagnosis.revision import ask_again, better_base
 
-        return better_base(ask_again(structure_of(file), self.loops), progress)
+        return better_base(ask_again(law_of(file), self.loops), progress)
