@@ -5,10 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
-from pipeclamp_identification.diagnosis.problem import Contender, Judged, Problem, judge, judge_each, roughly
+from pipeclamp_identification.diagnosis.problem import (
+    CLOSELY,
+    ROUGHLY,
+    Contender,
+    Judged,
+    Problem,
+    judge,
+    judge_each,
+    roughly,
+)
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
-from pipeclamp_identification.diagnosis.thresholds import LARGER_MEMBER_SQUARES, WORTH_FITTING_SHARE
-from pipeclamp_identification.fitting.least_squares import linearised
+from pipeclamp_identification.diagnosis.thresholds import (
+    LARGER_MEMBER_SQUARES,
+    RIVAL_LIKELIHOOD,
+    WORTH_CLOSELY_SHARE,
+    WORTH_FITTING_SHARE,
+)
+from pipeclamp_identification.fitting.least_squares import linearised, unfitted
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
@@ -20,7 +34,12 @@ MOST_PAIRED = 3
 
 
 def candidates(
-    structure: Structure, problem: Problem, promises: Sequence[Promise], jobs: int, tell: Callable[[str], None]
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    promises: Sequence[Promise],
+    jobs: int,
+    tell: Callable[[str], None],
 ) -> tuple[list[Judged], dict[str, float]]:
     """Fit the effects that promise something; best first, and what was screened out with its share of the best's."""
     top = promises[0].gain if promises else 0.0
@@ -31,9 +50,48 @@ def candidates(
     contenders = [
         Contender((promise.name,), with_effect(structure, promise.name), promise.ranked_starts()) for promise in chosen
     ]
-    judged = ranked(judge_each(contenders, problem, jobs, tell))
+    judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, tell), problem, jobs, tell))
     grown = [larger_as_asked(each, structure, problem, tell) for each in judged[:MOST_PAIRED]]
     return ranked([*grown, *judged[MOST_PAIRED:]]), left
+
+
+def _closely_where_worth(
+    contenders: Sequence[Contender], problem: Problem, law: Judged, tell: Callable[[str], None]
+) -> list[Contender]:
+    """Fit all roughly; give where to go on from, closely where a rough fit gains much of what the best one does."""
+    as_it_is = unfitted(law.result.law.structure, problem.coarse, law.result.law.values).cost
+    rough = []
+    for each in contenders:
+        tell(f"fit {' and '.join(each.effects)} roughly")
+        rough.append(roughly(each.structure, each.starts, problem))
+    most = max((as_it_is - result.cost for result in rough), default=0.0)
+    return [
+        replace(
+            each,
+            starts=[result.law.values],
+            tolerance=CLOSELY if as_it_is - result.cost >= WORTH_CLOSELY_SHARE * most else ROUGHLY,
+        )
+        for each, result in zip(contenders, rough, strict=True)
+    ]
+
+
+def law_from_another_valley(law: Judged, judged: Sequence[Judged], problem: Problem) -> Judged:
+    """Give the law as it is, fitted from where the best candidates ended: they may have led it out of a poor valley."""
+    structure = law.result.law.structure
+    names = structure.equations.names
+    nearest = sorted(judged, key=lambda each: each.result.cost)[:MOST_PAIRED]
+    shared = [
+        {name: each.result.law.values[name] for name in names if name in each.result.law.values} for each in nearest
+    ]
+    best = min(
+        (roughly(structure, [start], problem) for start in shared if len(start) == len(names)),
+        key=lambda result: result.cost,
+        default=None,
+    )
+    if best is None or best.cost > unfitted(structure, problem.coarse, law.result.law.values).cost - RIVAL_LIKELIHOOD:
+        return law
+    again = judge((), structure, [best.law.values], problem)
+    return again if again.result.cost < law.result.cost else law
 
 
 def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell: Callable[[str], None]) -> Judged:

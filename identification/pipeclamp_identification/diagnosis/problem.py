@@ -160,7 +160,11 @@ def weighed_for(problem: Problem, best: Fit) -> Problem:
 
 
 def judge(
-    effects: tuple[str, ...], structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem
+    effects: tuple[str, ...],
+    structure: Structure,
+    starts: Sequence[Mapping[str, float]],
+    problem: Problem,
+    tolerance: float = CLOSELY,
 ) -> Judged:
     """Fit a structure to the problem and gather the evidence.
 
@@ -169,9 +173,10 @@ def judge(
         structure: what is fitted.
         starts: values to start from, most promising first.
         problem: the data.
+        tolerance: of the fit.
     """
     start = starts[0] if len(starts) == 1 else roughly(structure, starts, problem).law.values
-    result = fit(structure, problem.observations, start=start, tolerance=CLOSELY)
+    result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
     score = left_out_score(result, problem.observations, fitted, problem.groups)
@@ -206,12 +211,13 @@ def _share_of_force(score: LeftOutScore, loops: Loops) -> float:
 class Contender:
     """A law to be judged: what it has beyond the law as it is, its structure, and values to start from.
 
-    Starts are ordered, most promising first.
+    Starts are ordered, most promising first; `tolerance` is that of its fit.
     """
 
     effects: tuple[str, ...]
     structure: Structure
     starts: Sequence[Mapping[str, float]]
+    tolerance: float = CLOSELY
 
 
 def judge_each(
@@ -229,7 +235,7 @@ def judge_each(
         what came of each, in the same order.
     """
     processes = min(effective_n_jobs(jobs), len(contenders)) if problem.is_large else 1
-    work = (delayed(judge)(each.effects, each.structure, each.starts, problem) for each in contenders)
+    work = (delayed(judge)(each.effects, each.structure, each.starts, problem, each.tolerance) for each in contenders)
     judged = []
     for result in Parallel(n_jobs=max(processes, 1), return_as="generator")(work):
         tell(f"fitted {' and '.join(result.effects)}")

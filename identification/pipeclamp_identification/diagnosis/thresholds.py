@@ -45,6 +45,8 @@ RIVAL_LIKELIHOOD = 2 * np.log(100.0)
 tested, leaving one out asks for what the rest can't tell, and its errors aren't evidence."""
 WORTH_FITTING_SHARE = 0.01
 """A candidate passes the screen when one step promises this share of what the best promises."""
+WORTH_CLOSELY_SHARE = 0.2
+"""And is fitted closely when a rough fit gains this share of what the best one's does."""
 LARGER_MEMBER_SQUARES = 10.0
 """Difference in squares on left-out groups that is no reason for an effect's larger member."""
 FEWEST_RUNS = 4

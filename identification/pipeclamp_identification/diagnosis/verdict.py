@@ -8,7 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
-from pipeclamp_identification.diagnosis.candidates import as_it_is, candidates, likeliest, ranked
+from pipeclamp_identification.diagnosis.candidates import (
+    as_it_is,
+    candidates,
+    law_from_another_valley,
+    likeliest,
+    ranked,
+)
 from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, judge_each, prepare, weighed_for
@@ -142,7 +148,8 @@ def diagnose(
     if not is_complete(law, problem, tolerance):
         problem, law = _weighed_again(problem, law, law)
         promises = screened(structure, problem, law, tell)
-        judged, screened_out = candidates(structure, problem, promises, jobs, tell)
+        judged, screened_out = candidates(structure, problem, law, promises, jobs, tell)
+        law = law_from_another_valley(law, judged, problem)
         if judged and not judged[0].objections:
             tell("evidence weighed by the best law's own residuals")
             problem, law = _weighed_again(problem, law, likeliest(judged))
