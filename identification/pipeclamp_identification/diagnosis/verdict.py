@@ -149,11 +149,11 @@ def diagnose(
         problem, law = _weighed_again(problem, law, law)
         promises = screened(structure, problem, law, tell)
         judged, screened_out = candidates(structure, problem, law, promises, jobs, tell)
-        law = law_from_another_valley(law, judged, problem)
         if judged and not judged[0].objections:
             tell("evidence weighed by the best law's own residuals")
             problem, law = _weighed_again(problem, law, likeliest(judged))
             judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, tell))
+        law = law_from_another_valley(law, judged, problem)
     found = weigh(structure, problem, law, judged, tolerance, jobs, tell)
     tell("what is left over")
     best = _best(law, judged, found.pair)
