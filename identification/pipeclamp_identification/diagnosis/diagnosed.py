@@ -85,6 +85,14 @@ class Diagnosed:
         left = f"the law {law} leaves {lack.rms:.3g} N that follow the conditions, {lack.share:.2g} times the noise"
         return (left, *leftover.words, *leftover.lines)
 
+    def rung(self) -> tuple[str, ...]:
+        """Say what the effect that is named first takes, and what remains with it."""
+        explained = self.diagnosis.explained
+        if explained is None:
+            return ()
+        named = f"{self.effects[0]} takes {explained:.0%} of what was missing (mean square, on left-out conditions)"
+        return (named, *(self.left_over() or ("what remains is scatter",))[:1])
+
     def cautions(self) -> tuple[str, ...]:
         """Say what to mind of what was named."""
         return (NO_PROOF,) if self.kind == "part" else ()

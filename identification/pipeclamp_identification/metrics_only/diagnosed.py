@@ -74,6 +74,13 @@ class MetricDiagnosed:
         """Say why, what it rests on, and what metrics can't show."""
         return [*self.diagnosis.reasons, *self.cautions(), *_hidden_words(self.diagnosis)]
 
+    def rung(self) -> tuple[str, ...]:
+        """Say what the effect that is named first takes."""
+        named = self.diagnosis.named
+        if named is None:
+            return ()
+        return (f"{named.effects[0]} takes {self.diagnosis.explained(named):.0%} of what the metrics show missing",)
+
     def cautions(self) -> list[str]:
         """Warn where what was named rests on single measurements."""
         diagnosis, words = self.diagnosis, [NO_PROOF] if self.kind == "part" else []

@@ -114,7 +114,7 @@ def add_until_settled(
         )  # fmt: skip
         if addition.heldout[1] >= addition.heldout[0]:
             return Settled(file, found, tuple(ladder), in_vain=addition)
-        ladder.append(Rung(addition, found.kind or "cause", (*_rivals(found), *found.cautions())))
+        ladder.append(Rung(addition, found.kind or "cause", (*found.rung(), *_rivals(found), *found.cautions())))
         file = addition.after
         while (rung := _without_a_spare(file, found.effects[0], tests, command, progress)) is not None:
             ladder.append(rung)

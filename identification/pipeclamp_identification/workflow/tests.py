@@ -77,6 +77,9 @@ class Diagnosed(Protocol):
     def words(self) -> Sequence[str]:
         """Say why, and what is left over."""
 
+    def rung(self) -> Sequence[str]:
+        """Say what the effect that is named first takes, and what remains with it."""
+
     def cautions(self) -> Sequence[str]:
         """Say what to mind of what was named."""
 
