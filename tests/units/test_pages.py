@@ -30,7 +30,10 @@ README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 OF_ALL = {"--help", "--version", "--install-completion", "--show-completion"}
-OF_OTHERS = {"--keep-going", "--check", "--narrow", "--metrics", "--share", "--seed", "--only", "--benchmark-only"}
+OF_OTHERS = {
+    "--keep-going", "--check", "--narrow", "--metrics", "--devices", "--write", "--share", "--seed", "--only",
+    "--benchmark-only",
+}  # fmt: skip
 """Options of scripts and other programs that pages name."""
 
 

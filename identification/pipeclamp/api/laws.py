@@ -90,7 +90,7 @@ def add(
     power: error on left-out conditions 2.86%
     + damping_temperature: error on left-out conditions 1.37%
     c_T2 and c_T3 can hardly be told apart (correlation -0.987).
-    c_T1 and c_T2 can hardly be told apart (correlation -0.955).
+    c_T1 and c_T2 can hardly be told apart (correlation -0.954).
     """
     file, tests = opened(law).file, tested(tests)
     if isinstance(effect, Diagnosis):
