@@ -25,6 +25,9 @@ UNEXPLAINED_SHARE = 0.3
 HALF_LEFT_SHARE = 0.5
 """Nor does one that leaves over more than half (rms) of it, however small what is left: at the edge of what is material
 or significant, next to nothing decides on which side a law lies."""
+HALF_TAKEN_SHARE = 0.5
+"""What may be the form of the law's effects is another effect only if that takes half of the mean square on left-out
+conditions: any effect takes some of a wrong form."""
 MATERIAL_PART_SHARE = 0.05
 """A part that is worth a rung takes this share of the mean-square lack of fit: the error falls by a fortieth."""
 PART_STANDARD_ERRORS = 2.0

@@ -15,6 +15,7 @@ from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_besi
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     HALF_LEFT_SHARE,
+    HALF_TAKEN_SHARE,
     MATERIAL_PART_SHARE,
     NEAR_NOISE_SHARE,
     PART_STANDARD_ERRORS,
@@ -93,7 +94,8 @@ class Scales:
     def explains(self, candidate: Judged) -> bool:
         """Tell whether a law leaves over next to nothing of what is missing, or what may be form."""
         left, missing = candidate.lack.sure_share, self.law.lack.share
-        if left > HALF_LEFT_SHARE * missing:
+        taken = explained_share(candidate, self.law)
+        if left > HALF_LEFT_SHARE * missing or taken < (HALF_TAKEN_SHARE if self.form_allowed else MATERIAL_PART_SHARE):
             return False
         next_to_nothing = left < self.tolerance.left and left < UNEXPLAINED_SHARE * missing
         return is_adequate(candidate.lack, self.tolerance) or next_to_nothing or left < self.tolerance.form

@@ -82,8 +82,8 @@ def add_until_settled(
 
     Of several effects that take much the same part the best is added; of several that may be the cause none is: the
     proposed test would tell. After each addition the effects so far are asked again: one that the law does as well
-    without goes. Where nothing is named, the other base laws are tried; one that does better beyond doubt takes the
-    base's place.
+    without goes, for good. Where nothing is named, the other base laws are tried; one that does better beyond doubt takes
+    the base's place.
 
     Args:
         file: the law to begin with.
@@ -96,10 +96,11 @@ def add_until_settled(
         UserError: the data can't serve the law.
     """
     ladder: list[Rung] = []
+    gone: set[tuple[str, ...]] = set()
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
         seen(found, file)
-        if len(ladder) >= most or not _goes_on(found):
+        if len(ladder) >= most or not _goes_on(found) or found.effects[:1] in gone:
             return Settled(file, found, tuple(ladder))
         if found.verdict == "unknown":
             rung = _on_another_base(file, tests, command, progress)
@@ -118,6 +119,7 @@ def add_until_settled(
         file = addition.after
         while (rung := _without_a_spare(file, found.effects[0], tests, command, progress)) is not None:
             ladder.append(rung)
+            gone.add((rung.change.effect.removeprefix("- "),))
             file = rung.change.after
 
 
