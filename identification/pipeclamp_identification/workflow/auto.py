@@ -82,8 +82,8 @@ def add_until_settled(
 
     Of several effects that take much the same part the best is added; of several that may be the cause none is: the
     proposed test would tell. After each addition the effects so far are asked again: one that the law does as well
-    without goes, for good. Where nothing is named, the other base laws are tried; one that does better beyond doubt takes
-    the base's place.
+    without goes, for good. Where nothing is named, the other base laws are tried; one that does better beyond doubt
+    takes the base's place.
 
     Args:
         file: the law to begin with.
