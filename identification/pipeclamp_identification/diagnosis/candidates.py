@@ -22,7 +22,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import linearised, unfitted
+from pipeclamp_identification.fitting.least_squares import Fit, linearised, unfitted
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
@@ -55,15 +55,20 @@ def candidates(
     return ranked([*grown, *judged[MOST_PAIRED:]]), left
 
 
+def _each_roughly(contenders: Sequence[Contender], problem: Problem, tell: Callable[[str], None]) -> list[Fit]:
+    rough = []
+    for each in contenders:
+        tell(f"fit {' and '.join(each.effects)} roughly")
+        rough.append(roughly(each.structure, each.starts, problem))
+    return rough
+
+
 def _closely_where_worth(
     contenders: Sequence[Contender], problem: Problem, law: Judged, tell: Callable[[str], None]
 ) -> list[Contender]:
     """Fit all roughly; give where to go on from, closely where a rough fit gains much of what the best one does."""
     as_it_is = unfitted(law.result.law.structure, problem.coarse, law.result.law.values).cost
-    rough = []
-    for each in contenders:
-        tell(f"fit {' and '.join(each.effects)} roughly")
-        rough.append(roughly(each.structure, each.starts, problem))
+    rough = _each_roughly(contenders, problem, tell)
     most = max((as_it_is - result.cost for result in rough), default=0.0)
     return [
         replace(
@@ -80,9 +85,7 @@ def law_from_another_valley(law: Judged, judged: Sequence[Judged], problem: Prob
     structure = law.result.law.structure
     names = structure.equations.names
     nearest = sorted(judged, key=lambda each: each.result.cost)[:MOST_PAIRED]
-    shared = [
-        {name: each.result.law.values[name] for name in names if name in each.result.law.values} for each in nearest
-    ]
+    shared = [structure.own(each.result.law.values) for each in nearest]
     best = min(
         (roughly(structure, [start], problem) for start in shared if len(start) == len(names)),
         key=lambda result: result.cost,
@@ -157,10 +160,7 @@ def pairs(
 
 def _best_roughly(contenders: Sequence[Contender], problem: Problem, tell: Callable[[str], None]) -> list[Contender]:
     """Give those that do best when all are fitted roughly, from where that ended."""
-    rough = []
-    for each in contenders:
-        tell(f"fit {' and '.join(each.effects)} roughly")
-        rough.append(roughly(each.structure, each.starts, problem))
+    rough = _each_roughly(contenders, problem, tell)
     order = sorted(range(len(rough)), key=lambda place: rough[place].cost)[:MOST_PAIRED]
     return [replace(contenders[place], starts=[rough[place].law.values]) for place in order]
 

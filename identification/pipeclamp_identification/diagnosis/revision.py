@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, prepare, weighed_for
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.diagnosis.weighing import explained_share, takes_part
+from pipeclamp_identification.diagnosis.weighing import explained_share, gain_and_doubt, takes_part
 from pipeclamp_identification.fitting.least_squares import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
@@ -59,13 +57,12 @@ def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
         progress(f"does the law do as well without {name}?")
         without = replace(asked.structure, effects=tuple(one for one in asked.structure.effects if one != name))
         try:
-            judged = judge((), without, [_shared(asked.values, without)], asked.problem)
+            judged = judge((), without, [without.own(asked.values)], asked.problem)
         except UserError:  # another effect modifies what only this one has
             continue
-        gain = np.bincount(asked.problem.groups, weights=judged.score.squares - asked.law.score.squares)
-        doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else 0.0
-        if gain.sum() < doubt and explained_share(asked.law, judged) < MATERIAL_PART_SHARE:
-            spare.append((float(gain.sum()), name))
+        gain, doubt = gain_and_doubt(asked.law, judged, asked.problem)
+        if gain < doubt and explained_share(asked.law, judged) < MATERIAL_PART_SHARE:
+            spare.append((gain, name))
     return min(spare)[1] if spare else None
 
 
@@ -102,10 +99,4 @@ def _starts(other: Structure, asked: Asked) -> list[Mapping[str, float]]:
         asked.problem.observations,
         {**surfaces, **{name: asked.values[name] for name in added & set(asked.values)}},
     )
-    return [{**anew[0], **surfaces, **_shared(asked.values, other)}, *anew]
-
-
-def _shared(values: Mapping[str, float], structure: Structure) -> dict[str, float]:
-    """Give the values of those parameters that the structure has too."""
-    names = set(structure.equations.names)
-    return {name: value for name, value in values.items() if name in names}
+    return [{**anew[0], **surfaces, **other.own(asked.values)}, *anew]

@@ -164,13 +164,18 @@ def explained_share(judged: Judged, law: Judged) -> float:
     return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
 
 
+def gain_and_doubt(candidate: Judged, law: Judged, problem: Problem) -> tuple[float, float]:
+    """Give the squares on left-out groups that a law gains over another, and their standard error over the groups."""
+    gain = np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares)
+    return float(gain.sum()), float(np.sqrt(len(gain) * np.var(gain, ddof=1))) if len(gain) > 1 else np.inf
+
+
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
     """Tell whether a law takes a material share on every kind of left-out condition, beyond doubt."""
-    gain = np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares)
-    doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else np.inf
+    gain, doubt = gain_and_doubt(candidate, law, problem)
     elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
     material = explained_share(candidate, law) >= MATERIAL_PART_SHARE
-    return bool(material and elsewhere and gain.sum() > PART_STANDARD_ERRORS * doubt)
+    return bool(material and elsewhere and gain > PART_STANDARD_ERRORS * doubt)
 
 
 def _betters(candidate: Judged, law: Judged) -> bool:
@@ -180,11 +185,7 @@ def _betters(candidate: Judged, law: Judged) -> bool:
 
 def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     """Name one effect that explains what is missing, and the others that do so as well."""
-    rivals = [
-        each
-        for each in _near(best, [other for other in sound if scales.explains(other)], scales.problem)
-        if each is not best
-    ]
+    rivals = _near(best, [other for other in sound if scales.explains(other)], scales.problem)
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     if len(names) > 1:
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
@@ -213,11 +214,8 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
     if not able or scales.law.lack.share < scales.tolerance.left:
         return None
     best = able[0]
-    rivals = [
-        each
-        for each in _near(best, able, scales.problem)
-        if each is not best and _same_part(each, best, promises, scales)
-    ]
+    near = _near(best, able, scales.problem)
+    rivals = [each for each in near if _same_part(each, best, promises, scales)]
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     takes = (
         f"{best.effects[0]} takes {explained_share(best, scales.law):.0%} of what is missing (mean square, on "

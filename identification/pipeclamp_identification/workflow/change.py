@@ -108,16 +108,10 @@ def _changed(
     progress: Progress,
 ) -> Addition:
     """Refit a law with another structure and state the error before and after."""
-    done = tests.refit(file, new, _shared_values({**law_of(file).values, **(start or {})}, new), progress)
+    done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, command=command, date=date)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
     history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(done.heldout[0])}))
     last = HistoryStep(step=step, nrmse=rounded(done.nrmse[1]), heldout_nrmse=rounded(done.heldout[1]))
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
     return Addition(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)
-
-
-def _shared_values(values: Mapping[str, float], structure: Structure) -> dict[str, float]:
-    """Give the values of those parameters that both laws have."""
-    names = set(structure.equations.names)
-    return {name: value for name, value in values.items() if name in names}

@@ -125,6 +125,11 @@ class Structure:
         """
         return _equations(self, ("base", "clamp"))
 
+    def own(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Give those values, by name, that are of the structure's parameters."""
+        names = set(self.equations.names)
+        return {name: value for name, value in values.items() if name in names}
+
     def held(self) -> dict[str, float]:
         """Give the values at which the base's form and `frozen` hold parameters."""
         return {**find_base(self.base).fixed, **dict(self.frozen)}
