@@ -19,6 +19,11 @@ from pipeclamp_identification.signals.harmonics import cycle_harmonics
 from pipeclamp_models.law.law import Structure
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """What commands keep from call to call goes where pytest keeps things, not into the user's folder."""
+    os.environ["PIPECLAMP_CACHE"] = str(config.cache.mkdir("pipeclamp"))
+
+
 def _record(
     displacement: Sequence[complex] = (0.0, 0.8),
     force: Sequence[complex] = (0.0, 2000.0 + 400.0j, 0.0, 60.0 + 90.0j),

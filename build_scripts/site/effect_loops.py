@@ -11,6 +11,7 @@ import numpy as np
 import sympy as sp
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Effect, Parameter
@@ -64,7 +65,7 @@ def loops_with_and_without(effect: Effect) -> Loops:
     sizes = law_sizes(replace(known, structure=BARE), AMPLITUDES, FREQUENCIES[:2], TEMPERATURES, slow)
     structure = Structure(_base_of(effect)) if effect.part == "base" else with_effect(BARE, effect.name)
     own = {} if effect.part == "base" else {one.name: number_of(one.size, sizes) for one in effect.parameters}
-    values = {one.name: number_of(one.size, sizes) for one in structure.equations.parameters}
+    values = {one.name: number_of(one.size, sizes) for one in structure.equations.composed.parameters}
     values |= {name: value for name, value in known.values.items() if name in values} | own
     others = values | {one.name: 0.0 for one in effect.parameters if effect.part == "base" and _is_force(one)}
     with_it = _force(replace(known, structure=structure, values=values), motion)
@@ -115,8 +116,8 @@ def _further(used: Iterable[sp.Symbol]) -> list[tuple[sp.Symbol, tuple[float, ..
     """Give the conditions besides A, f and T that an effect follows, with levels and how to label them."""
     levels = {symbols.N: (CYCLES, "{:g} cycles"), symbols.rho: (DENSITIES, "{:g} g/cm³")}
     found = [(symbol, *levels[symbol]) for symbol in used if symbol in levels]
-    columns = [symbol for symbol in used if str(symbol).startswith(symbols.CONDITION)]
-    return found + [(symbol, COLUMN, f"{str(symbol).removeprefix(symbols.CONDITION)} = {{:g}}") for symbol in columns]
+    columns = [symbol for symbol in used if str(symbol).startswith(CONDITION)]
+    return found + [(symbol, COLUMN, f"{str(symbol).removeprefix(CONDITION)} = {{:g}}") for symbol in columns]
 
 
 def draw(effect: Effect, path: Path) -> Loops:

@@ -19,6 +19,7 @@ from pipeclamp_fmu.native.pipe import native_pipe
 from pipeclamp_fmu.python.packing import write_fmu
 from pipeclamp_fmu.slaves.clamp import MM, within
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.file import Interval, LawFile, law_of
@@ -107,7 +108,9 @@ def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
     model = clamp_model(file, told)
     require_passive(model)
     structure = law_of(file).structure
-    states = [Entry(str(state.symbol), state.unit, state.meaning) for state in structure.equations_without_rig.states]
+    states = [
+        Entry(str(state.symbol), state.unit, state.meaning) for state in structure.equations_without_rig.composed.states
+    ]
     return native_clamp(model, c_source(structure), states, version())
 
 
@@ -179,7 +182,7 @@ def condition_parameter(column: str, value: float) -> tuple[str, float]:
 def _parameter_name(column: str) -> str:
     """Give the name of the clamp FMU's parameter for a column of runs.csv."""
     own = {"density_g_cm3": str(symbols.rho), "first_cycle": CYCLES}
-    return own.get(column, f"condition.{str(symbols.condition_symbol(column)).removeprefix(symbols.CONDITION)}")
+    return own.get(column, f"condition.{str(symbols.condition_symbol(column)).removeprefix(CONDITION)}")
 
 
 def build_native_excitation(
@@ -208,7 +211,7 @@ def clamp_model(file: LawFile, told: Start = USUAL) -> ClampModel:
     law = law_of(file)
     equations = law.structure.equations_without_rig
     described = {entry.name: (entry.unit, entry.meaning) for entry in equations.parameters} | SMOOTHING
-    names = [str(symbol) for symbol in parameter_symbols(equations)]
+    names = [str(symbol) for symbol in parameter_symbols(equations.composed)]
     entries = [(name, file.coefficients[name]) for name in equations.names]
     return ClampModel(
         name=file.name,
@@ -220,7 +223,7 @@ def clamp_model(file: LawFile, told: Start = USUAL) -> ClampModel:
         range_f=_ends(file.range["f"]),
         range_T=_ends(file.range["T"]) if "T" in file.range else None,
         further=tuple(_further(name, file) for name in conditions_of(equations)[len(CONDITIONS_FIRST) :]),
-        equations=equation_lines(equations),
+        equations=equation_lines(equations.composed),
         parameters=[
             (
                 name,
@@ -265,7 +268,7 @@ def _further(name: str, file: LawFile) -> FurtherCondition:
     key = columns.get(name, name)
     if key not in file.range:
         raise UserError(
-            f"law {file.name!r} depends on {name.removeprefix(symbols.CONDITION)}, but its range doesn't hold it; "
+            f"law {file.name!r} depends on {name.removeprefix(CONDITION)}, but its range doesn't hold it; "
             "expected a law identified from tests that state it: identify it anew"
         )
     interval = _ends(file.range[key])

@@ -22,13 +22,15 @@ HELP = {"typer", "pydantic"}
 """typer asks for pydantic by itself where it is installed; Rich is for what is found, help does without it."""
 TERMINAL = {*HELP, "rich"}
 EQUATIONS = {"numpy", "sympy", "pydantic"}
-TESTS = {*EQUATIONS, "polars"}
+TESTS = {"numpy", "polars", "pydantic"}
+"""SymPy is for equations that no command has been on before."""
 FIT = {"scipy", "scipy.optimize", "scipy.linalg", "scipy.sparse", "scipy.special", "numpy.f2py"}
 """SciPy asks for NumPy's f2py by itself."""
-PAGE = {*FIT, "plotly", "jinja2", "pipeclamp.pages", "joblib", "scipy.integrate", "scipy.interpolate", "scipy.stats"}
+DRAWN = {"plotly", "jinja2", "pipeclamp.pages", "joblib", "scipy.integrate", "scipy.interpolate", "scipy.stats"}
+PAGE = {*FIT, *DRAWN, "sympy"}
 """One module gives all pages, those of a diagnosis among them."""
 WATCHED = {
-    *(*TERMINAL, *TESTS, *FIT, *PAGE),
+    *(*TERMINAL, *EQUATIONS, *TESTS, *FIT, *PAGE),
     *("control", "fmpy", "matplotlib", "pandas", "pythonfmu", "scipy.signal"),
     *("pipeclamp_fmu", "pipeclamp_models.pipe"),
     *("pipeclamp_identification.attribution", "pipeclamp_identification.on_pipe"),
@@ -61,7 +63,11 @@ def loaded(words: Sequence[str], tmp_path: Path, before: str = "") -> set[str]:
 @pytest.mark.parametrize("command", MAY_LOAD)
 def test_a_command_loads_only_what_it_may(command: str, tmp_path: Path):
     files = {"LAW": tmp_path / "law.json", "PAGE": tmp_path / "page.html"}
-    assert loaded([str(files.get(word, word)) for word in command.split()], tmp_path) <= MAY_LOAD[command]
+    words = [str(files.get(word, word)) for word in command.split()]
+    found = loaded(words, tmp_path)
+    if "sympy" in found:  # this was the first command on these equations
+        found = loaded(words, tmp_path)
+    assert found <= MAY_LOAD[command]
 
 
 def test_what_no_command_may_load_would_be_seen(tmp_path: Path):

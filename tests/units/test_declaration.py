@@ -12,7 +12,9 @@ from pipeclamp_identification.diagnosis.screen import fits_beside
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.law.declaration import Declaration, effect_of, merged, read_declaration, read_effects
+from pipeclamp_models.law.declaration import Declaration, merged
+from pipeclamp_models.law.declaration_files import read_declaration, read_effects
+from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.file import law_of, law_text, parse_law
 from pipeclamp_models.law.law import Structure
 

@@ -20,7 +20,7 @@ from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UsageError
-from pipeclamp_models.law.declaration import read_declaration
+from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import law_text
 from pipeclamp_models.law.law import Law, Structure
 

@@ -10,7 +10,7 @@ from pipeclamp_models.realise.text import effect_statements, equation_lines, sym
 
 
 def lines(*effects):
-    return equation_lines(Structure("power", effects).equations)
+    return equation_lines(Structure("power", effects).equations.composed)
 
 
 def test_a_state_that_slips_is_told_in_words():

@@ -119,8 +119,9 @@ def test_rig_effects_stay_out_of_the_clamp():
     structure = Structure("power", ("inertia", "offset", "delay"))
     clamp, whole = structure.equations_without_rig, structure.equations
     assert set(whole.names) - set(clamp.names) == {p.name for name in RIG for p in find_effect(name).parameters}
-    assert clamp.lag == 0
-    assert symbols.a not in clamp.force.free_symbols
+    assert clamp.composed.lag == 0
+    assert not clamp.outline.late
+    assert symbols.a not in clamp.composed.force.free_symbols
 
 
 def test_the_base_law_is_the_equation():
@@ -155,7 +156,7 @@ def test_smoothing_costs_less_than_a_thousandth_of_the_dissipation(alpha):
 
 def test_composed_equations_are_sympy_and_complete():
     for base in BASES:
-        equations = Structure(base).equations
+        equations = Structure(base).equations.composed
         known = {p.symbol for p in equations.parameters} | {c.symbol for c in equations.coefficients}
         known |= {state.symbol for state in equations.states} | {signal.symbol for signal in symbols.FAST}
         left = equations.force.free_symbols - known - set(symbols.REFERENCES) - {symbols.v_r, symbols.y_r}

@@ -19,7 +19,8 @@ from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.equations import literature
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law import catalogue
-from pipeclamp_models.law.declaration import Declaration, effect_of
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_system.description.system import SystemDescription

@@ -17,7 +17,8 @@ from pipeclamp_identification.workflow.next_command import next_command
 from pipeclamp_identification.workflow.tests import Diagnosed, silent
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.declaration import Declaration, read_declaration
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.declaration_files import read_declaration
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Section

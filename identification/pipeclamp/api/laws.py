@@ -16,7 +16,7 @@ from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.declaration import read_effects
+from pipeclamp_models.law.declaration_files import read_effects
 
 
 @one_thread()

@@ -185,7 +185,7 @@ def identify(
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
-    from pipeclamp_models.law.declaration import read_effects
+    from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.file import law_text
 
     with told("identify") as tell:
@@ -225,7 +225,7 @@ def compare(
     strict: StrictOption = False,
 ) -> None:
     """Hold a law, or a pipe with its clamps, against measurements: how much it errs, and where."""
-    from pipeclamp_models.law.declaration import refuse_declaration
+    from pipeclamp_models.law.declaration_files import refuse_declaration
 
     refuse_declaration(Path(law))
     if law.endswith(".toml"):
@@ -272,7 +272,7 @@ def diagnose(
     from pipeclamp_identification.diagnosis.limits import parse_limits
     from pipeclamp_identification.workflow.auto import add_until_settled
     from pipeclamp_identification.workflow.next_command import next_command
-    from pipeclamp_models.law.declaration import read_declaration, read_effects
+    from pipeclamp_models.law.declaration_files import read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
 
     if drive:
@@ -334,7 +334,7 @@ def add(
 ) -> None:
     """Add an effect to a law, refit everything, and say what the error did."""
     from pipeclamp_identification.workflow.change import add_effect
-    from pipeclamp_models.law.declaration import read_effects
+    from pipeclamp_models.law.declaration_files import read_effects
 
     (name,), declarations = read_effects((effect,), declared or ())
     change = partial(add_effect, effect=name, declared=declarations)

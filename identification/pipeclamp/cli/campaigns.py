@@ -92,7 +92,7 @@ def rig(
     from pipeclamp_identification.campaign import rig as virtual
     from pipeclamp_identification.campaign.drive import read_drive
     from pipeclamp_identification.campaign.writing import write_campaign
-    from pipeclamp_models.law.declaration import read_effects
+    from pipeclamp_models.law.declaration_files import read_effects
 
     if drive and (stated := [f"--{name.replace('_', '-')}" for name in OF_NO_DRIVE if _is_stated(context, name)]):
         raise UsageError(f"--drive: got {', '.join(stated)} as well; expected the motion from {drive} alone")

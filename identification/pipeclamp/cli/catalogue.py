@@ -26,7 +26,8 @@ def effects(
     """The catalogue: every effect, what it does and what imitates it; or one effect whole."""
     from pipeclamp.show import effects as shown
     from pipeclamp_models.law.catalogue import find_effect, listed, showable
-    from pipeclamp_models.law.declaration import effect_of, read_effects
+    from pipeclamp_models.law.declaration_files import read_effects
+    from pipeclamp_models.law.declared import effect_of
     from pipeclamp_models.realise.catalogue_answer import REFERENCE, catalogue_answer, reference_sizes
 
     names, declarations = read_effects([effect] if effect else [], declared or ())

@@ -11,7 +11,7 @@ from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import curves_picture, surface_picture
 from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.equations.symbols import REFERENCES, T_0
+from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.arrays import realise
@@ -24,7 +24,7 @@ def law_sections(file: LawFile) -> list[Section]:
     """Give the part of a page that shows a law: its equations, parameters and surfaces."""
     law = law_of(file)
     return [
-        Section("Law", equation_lines(law.equations)),
+        Section("Law", equation_lines(law.equations.composed)),
         Section("Parameters", doubts(file), [coefficient_table(file)]),
         Section("Surfaces", (), (), surface_pictures(law, file)),
     ]
@@ -39,7 +39,7 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
         for name in compiled.slow
         if name in file.range and file.range[name].maximum > file.range[name].minimum
     }
-    unknown = {} if "T" in file.range else {"T": float(REFERENCES[T_0])}
+    unknown = {} if "T" in file.range else {"T": float(REFERENCES["T_0"])}
     middle = unknown | {
         name: (file.range[name].minimum + file.range[name].maximum) / 2 for name in compiled.slow if name in file.range
     }
@@ -51,7 +51,7 @@ def surface_pictures(law: Law, file: LawFile) -> list[go.Figure]:
         return np.broadcast_to(compiled.coefficients(*slow, *values, law.v_r, law.y_r)[index], shape)
 
     figures = []
-    for index, coefficient in enumerate(equations.coefficients):
+    for index, coefficient in enumerate(equations.composed.coefficients):
         free = {str(symbol) for symbol in coefficient.expression.free_symbols}
         varied = [name for name in ranges if name in free]
         label = f"{coefficient.symbol} / {coefficient.unit}"

@@ -131,7 +131,7 @@ def _mounted(law: Law) -> Law:
 def _clamps(model: CoupledModel) -> Iterator[Suspect]:
     for index, name in enumerate(model.clamp_names):
         law = next(iter(model.clamps.values()))[index][1].law
-        has_cubic = any(str(entry.symbol) == CUBIC for entry in law.equations.coefficients)
+        has_cubic = CUBIC in law.equations.outline.coefficients
         for role in ("stiffness", "damping"):
             parameters = [f"mount_{role}", *(["mount_cubic"] if has_cubic and role == "stiffness" else [])]
             more = parameters[1:]

@@ -14,10 +14,11 @@ from pipeclamp_identification.campaign.drive import Drive, Motion3, ramped, tone
 from pipeclamp_identification.campaign.plausibility import fundamental_of
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.campaign.writing import WrittenRun
+from pipeclamp_models.base import signals
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Parameter
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, law_of
@@ -165,7 +166,7 @@ def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | Non
 def _refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> None:
     """Refuse a law that follows a condition which isn't stated."""
     stated = {condition_signal(column) for column in conditions}
-    needed = {str(symbol) for symbol in equations.slow_signals} - {"A", "f", "T", "N"} - stated
+    needed = equations.slow_signals - {"A", "f", "T", "N"} - stated
     if needed:
         columns = sorted(_column(name) for name in needed)
         raise UserError(f"the law depends on {', '.join(columns)}; state a value for each: --set {columns[0]}=...")
@@ -263,12 +264,12 @@ DENSITY = "density_g_cm3"
 
 def condition_signal(column: str) -> str:
     """Give the name of the slow signal that a further column of runs.csv is in a law."""
-    return str(symbols.rho if column == DENSITY else symbols.condition_symbol(column))
+    return "rho" if column == DENSITY else signals.condition_signal(column)
 
 
 def _column(signal: str) -> str:
     """Give a column of runs.csv that is this slow signal."""
-    return DENSITY if signal == str(symbols.rho) else signal.removeprefix(symbols.CONDITION)
+    return DENSITY if signal == "rho" else signal.removeprefix(CONDITION)
 
 
 def beyond_range(file: LawFile, plan: TestPlan) -> list[str]:
@@ -331,21 +332,22 @@ def truth_of(
     for effect in effects:
         structure = with_effect(structure, effect)
     equations = structure.equations
-    signals = {str(symbol) for symbol in equations.slow_signals}
+    followed = equations.slow_signals
     conditions = {name: value for name, value in values.items() if name not in equations.names}
-    unknown = sorted(column for column in conditions if condition_signal(column) not in signals)
+    unknown = sorted(column for column in conditions if condition_signal(column) not in followed)
     if unknown:
-        columns = sorted(_column(name) for name in signals - {"A", "f", "T", "N"})
+        columns = sorted(_column(name) for name in followed - {"A", "f", "T", "N"})
         known = [*equations.names, *columns]
         units = ", ".join([*(f"{one.name} ({one.unit})" for one in equations.parameters), *columns])
         raise UserError(
             f"--set: {', '.join(unknown)} is no parameter of the law and no condition that it follows; "
             f"{did_you_mean(unknown[0], known)}it has {units}"
         )
-    for parameter in equations.parameters:
+    parameters = equations.composed.parameters
+    for parameter in parameters:
         _refuse_beyond(parameter, values.get(parameter.name))
     given = {**law.values, **values}
-    lacking = [parameter for parameter in equations.parameters if parameter.name not in given]
+    lacking = [parameter for parameter in parameters if parameter.name not in given]
     typical: dict[str, float] = {}
     if lacking:
         _refuse_unstated(equations, conditions)

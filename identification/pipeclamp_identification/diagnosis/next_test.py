@@ -25,6 +25,7 @@ from pipeclamp_identification.diagnosis.outlook import (
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.catalogue import effect_id
@@ -121,7 +122,7 @@ def _further_words(signal: str, value: float) -> str:
         return f"after {value:.0f} load cycles"
     if signal == str(symbols.rho):
         return f"density {value:.4g} g/cm3"
-    return f"{signal.removeprefix(symbols.CONDITION)} {value:.4g}"
+    return f"{signal.removeprefix(CONDITION)} {value:.4g}"
 
 
 @dataclass(frozen=True)

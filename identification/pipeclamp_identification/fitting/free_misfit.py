@@ -15,8 +15,8 @@ from pipeclamp_identification.fitting.misfit import slow_signals
 from pipeclamp_identification.fitting.observations import known_temperature
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
@@ -193,9 +193,9 @@ def _law_motion(
         # as the FMU counts: those that have passed before the step
         "N": run.first_cycle + np.concatenate([[0.0], np.cumsum(way)[:-1]])[None],
         "rho": np.full((1, 1), math.nan if run.density_g_cm3 is None else run.density_g_cm3),
-        **{str(symbols.condition_symbol(name)): np.full((1, 1), value) for name, value in run.conditions.items()},
+        **{condition_signal(name): np.full((1, 1), value) for name, value in run.conditions.items()},
     }
-    columns = {"rho": "density_g_cm3", **{str(symbols.condition_symbol(name)): name for name in run.conditions}}
+    columns = {"rho": "density_g_cm3", **{condition_signal(name): name for name in run.conditions}}
     for signal, column in columns.items():
         if signal in slow_signals(law) and not np.all(np.isfinite(slow[signal])):
             raise UserError(f"the law depends on {column}, which isn't known for {run.name}; fill it in in runs.csv")

@@ -13,14 +13,11 @@ from pipeclamp_identification.campaign.reading import Campaign, LeftOut
 from pipeclamp_identification.fitting.least_squares import HELD, WISHED, Fit, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
-from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_identification.loops.loops import Loops, loops_of, per_cycle
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown
-from pipeclamp_models.equations import symbols
-from pipeclamp_models.equations.effect import Parameter
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import (
     SCHEMA,
@@ -38,6 +35,7 @@ from pipeclamp_models.law.file import (
     RunQuality,
 )
 from pipeclamp_models.law.law import Equations, Structure
+from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.law.range import intervals_of, rounded
 
 Method = Literal["joint", "surfaces"]
@@ -94,6 +92,9 @@ def identify(
     observations = loop_observations(loops)
     structure = Structure(base, tuple(effects)).with_declared(declared)
     if base == "series":
+        # Its highest orders stand with the mathematics of its terms, which other bases do without.
+        from pipeclamp_identification.fitting.series_orders import choose_series
+
         tell("orders of the series")
         structure = choose_series(loops, observations, structure)
     structure = replace(structure, frozen=tuple(sorted((frozen or {}).items())))
@@ -272,13 +273,13 @@ def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:
     return entries
 
 
-def _prior(parameter: Parameter, spread: float | None) -> Prior | None:
+def _prior(parameter: ParameterOutline, spread: float | None) -> Prior | None:
     return None if spread is None else Prior(mean=parameter.neutral or 0.0, standard_deviation=rounded(spread))
 
 
 def ages(equations: Equations) -> bool:
     """Tell whether a law depends on the load cycles that the specimen has seen."""
-    return symbols.N in equations.slow_signals
+    return "N" in equations.slow_signals
 
 
 def range_of(loops: Loops, *, aged: bool = False) -> dict[str, Interval]:

@@ -10,18 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-import sympy as sp
 
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.equations.effect import Parameter
 from pipeclamp_models.law.law import Equations, Law, Structure, find_base, smoothing
+from pipeclamp_models.law.outline import ParameterOutline, Sizes, number_in
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import refuse_unknown_conditions
-from pipeclamp_models.realise.sizes import number_of
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -159,18 +157,17 @@ class _Evaluator:
 def undetermined(equations: Equations, observations: Observations) -> dict[str, str]:
     """Give the parameters that nothing uses, or whose condition does not vary in the data, with the reason."""
     reasons: dict[str, str] = {}
-    used = equations.used_symbols
     for parameter in equations.parameters:
-        if parameter.symbol not in used:
+        if not parameter.used:
             reasons[parameter.name] = "the law has nothing that it scales"
             continue
         for signal in parameter.follows:
-            values = observations.motion.slow.get(str(signal))
-            if str(signal) in observations.motion.assumed:
+            values = observations.motion.slow.get(signal)
+            if signal in observations.motion.assumed:
                 reasons[parameter.name] = f"{signal} isn't known"
             elif values is None or not np.all(np.isfinite(values)):
                 reasons[parameter.name] = f"{signal} isn't known in every run"
-            elif (count := _levels(str(signal), values)) < parameter.levels:
+            elif (count := _levels(signal, values)) < parameter.levels:
                 reasons[parameter.name] = (
                     f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
                 )
@@ -229,7 +226,7 @@ def fit(
         UserError: there are fewer observations than free parameters.
     """
     equations = structure.equations
-    refuse_unknown_conditions(sorted(map(str, equations.slow_signals)), observations.motion)
+    refuse_unknown_conditions(sorted(equations.slow_signals), observations.motion)
     held = structure.held()
     reasons = _reasons(structure, equations, observations)
     scales = data_scales(observations)
@@ -335,14 +332,14 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
     )
 
 
-def _neutral(parameter: Parameter, scales: Mapping[sp.Symbol, float]) -> float:
-    return parameter.neutral if parameter.neutral is not None else number_of(parameter.starts[0], scales)
+def _neutral(parameter: ParameterOutline, scales: Sizes) -> float:
+    return parameter.neutral if parameter.neutral is not None else number_in(parameter.starts[0], scales)
 
 
-def parameter_bounds(equations: Equations, scales: Mapping[sp.Symbol, float]) -> tuple[Array, Array]:
+def parameter_bounds(equations: Equations, scales: Sizes) -> tuple[Array, Array]:
     """Give the lower and the upper bound of each parameter of a law, for data of these scales."""
-    lower = np.array([number_of(parameter.lower, scales) for parameter in equations.parameters])
-    upper = np.array([number_of(parameter.upper, scales) for parameter in equations.parameters])
+    lower = np.array([number_in(parameter.lower, scales) for parameter in equations.parameters])
+    upper = np.array([number_in(parameter.upper, scales) for parameter in equations.parameters])
     return lower, upper
 
 
@@ -362,16 +359,16 @@ class Priors:
         return (values - self.mean) * self.root
 
 
-def spreads_of(equations: Equations, scales: Mapping[sp.Symbol, float]) -> dict[str, float]:
+def spreads_of(equations: Equations, scales: Sizes) -> dict[str, float]:
     """Give the standard deviations of the priors of a law's parameters, for data of these scales, by name."""
     return {
-        parameter.name: number_of(parameter.spread, scales)
+        parameter.name: number_in(parameter.spread, scales)
         for parameter in equations.parameters
         if parameter.spread is not None
     }
 
 
-def priors(equations: Equations, scales: Mapping[sp.Symbol, float]) -> Priors:
+def priors(equations: Equations, scales: Sizes) -> Priors:
     """Give the priors of a law's parameters, for data of these scales."""
     spreads = spreads_of(equations, scales)
     roots = [1.0 / spreads.get(name, math.inf) for name in equations.names]
@@ -379,22 +376,21 @@ def priors(equations: Equations, scales: Mapping[sp.Symbol, float]) -> Priors:
     return Priors(np.array(means), np.array(roots))
 
 
-def _starts(
-    equations: Equations, given: Mapping[str, float], scales: Mapping[sp.Symbol, float]
-) -> list[dict[str, float]]:
+def _starts(equations: Equations, given: Mapping[str, float], scales: Sizes) -> list[dict[str, float]]:
     """Give the starting points: for each effect with several starts, every one of them in combination."""
     choices: list[list[dict[str, float]]] = []
-    for effect in equations.effects:
-        count = max((len(parameter.starts) for parameter in effect.parameters), default=1)
-        if all(parameter.name in given for parameter in effect.parameters):
+    for _, group in itertools.groupby(equations.parameters, key=lambda parameter: parameter.effect):
+        parameters = list(group)
+        count = max(len(parameter.starts) for parameter in parameters)
+        if all(parameter.name in given for parameter in parameters):
             count = 1
         choices.append(
             [
                 {
                     parameter.name: given.get(
-                        parameter.name, number_of(parameter.starts[min(index, len(parameter.starts) - 1)], scales)
+                        parameter.name, number_in(parameter.starts[min(index, len(parameter.starts) - 1)], scales)
                     )
-                    for parameter in effect.parameters
+                    for parameter in parameters
                 }
                 for index in range(count)
             ]
@@ -406,7 +402,7 @@ def _minimise(
     law: _Remembered,
     begin: Array,
     held: frozenset[str],
-    scales: Mapping[sp.Symbol, float],
+    scales: Sizes,
     tolerance: float,
 ) -> tuple[float, Array]:
     """Minimise from one start; give the cost and all values."""
@@ -465,7 +461,7 @@ def _finish(
     law: _Remembered,
     values: Array,
     reasons: Mapping[str, str],
-    scales: Mapping[sp.Symbol, float],
+    scales: Sizes,
 ) -> Fit:
     """Find what is at a bound or undetermined at the solution, and the covariance of the rest."""
     equations = law.equations

@@ -112,7 +112,7 @@ def _refuse_unknown(law: Law, loops: Loops, force: Array) -> None:
 
 def slow_signals(law: Law) -> frozenset[str]:
     """Give the names of the slow signals that a law depends on."""
-    return frozenset(str(symbol) for symbol in law.equations.slow_signals)
+    return law.equations.slow_signals
 
 
 def _run_misfit(run: Run, loops: Loops, index: int, force: Array) -> RunMisfit:

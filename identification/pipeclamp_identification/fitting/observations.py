@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
-import sympy as sp
 
 from pipeclamp_identification.campaign.smoothing import averaged
 from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
@@ -16,7 +15,8 @@ from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
-from pipeclamp_models.equations import symbols
+from pipeclamp_models.base.signals import REFERENCES, condition_signal
+from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.force import LawForce
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import data_sizes
@@ -232,7 +232,7 @@ def loop_motion(loops: Loops, samples: int = SAMPLES) -> Motion:
         "T": known_temperature(loops.temperature_K, loops.run),
         "N": loops.cycle,
         "rho": loops.density_g_cm3,
-        **{str(symbols.condition_symbol(name)): values for name, values in loops.conditions.items()},
+        **{condition_signal(name): values for name, values in loops.conditions.items()},
     }
     y, v, a = displacement_on_grid(loops, samples)
     columns = {name: values[:, None] for name, values in slow.items()}
@@ -257,7 +257,7 @@ def known_temperature(temperature: Array, runs: Sequence[str]) -> Array:
     """
     known = np.isfinite(temperature)
     if not known.any():
-        return np.full(len(temperature), float(symbols.REFERENCES[symbols.T_0]))
+        return np.full(len(temperature), float(REFERENCES["T_0"]))
     if not known.all():
         blank = [run for run, there in zip(runs, known, strict=True) if not there]
         raise UserError(
@@ -280,6 +280,6 @@ def loop_observations(loops: Loops, samples: int = SAMPLES) -> LoopObservations:
     return LoopObservations(loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples))
 
 
-def data_scales(observations: Observations) -> Mapping[sp.Symbol, float]:
+def data_scales(observations: Observations) -> Sizes:
     """Give the sizes of the data in which starts and bounds of parameters are stated."""
     return data_sizes(observations.motion.slow, observations.force_amplitude)

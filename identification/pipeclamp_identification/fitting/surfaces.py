@@ -10,15 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import sympy as sp
 
 from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.fitting.observations import loop_motion
 from pipeclamp_identification.loops.loops import Loops, on_grid
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.equations import symbols
-from pipeclamp_models.equations.effect import Parameter
+from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.outline import ParameterOutline
 
 GRID = 128
 NEAR_REVERSAL = 0.2
@@ -106,16 +105,14 @@ def elastic_values(values: Mapping[str, float]) -> dict[str, float]:
 
 
 def _surface(
-    coefficient: Array, reference: Parameter, exponents: list[Parameter], slow: Mapping[str, Array]
+    coefficient: Array, reference: ParameterOutline, exponents: list[ParameterOutline], slow: Mapping[str, Array]
 ) -> dict[str, float]:
     """Fit the logarithm of a coefficient by a plane over the logarithms of the conditions that vary."""
     ratios = {
-        parameter.name: np.log(slow[str(parameter.follows[0])][:, 0] / _reference(parameter.follows[0]))
+        parameter.name: np.log(slow[parameter.follows[0]][:, 0] / REFERENCES[f"{parameter.follows[0]}_0"])
         for parameter in exponents
     }
-    varied = [
-        parameter for parameter in exponents if varies(str(parameter.follows[0]), slow[str(parameter.follows[0])])
-    ]
+    varied = [parameter for parameter in exponents if varies(parameter.follows[0], slow[parameter.follows[0]])]
     values = {parameter.name: 0.0 for parameter in exponents}
     positive: npt.NDArray[np.bool_] = coefficient > 0
     if np.count_nonzero(positive) <= max(len(varied), len(coefficient) // 2):
@@ -126,9 +123,3 @@ def _surface(
     for parameter, value in zip(varied, solution[1:], strict=True):
         values[parameter.name] = float(np.clip(value, float(parameter.lower), float(parameter.upper)))
     return values
-
-
-def _reference(signal: sp.Symbol) -> float:
-    """Give the value of a slow signal at which the base law's ratios are one."""
-    return float({symbols.A: symbols.REFERENCES[symbols.A_0], symbols.f: symbols.REFERENCES[symbols.f_0],
-                  symbols.T: symbols.REFERENCES[symbols.T_0]}[signal])  # fmt: skip

@@ -15,8 +15,8 @@ from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUM
 from pipeclamp_identification.fitting.observations import assumed_signals, known_temperature
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.equations import symbols
 from pipeclamp_models.realise.motion import sinusoids
 
 SCATTER = 0.01
@@ -202,10 +202,7 @@ def metric_observations(
     columns = {
         "N": [run.first_cycle for run in runs],
         "rho": density,
-        **{
-            str(symbols.condition_symbol(name)): [run.conditions[name] for run in runs]
-            for name in campaign.condition_columns
-        },
+        **{condition_signal(name): [run.conditions[name] for run in runs] for name in campaign.condition_columns},
     }
     slow = {**motion.slow, **{name: np.array(values)[:, None] for name, values in columns.items()}}
     return MetricObservations(

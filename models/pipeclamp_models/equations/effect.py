@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
 
 import sympy as sp
 
+from pipeclamp_models.base.signals import Part, Role
 from pipeclamp_models.equations import symbols
 
 NOTHING = sp.Integer(0)
-
-Part = Literal["base", "clamp", "rig"]
-Role = Literal["stiffness", "damping", "slip"]
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,11 @@ coefficient that depends on slow signals only is computed once per cycle in ever
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import sympy as sp
 
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base import signals
 
 
 @dataclass(frozen=True)
@@ -78,8 +77,8 @@ y_r = sp.Symbol("y_r", positive=True)
 
 rho_0 = sp.Symbol("rho_0", positive=True)
 
-REFERENCES = {A_0: 1, f_0: 1, T_0: 20 + CELSIUS, v_0: 1, rho_0: 2.286}
-"""Reference values of ratios: 1 mm, 1 Hz, 293.15 K, 1 mm/s, and 2.286 g/cm3 (the paper's EMWM2)."""
+REFERENCES = {symbol: signals.REFERENCES[str(symbol)] for symbol in (A_0, f_0, T_0, v_0, rho_0)}
+"""Reference values of ratios."""
 
 FIXED = (
     Signal(A_0, "mm", "reference amplitude, 1 mm"),
@@ -105,18 +104,14 @@ SCALES = (A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_low
 """Sizes of a campaign's data, in which starts and bounds of parameters are stated."""
 
 
-CONDITION = "u_"
-"""What the symbol of a further column of runs.csv begins with, so that no column's name clashes with another symbol."""
-
-
 def condition_symbol(column: str) -> sp.Symbol:
     """Give the slow signal of a further column of runs.csv."""
-    return sp.Symbol(CONDITION + re.sub(r"\W", "_", column), real=True)
+    return sp.Symbol(signals.condition_signal(column), real=True)
 
 
 def condition_size(column: str) -> sp.Symbol:
     """Give the data's scale of a further column: its largest absolute value."""
-    return sp.Symbol(f"{condition_symbol(column)}_size", positive=True)
+    return sp.Symbol(signals.size_of(signals.condition_signal(column)), positive=True)
 
 
 def signed_power(velocity: sp.Expr, exponent: sp.Expr) -> sp.Expr:

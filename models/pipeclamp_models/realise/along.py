@@ -9,15 +9,15 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError, did_you_mean
+from pipeclamp_models.base.signals import CONDITION, condition_signal
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 
-OWN_NAMES = {"density_g_cm3": str(symbols.rho), "first_cycle": str(symbols.N)}
-"""Columns of runs.csv that have a signal of their own; any other's is `condition_symbol`."""
+OWN_NAMES = {"density_g_cm3": "rho", "first_cycle": "N"}
+"""Columns of runs.csv that have a signal of their own; any other's is `condition_signal`."""
 ALWAYS = ("A", "f", "T")
 """Conditions that may be given to every law, whether it follows them or not."""
 
@@ -82,7 +82,7 @@ def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) ->
     Raises:
         UserError: one isn't given, or one is given that the law doesn't know.
     """
-    follows = {str(symbol) for symbol in equations.slow_signals}
+    follows = equations.slow_signals
     signals = {name: _signal(name) for name in given}
     for name, signal in signals.items():
         if signal not in follows and name not in ALWAYS:
@@ -107,12 +107,12 @@ def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) ->
 
 
 def _signal(name: str) -> str:
-    return name if name in ALWAYS else OWN_NAMES.get(name, str(symbols.condition_symbol(name)))
+    return name if name in ALWAYS else OWN_NAMES.get(name, condition_signal(name))
 
 
 def _column(signal: str) -> str:
     own = {symbol: column for column, symbol in OWN_NAMES.items()}
-    return own.get(signal, signal.removeprefix(symbols.CONDITION))
+    return own.get(signal, signal.removeprefix(CONDITION))
 
 
 def _step(law: str, equations: Equations, h: float | None) -> float:
@@ -121,9 +121,8 @@ def _step(law: str, equations: Equations, h: float | None) -> float:
     Raises:
         UserError: they aren't known but asked for, or no positive number.
     """
-    fades = any(symbols.h in expression.free_symbols for expression in equations.within_steps)
     if h is None:
-        if fades:
+        if equations.outline.fades:
             raise UserError(
                 f"force: law {law} has memory that fades with time; expected h=, the seconds between samples"
             )

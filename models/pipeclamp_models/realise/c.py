@@ -10,7 +10,8 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
 from pipeclamp_models.equations import symbols
-from pipeclamp_models.law.law import Equations, Structure
+from pipeclamp_models.law.compose import Composed
+from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.slopes import needed, slope_of, slopes_through
 from pipeclamp_models.realise.stepping import Definition, conditions_of, exact, parameter_symbols, stepping
 
@@ -169,7 +170,7 @@ def c_source(structure: Structure) -> str:
     )
 
 
-def total_slopes(equations: Equations, by: Iterable[sp.Symbol]) -> tuple[list[Definition], list[sp.Expr]]:
+def total_slopes(equations: Composed, by: Iterable[sp.Symbol]) -> tuple[list[Definition], list[sp.Expr]]:
     """Give derivatives of the force and the energy after a step, through the states' update and the coefficients.
 
     Args:

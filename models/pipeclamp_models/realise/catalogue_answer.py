@@ -8,10 +8,11 @@ from collections.abc import Iterable, Sequence
 from pydantic import Field
 
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.equations import symbols
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.realise.sizes import Sizes, file_sizes, number_of
+from pipeclamp_models.law.outline import Sizes
+from pipeclamp_models.realise.sizes import file_sizes, number_of
 from pipeclamp_models.realise.text import effect_statements, symbols_of
 
 REFERENCE = "emwm2"
@@ -78,7 +79,7 @@ def catalogue_answer(effects: Sequence[Effect]) -> CatalogueAnswer:
 def reference_sizes(effects: Iterable[Effect]) -> Sizes:
     """Give the sizes of the reference clamp's loops; what effects follow besides counts as 1."""
     followed = {str(signal) for effect in effects for one in effect.parameters for signal in one.follows}
-    return file_sizes(open_law(REFERENCE), sorted(name for name in followed if name.startswith(symbols.CONDITION)))
+    return file_sizes(open_law(REFERENCE), sorted(name for name in followed if name.startswith(CONDITION)))
 
 
 def _effect(effect: Effect, sizes: Sizes) -> EffectAnswer:

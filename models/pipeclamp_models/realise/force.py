@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.equations.symbols import v
 from pipeclamp_models.law.law import Equations, Law
 from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Compiled, realise
 from pipeclamp_models.realise.motion import Motion, Turning, refuse_unknown_conditions
 from pipeclamp_models.realise.states import March
 
-VELOCITY = FAST_ARGUMENTS.index(v)
+VELOCITY = FAST_ARGUMENTS.index("v")
 
 
 @dataclass(frozen=True)

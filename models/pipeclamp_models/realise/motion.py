@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.equations.symbols import CONDITION
+from pipeclamp_models.base.signals import CONDITION
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 

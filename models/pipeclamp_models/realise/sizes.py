@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-import sympy as sp
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.equations import symbols
+from pipeclamp_models.base.signals import CONDITION, REFERENCES, size_of
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
+from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
-Sizes = Mapping[sp.Symbol, float]
+if TYPE_CHECKING:
+    import sympy as sp
 
 SAMPLES = 128
 """Samples of a cycle that tell the size of a law's force."""
@@ -33,20 +35,20 @@ def data_sizes(slow: Mapping[str, Array], force_amplitude: Array) -> Sizes:
     """
     A, f, T = (slow[name][:, 0] for name in ("A", "f", "T"))
     return {
-        symbols.N_highest: max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
-        symbols.A_typical: float(np.median(A)),
-        symbols.A_highest: float(np.max(A)),
-        symbols.F_typical: float(np.median(force_amplitude)),
-        symbols.f_typical: float(np.median(f)),
-        symbols.f_lowest: float(np.min(f)),
-        symbols.f_highest: float(np.max(f)),
-        symbols.T_lowest: float(np.min(T)),
-        symbols.T_highest: float(np.max(T)),
-        **{symbol: float(value) for symbol, value in symbols.REFERENCES.items()},
+        "N_highest": max(1.0, float(np.max(slow["N"]))) if "N" in slow else 1.0,
+        "A_typical": float(np.median(A)),
+        "A_highest": float(np.max(A)),
+        "F_typical": float(np.median(force_amplitude)),
+        "f_typical": float(np.median(f)),
+        "f_lowest": float(np.min(f)),
+        "f_highest": float(np.max(f)),
+        "T_lowest": float(np.min(T)),
+        "T_highest": float(np.max(T)),
+        **{name: float(value) for name, value in REFERENCES.items()},
         **{
-            sp.Symbol(f"{name}_size", positive=True): max(float(np.max(np.abs(values))), 1e-12)
+            size_of(name): max(float(np.max(np.abs(values))), 1e-12)
             for name, values in slow.items()
-            if name.startswith(symbols.CONDITION) and np.all(np.isfinite(values))
+            if name.startswith(CONDITION) and np.all(np.isfinite(values))
         },
     }
 
@@ -81,7 +83,7 @@ def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:
     A, f, T = (ends.get(name, (293.15, 293.15)) for name in ("A", "f", "T"))
     further = {
         "N": CYCLES,
-        str(symbols.rho): float(symbols.REFERENCES[symbols.rho_0]),
+        "rho": REFERENCES["rho_0"],
         **dict.fromkeys(conditions, 1.0),
     }
     return law_sizes(law_of(file), A, f, T, further)
@@ -89,10 +91,10 @@ def file_sizes(file: LawFile, conditions: Sequence[str] = ()) -> Sizes:
 
 def number_of(value: sp.Expr | float, sizes: Sizes) -> float:
     """Give a start, bound or typical size as a number."""
-    if not isinstance(value, sp.Basic):
+    if isinstance(value, int | float):
         return float(value)
-    needed = sorted((symbol for symbol in value.free_symbols if symbol in sizes), key=str)
-    return _number(value, tuple((symbol, sizes[symbol]) for symbol in needed))
+    needed = sorted((symbol for symbol in value.free_symbols if str(symbol) in sizes), key=str)
+    return _number(value, tuple((symbol, sizes[str(symbol)]) for symbol in needed))
 
 
 @lru_cache(maxsize=4096)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import sympy as sp
 
 from pipeclamp_models.equations import symbols
-from pipeclamp_models.law.law import FAST_SYMBOLS, Equations, Law, Structure
+from pipeclamp_models.law.compose import FAST_SYMBOLS, Composed
+from pipeclamp_models.law.law import Equations, Law, Structure
 
 CONDITIONS_FIRST = ("A", "f", "T")
 """Slow signals that every law has, in this order; further conditions follow by name."""
@@ -31,7 +32,7 @@ class Stepping:
         energy: stored, N mm; as the force.
     """
 
-    equations: Equations
+    equations: Composed
     coefficients: tuple[Definition, ...]
     held: tuple[Definition, ...]
     stages: tuple[Definition, ...]
@@ -41,13 +42,13 @@ class Stepping:
     energy: sp.Expr
 
 
-def conditions_of(equations: Equations) -> tuple[str, ...]:
+def conditions_of(equations: Composed | Equations) -> tuple[str, ...]:
     """Give the names of the slow signals that a law takes: A, f, T, then further conditions by name."""
     further = sorted({str(symbol) for symbol in equations.slow_signals} - set(CONDITIONS_FIRST))
     return (*CONDITIONS_FIRST, *further)
 
 
-def parameter_symbols(equations: Equations) -> tuple[sp.Symbol, ...]:
+def parameter_symbols(equations: Composed) -> tuple[sp.Symbol, ...]:
     """Give the symbols of the parameters that travel: the law's, then v_r and y_r."""
     return (*(entry.symbol for entry in equations.parameters), symbols.v_r, symbols.y_r)
 
@@ -59,7 +60,7 @@ def parameter_values(law: Law) -> tuple[float, ...]:
 
 def stepping(structure: Structure) -> Stepping:
     """Give a structure's equations as they are stepped, reference values put in."""
-    equations = structure.equations_without_rig
+    equations = structure.equations_without_rig.composed
     # Names of our own begin or end with an underscore, which no effect's symbol does.
     after = {state.symbol: sp.Symbol(f"_{state.symbol}", real=True) for state in equations.states}
     within = [exact(expression) for expression in equations.within_steps]

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Effect
-from pipeclamp_models.law.law import Equations
+from pipeclamp_models.law.compose import Composed
 
 
-def equation_lines(equations: Equations) -> list[str]:
+def equation_lines(equations: Composed) -> list[str]:
     """Give a law's equations, a line each: the force, its coefficients, its memory after a step, as plain text."""
     lines = [f"F = {_text(equations.force)}"]
     lines += [f"{entry.symbol} = {_text(entry.expression)}" for entry in equations.coefficients]
@@ -89,7 +90,7 @@ def symbols_of(effect: Effect) -> list[symbols.Signal]:
     }
     known = (*symbols.FAST, *symbols.SLOW, *symbols.SERIES, *symbols.FIXED)
     found = [signal for signal in known if signal.symbol in used]
-    columns = sorted(str(symbol) for symbol in used if str(symbol).startswith(symbols.CONDITION))
+    columns = sorted(str(symbol) for symbol in used if str(symbol).startswith(CONDITION))
     return found + [
         symbols.Signal(sp.Symbol(name, real=True), "its own", "further column of runs.csv") for name in columns
     ]

@@ -1,0 +1,172 @@
+"""Equations of effects, composed into one set: the one place where a law's mathematics is put together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import sympy as sp
+
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Stage, State
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.series import Path, behind
+
+FAST_SYMBOLS = frozenset(signal.symbol for signal in symbols.FAST)
+FIXED_SYMBOLS = frozenset((*symbols.REFERENCES, symbols.v_r, symbols.y_r))
+HELD = "_"
+"""What the symbol of a slow signal ends in where it is held over a cycle, as no symbol of an effect does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Composed:
+    """A composed law, symbolic: what every realisation is derived from.
+
+    Attributes:
+        effects: the effects it was composed of.
+        parameters: all parameters.
+        coefficients: functions of slow signals and parameters, by which `force` is short.
+        force: N, in fast signals, coefficients, parameters and states (after their update).
+        states: the memory.
+        stages: what is computed on the way to the states after a step, in order; their updates are in these too.
+        energy: stored energy, N mm.
+        lag: time in s by which the measured force is late, in parameters.
+    """
+
+    effects: tuple[Effect, ...]
+    parameters: tuple[Parameter, ...]
+    coefficients: tuple[Coefficient, ...]
+    force: sp.Expr
+    states: tuple[State, ...]
+    stages: tuple[Stage, ...]
+    energy: sp.Expr
+    lag: sp.Expr
+
+    @cached_property
+    def within_steps(self) -> tuple[sp.Expr, ...]:
+        """What a step computes before the force: the stages, then the states' updates."""
+        return (*(stage.expression for stage in self.stages), *(state.update for state in self.states))
+
+    @cached_property
+    def used_symbols(self) -> frozenset[sp.Symbol]:
+        """All symbols that the force depends on: a modifier may have a parameter with nothing to scale."""
+        expressions = [coefficient.expression for coefficient in self.coefficients]
+        expressions += [self.force, self.lag, *self.within_steps]
+        return frozenset().union(*(expression.free_symbols for expression in expressions))
+
+    @cached_property
+    def slow_signals(self) -> frozenset[sp.Symbol]:
+        """The slow signals (A, f, T, further conditions) that the law depends on."""
+        free = set().union(*(coefficient.expression.free_symbols for coefficient in self.coefficients))
+        return frozenset(free - {parameter.symbol for parameter in self.parameters} - FIXED_SYMBOLS)
+
+
+def compose(effects: tuple[Effect, ...], base: str) -> Composed:
+    """Compose the equations of effects; the base law's name is for messages.
+
+    Raises:
+        UserError: two effects use one symbol or one path, or a modifier finds nothing to scale.
+    """
+    _refuse_clashes(effects)
+    coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
+    # A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
+    fast_factors: dict[sp.Symbol, sp.Expr] = {}
+    fast = FAST_SYMBOLS | {symbol for effect in effects for symbol in effect.within_steps}
+    for effect in effects:
+        scaled = [
+            (index, factor)
+            for target, factor in effect.scales.items()
+            for index, entry in enumerate(coefficients)
+            if target in (str(entry.symbol), entry.role)
+        ]
+        if effect.scales and not scaled:
+            raise UserError(
+                f"effect {effect.name!r} scales {' and '.join(effect.scales)}, which base law {base!r} lacks"
+            )
+        for index, factor in scaled:
+            entry = coefficients[index]
+            if factor.free_symbols & fast:
+                fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
+            else:
+                coefficients[index] = replace(entry, expression=entry.expression * factor)
+    elastic = _in_series(effects, symbols.x, "the elastic path")
+    in_series = {symbols.x: elastic.replaces[symbols.x] if elastic else symbols.y}
+
+    def whole(expression: sp.Expr) -> sp.Expr:
+        return expression.xreplace(fast_factors).xreplace(in_series)
+
+    def path(some: Iterable[Effect]) -> Path:
+        terms = list(some)
+        return Path(
+            whole(sp.Add(*(effect.force for effect in terms))),
+            whole(sp.Add(*(effect.energy for effect in terms))),
+            tuple(replace(state, update=whole(state.update)) for effect in terms for state in effect.states),
+            tuple(replace(stage, expression=whole(stage.expression)) for effect in terms for stage in effect.stages),
+        )
+
+    parameters = tuple(parameter for effect in effects for parameter in effect.parameters)
+    before = _in_series(effects, symbols.y, "the whole clamp")
+    clamp = path(effect for effect in effects if effect.part != "rig" and effect is not before)
+    clamp = behind(before, clamp) if before else clamp
+    rig = path(effect for effect in effects if effect.part == "rig")
+    force, energy = clamp.force + rig.force, clamp.energy + rig.energy
+    states, stages = (*clamp.states, *rig.states), (*clamp.stages, *rig.stages)
+    # A slow signal within a force is a coefficient of its own, held over a cycle as the others are.
+    known = fast | FIXED_SYMBOLS | {entry.symbol for entry in parameters} | {entry.symbol for entry in coefficients}
+    known |= {stage.symbol for stage in stages}
+    within = [*(stage.expression for stage in stages), *(state.update for state in states)]
+    bare = set().union(*(entry.free_symbols for entry in (force, energy, *within))) - known
+    held = {symbol: sp.Symbol(f"{symbol}{HELD}", real=True) for symbol in sorted(bare, key=str)}
+    coefficients += [Coefficient(symbol, symbols.unit(signal), None, signal) for signal, symbol in held.items()]
+    return Composed(
+        effects=effects,
+        parameters=parameters,
+        coefficients=tuple(coefficients),
+        force=force.xreplace(held),
+        states=tuple(replace(state, update=state.update.xreplace(held)) for state in states),
+        stages=tuple(replace(stage, expression=stage.expression.xreplace(held)) for stage in stages),
+        energy=energy.xreplace(held),
+        lag=sp.Add(*(effect.lag for effect in effects)),
+    )
+
+
+def _in_series(effects: Iterable[Effect], signal: sp.Symbol, what: str) -> Effect | None:
+    """Give the effect that replaces a signal, None where there is none.
+
+    Raises:
+        UserError: two effects do.
+    """
+    found = [effect for effect in effects if signal in effect.replaces]
+    if len(found) > 1:
+        names = " and ".join(repr(effect.name) for effect in found)
+        raise UserError(f"effects {names} both stand in series with {what}; leave one out")
+    return found[0] if found else None
+
+
+def _refuse_clashes(effects: tuple[Effect, ...]) -> None:
+    """Refuse effects that are named twice or that share a symbol: its name is what files and sources know."""
+    owner: dict[str, Effect] = {}
+    members: dict[str, Effect] = {}
+    for effect in effects:
+        other = members.setdefault(effect_id(effect.name), effect)
+        if other.name != effect.name:
+            raise UserError(
+                f"effects {other.name!r} and {effect.name!r} are one effect with different numbers, and a law has one "
+                "of them; leave one out"
+            )
+        own = (
+            [str(parameter.symbol) for parameter in effect.parameters]
+            + [str(coefficient.symbol) for coefficient in effect.coefficients]
+            + [str(symbol) for symbol in effect.within_steps]
+        )
+        for symbol in own:
+            if symbol in owner:
+                name = owner[symbol].name
+                raise UserError(
+                    f"effect {effect.name!r} is there twice; name it once"
+                    if name == effect.name
+                    else f"effects {name!r} and {effect.name!r} both use the symbol {symbol}; leave one out"
+                )
+            owner[symbol] = effect

@@ -1,0 +1,159 @@
+"""A law without its mathematics: what its parameters and states are, as words and numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from types import CodeType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import sympy as sp
+
+    from pipeclamp_models.equations.effect import Parameter
+    from pipeclamp_models.law.compose import Composed
+
+Quantity = float | str
+"""A number, or Python's expression of one in the data's scales."""
+Sizes = Mapping[str, float]
+"""The data's scales and the reference values of ratios, by the names of their symbols."""
+
+
+@dataclass(frozen=True)
+class ParameterOutline:
+    """A parameter of a law.
+
+    Attributes:
+        name, unit, meaning, neutral, levels: as of the effect's `Parameter`.
+        effect: name of the effect that it belongs to.
+        starts: where the fit starts, one value or several.
+        lower, upper: bounds.
+        spread: standard deviation of its prior about `neutral`, None where there is none.
+        follows: names of the slow signals that must vary in the data for it to be determined.
+        used: whether anything in the law depends on it.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    effect: str
+    starts: tuple[Quantity, ...]
+    lower: Quantity
+    upper: Quantity
+    spread: Quantity | None
+    neutral: float | None
+    follows: tuple[str, ...]
+    levels: int
+    used: bool
+
+
+@dataclass(frozen=True)
+class StateOutline:
+    """A state of a law: its name, and its value at rest."""
+
+    name: str
+    start: float
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What a law consists of.
+
+    Attributes:
+        effects: names of the effects that it was composed of.
+        parameters: all parameters.
+        states: the memory.
+        slow_signals: names of the slow signals (A, f, T, further conditions) that it depends on.
+        coefficients: names of the functions of slow signals and parameters that its force is in.
+        fades: whether its memory fades with time.
+        late: whether the measured force lags behind.
+    """
+
+    effects: tuple[str, ...]
+    parameters: tuple[ParameterOutline, ...]
+    states: tuple[StateOutline, ...]
+    slow_signals: frozenset[str]
+    coefficients: tuple[str, ...]
+    fades: bool
+    late: bool
+
+
+def as_json(outline: Outline) -> dict[str, Any]:
+    """Give an outline as JSON holds it."""
+    return {**asdict(outline), "slow_signals": sorted(outline.slow_signals)}
+
+
+def from_json(content: Mapping[str, Any]) -> Outline:
+    """Give the outline that was made such."""
+    parameters = [
+        {**entry, "starts": tuple(entry["starts"]), "follows": tuple(entry["follows"])}
+        for entry in content["parameters"]
+    ]
+    return Outline(
+        effects=tuple(content["effects"]),
+        parameters=tuple(ParameterOutline(**entry) for entry in parameters),
+        states=tuple(StateOutline(**entry) for entry in content["states"]),
+        slow_signals=frozenset(content["slow_signals"]),
+        coefficients=tuple(content["coefficients"]),
+        fades=content["fades"],
+        late=content["late"],
+    )
+
+
+def outline_of(composed: Composed) -> Outline:
+    """Give the outline of composed equations."""
+    from pipeclamp_models.equations import symbols
+
+    return Outline(
+        effects=tuple(effect.name for effect in composed.effects),
+        parameters=tuple(
+            _parameter(parameter, effect.name, parameter.symbol in composed.used_symbols)
+            for effect in composed.effects
+            for parameter in effect.parameters
+        ),
+        states=tuple(StateOutline(str(state.symbol), float(state.start)) for state in composed.states),
+        slow_signals=frozenset(map(str, composed.slow_signals)),
+        coefficients=tuple(str(coefficient.symbol) for coefficient in composed.coefficients),
+        fades=any(symbols.h in expression.free_symbols for expression in composed.within_steps),
+        late=composed.lag != 0,
+    )
+
+
+def _parameter(parameter: Parameter, effect: str, used: bool) -> ParameterOutline:
+    return ParameterOutline(
+        name=parameter.name,
+        unit=parameter.unit,
+        meaning=parameter.meaning,
+        effect=effect,
+        starts=tuple(_quantity(start) for start in parameter.starts),
+        lower=_quantity(parameter.lower),
+        upper=_quantity(parameter.upper),
+        spread=None if parameter.spread is None else _quantity(parameter.spread),
+        neutral=parameter.neutral,
+        follows=tuple(map(str, parameter.follows)),
+        levels=parameter.levels,
+        used=used,
+    )
+
+
+def _quantity(value: sp.Expr | float) -> Quantity:
+    """Give a start or a bound as Python's own expression."""
+    if isinstance(value, int | float):
+        return float(value)
+    from sympy.printing.pycode import pycode
+
+    return str(pycode(value)) if value.free_symbols else float(value)
+
+
+def number_in(quantity: Quantity, sizes: Sizes) -> float:
+    """Give a start or a bound as a number, for data of these sizes."""
+    if isinstance(quantity, float):
+        return quantity
+    return float(eval(_compiled(quantity), {"math": math}, dict(sizes)))
+
+
+@lru_cache(maxsize=4096)
+def _compiled(expression: str) -> CodeType:
+    return compile(expression, "<size>", "eval")

@@ -1,0 +1,144 @@
+"""Source of vectorised NumPy functions of a law's equations, with exact derivatives, written by SymPy."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+from sympy.printing.numpy import NumPyPrinter
+
+from pipeclamp_models.equations import symbols
+from pipeclamp_models.law.compose import Composed
+from pipeclamp_models.realise.scalar import ScalarPrinter
+from pipeclamp_models.realise.slopes import StageSlopes, in_order, needed, slope_of, slopes_through
+from pipeclamp_models.realise.stepping import Definition, exact
+
+FAST = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
+SMOOTHING = (symbols.v_r, symbols.y_r)
+Pair = tuple[int, int]
+"""Places of what is differentiated, among its like, and of what it is differentiated by."""
+
+
+class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
+    """Print branches as nested `where`, which is many times cheaper than `select`."""
+
+    def _print_Piecewise(self, expression: sp.Piecewise) -> str:
+        *branches, (last, _) = expression.args
+        text = self._print(last)
+        for value, condition in reversed(branches):
+            text = f"{self._module_format('numpy.where')}({self._print(condition)}, {self._print(value)}, {text})"
+        return str(text)
+
+    def _extremum(self, function: str, arguments: tuple[sp.Expr, ...]) -> str:
+        first, *rest = arguments
+        text = self._print(first)
+        for argument in rest:
+            text = f"{self._module_format(function)}({text}, {self._print(argument)})"
+        return str(text)
+
+    def _print_Max(self, expression: sp.Max) -> str:
+        return self._extremum("numpy.maximum", expression.args)
+
+    def _print_Min(self, expression: sp.Min) -> str:
+        return self._extremum("numpy.minimum", expression.args)
+
+
+def array_source(equations: Composed, function: str) -> dict[str, Any]:
+    """Give one function of a law, as JSON holds it.
+
+    Args:
+        equations: the composed law.
+        function: one of the functions of `ArrayRealisation`.
+
+    Returns:
+        `source`, which defines one function; of derivatives `index` too: places of what is differentiated and of what
+        it is differentiated by, of each that doesn't vanish.
+    """
+    parameters = [parameter.symbol for parameter in equations.parameters]
+    states = [state.symbol for state in equations.states]
+    coefficients = [entry.symbol for entry in equations.coefficients]
+    slow = [*sorted(equations.slow_signals, key=str), *parameters, *SMOOTHING]
+    by = [*states, *coefficients, *parameters]
+    fast = [*FAST, *by, *SMOOTHING]
+    of_coefficients = [entry.expression for entry in equations.coefficients]
+    updates = [state.update for state in equations.states]
+    stages = [(stage.symbol, stage.expression) for stage in equations.stages]
+    match function:
+        case "coefficients":
+            return {"source": _source(slow, of_coefficients)}
+        case "coefficient_slopes":
+            index, slopes = _nonzero_slopes(of_coefficients, parameters)
+            return {"source": _source(slow, slopes), "index": index}
+        case "force":
+            return {"source": _source(fast, [equations.force])}
+        case "force_slopes":
+            index, slopes = _nonzero_slopes([equations.force], by)
+            return {"source": _source(fast, slopes), "index": index}
+        case "update":
+            return {"source": _source(fast, updates, stages)}
+        case "update_slopes":
+            way, slopes_of_stages = slopes_through(stages, by)
+            index, slopes = _nonzero_slopes(updates, by, slopes_of_stages)
+            return {"source": _source(fast, slopes, needed(way, slopes)), "index": index}
+        case "update_of_numbers":
+            return {"source": _source(fast, updates, stages, numbers=True)}
+        case "energy":
+            return {"source": _source(fast, [equations.energy])}
+        case "lag":
+            return {"source": _source(parameters, [equations.lag])}
+        case "lag_slopes":
+            index, slopes = _nonzero_slopes([equations.lag], parameters)
+            return {"source": _source(parameters, slopes), "index": index}
+    raise ValueError(f"got {function!r}; expected a function of array realisations")
+
+
+def _source(
+    arguments: Sequence[sp.Symbol],
+    expressions: Sequence[sp.Expr],
+    before: Sequence[Definition] = (),
+    *,
+    numbers: bool = False,
+) -> str:
+    """Write a function of arrays or of plain numbers, with what is computed before the results, in order."""
+    settings = {"fully_qualified_modules": numbers, "inline": True, "allow_unknown_functions": True}
+    printer = ScalarPrinter(settings) if numbers else ArrayPrinter(settings)
+    with_references = [exact(expression) for expression in expressions]
+    # Numbered names for arguments: no effect's symbol can then hide a function of NumPy or a common part, and terms
+    # stand in the arguments' order. SymPy's dummies would do the first, but are numbered by what was done before.
+    named = {symbol: sp.Symbol(f"_{place:03d}") for place, symbol in enumerate(arguments)}
+
+    def common_parts(whole: Sequence[sp.Expr]) -> tuple[list[Definition], list[sp.Expr]]:
+        parts, reduced = in_order([(symbol, exact(expression)) for symbol, expression in before], whole)
+        return [(symbol, part.xreplace(named)) for symbol, part in parts], [part.xreplace(named) for part in reduced]
+
+    function = sp.lambdify(
+        list(named.values()),
+        with_references,
+        modules=[{}],
+        printer=printer,
+        cse=common_parts,
+    )
+    return inspect.getsource(function)
+
+
+def _nonzero_slopes(
+    expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol], through: StageSlopes | None = None
+) -> tuple[tuple[Pair, ...], list[sp.Expr]]:
+    """Give the derivatives that don't vanish and their (expression, symbol) indices.
+
+    Args:
+        expressions: what is differentiated.
+        by: by these symbols.
+        through: stages that the expressions are in, with their own derivatives.
+    """
+    index: list[Pair] = []
+    slopes: list[sp.Expr] = []
+    for row, expression in enumerate(expressions):
+        for column, symbol in enumerate(by):
+            slope = slope_of(expression, symbol, through or {})
+            if slope is not None:
+                index.append((row, column))
+                slopes.append(slope)
+    return tuple(index), slopes

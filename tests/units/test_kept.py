@@ -1,0 +1,115 @@
+"""What is kept from one call to the next is what would be made anew, and never stands in the way."""
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from pipeclamp_models.base import kept as kept_module
+from pipeclamp_models.base.kept import kept, version_of
+from pipeclamp_models.law.catalogue import listed
+from pipeclamp_models.law.law import BASES, Structure
+from pipeclamp_models.law.outline import as_json, from_json, number_in, outline_of
+from pipeclamp_models.realise.array_source import array_source
+from pipeclamp_models.realise.arrays import realise
+from pipeclamp_models.realise.sizes import number_of
+
+STRUCTURES = [
+    Structure(),
+    Structure("memory"),
+    Structure("series:3:2"),
+    Structure("power", ("damping_temperature", "memory:2", "delay")),
+    Structure("power", ("play", "condition:current_A")),
+]
+FUNCTIONS = (
+    "coefficients", "coefficient_slopes", "force", "force_slopes", "update", "update_slopes", "update_of_numbers",
+    "energy", "lag", "lag_slopes",
+)  # fmt: skip
+SIZES = {
+    **{"A_typical": 0.6, "A_highest": 1.0, "F_typical": 1500.0, "f_typical": 3.0, "f_lowest": 1.0, "f_highest": 5.0},
+    **{"T_lowest": 293.15, "T_highest": 573.15, "N_highest": 500.0, "u_current_A_size": 2.0, "u_column_size": 3.0},
+    **{"A_0": 1.0, "f_0": 1.0, "T_0": 293.15, "v_0": 1.0, "rho_0": 2.286},
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("PIPECLAMP_CACHE", str(tmp_path / "kept"))
+    return tmp_path / "kept"
+
+
+def name_of(structure: Structure) -> str:
+    return "+".join((structure.base, *structure.effects))
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_what_is_kept_is_what_would_be_made(structure, folder):
+    equations = structure.equations
+    first = {function: type(realise(equations))(equations).written(function) for function in FUNCTIONS}
+    second = {function: type(realise(equations))(equations).written(function) for function in reversed(FUNCTIONS)}
+    assert len(list(folder.glob("*/*.json"))) >= len(FUNCTIONS)
+    # SymPy has written much since, which must not show in names nor in the order of terms
+    fresh = {function: array_source(equations.composed, function) for function in reversed(FUNCTIONS)}
+    assert first == json.loads(json.dumps(fresh))
+    assert second == first
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
+def test_an_outline_comes_back_whole(structure):
+    outline = outline_of(structure.equations.composed)
+    assert from_json(json.loads(json.dumps(as_json(outline)))) == outline == structure.equations.outline
+
+
+@pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.name)
+def test_starts_and_bounds_are_those_that_the_effect_states(effect):
+    term = next((base for base in BASES if effect.id in {name.split(":")[0] for name in BASES[base].terms}), None)
+    structure = Structure(term) if term else Structure("power", (effect.name,))
+    outlined = {parameter.name: parameter for parameter in structure.equations.parameters}
+    for parameter in structure.equations.composed.parameters:
+        found = outlined[parameter.name]
+        ours = [number_in(value, SIZES) for value in (*found.starts, found.lower, found.upper, found.spread or 0.0)]
+        stated = [*parameter.starts, parameter.lower, parameter.upper, parameter.spread or 0.0]
+        assert ours == pytest.approx([number_of(value, SIZES) for value in stated], rel=1e-14, abs=0.0)
+
+
+@pytest.mark.parametrize("spoilt", ["", "{}", "no digest\n[1]", "half"])
+def test_a_spoilt_file_is_made_anew(spoilt, folder):
+    assert kept("name", lambda: [1, 2]) == [1, 2]
+    (file,) = folder.glob("*/*.json")
+    whole = file.read_text(encoding="utf-8")
+    file.write_text(whole[:-2] if spoilt == "half" else spoilt, encoding="utf-8")
+    assert kept("name", lambda: [1, 2]) == [1, 2]
+    assert file.read_text(encoding="utf-8") == whole
+    assert kept("name", lambda: pytest.fail("made again")) == [1, 2]
+
+
+def test_where_nothing_can_be_written_nothing_is_kept(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("no folder", encoding="utf-8")
+    for place in (str(tmp_path / "file" / "below"), ""):
+        monkeypatch.setenv("PIPECLAMP_CACHE", place)
+        assert [kept("name", lambda made=made: made) for made in (1, 2)] == [1, 2]
+
+
+def test_many_may_write_at_once(folder):
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda _: kept("name", lambda: list(range(5000))), range(40)))
+    assert found == [list(range(5000))] * 40
+    assert [file.suffix for file in folder.glob("*/*")] == [".json"]
+
+
+def test_other_sources_have_another_folder(tmp_path):
+    for name, text in (("one", "a = 1"), ("other", "a = 2"), ("same", "a = 1")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "module.py").write_text(text, encoding="utf-8")
+    one, other, same = (version_of(tmp_path / name) for name in ("one", "other", "same"))
+    assert one == same != other
+
+
+def test_folders_of_old_sources_go(folder, monkeypatch):
+    versions = [f"version_{index}" for index in range(kept_module.MOST_VERSIONS + 2)]
+    for version in versions:
+        monkeypatch.setattr(kept_module, "version_of", lambda package, version=version: version)
+        kept("name", lambda: 1)
+    assert versions[-1] in {entry.name for entry in folder.iterdir()}
+    assert len(list(folder.iterdir())) == kept_module.MOST_VERSIONS
