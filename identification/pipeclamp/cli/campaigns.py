@@ -84,6 +84,11 @@ def rig(
     riding_order: Annotated[int, typer.Option(help="So many of them a cycle.")] = 7,
     amplitude_error: Annotated[float, typer.Option(help="Rms error of the amplitude, as a share.")] = 0.005,
     temperature_error: Annotated[float, typer.Option(help="Rms error of the temperature, K.")] = 1.0,
+    force_drift: Annotated[float, typer.Option(help="Drift of the force channel's zero, N/s.")] = 0.0,
+    displacement_drift: Annotated[float, typer.Option(help="Drift of the displacement channel's zero, mm/s.")] = 0.0,
+    force_gain_drift: Annotated[float, typer.Option(help="Drift of the force channel's gain, share per second.")] = 0.0,
+    force_range: Annotated[float, typer.Option(help="Where the force sensor ends, N; 0: nowhere.")] = 0.0,
+    displacement_range: Annotated[float, typer.Option(help="Where that of displacement ends, mm; 0: nowhere.")] = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
     format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
 ) -> None:
@@ -113,6 +118,11 @@ def rig(
             riding_order=riding_order,
             amplitude_error=amplitude_error,
             temperature_error=temperature_error,
+            force_drift=force_drift,
+            displacement_drift=displacement_drift,
+            force_gain_drift=force_gain_drift,
+            force_range=force_range,
+            displacement_range=displacement_range,
             repeats=repeats,
             seed=seed,
         )

@@ -60,12 +60,17 @@ def sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
+def sensor_sentences(found: Diagnosed) -> list[str]:
+    """Say which sensors failed or drift: before any physics."""
+    return [f"Sensors: {words}." for words in found.sensors()]
+
+
 def diagnosis_view(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_command: str, drive: Path | None) -> View:
-    """Tell a diagnosis, the ladder before it, and the command to run next; the first line is its verdict."""
+    """Tell a diagnosis, the ladder before it, and the command to run next; sensors that fail, then its verdict."""
     return View(
         diagnosis_answer(found, ladder, next_command),
         [candidate_table(found.diagnosis)],
-        verdict_lines(found, next_command, drive),
+        [*sensor_sentences(found), *verdict_lines(found, next_command, drive)],
     )
 
 

@@ -16,7 +16,7 @@ from pipeclamp_identification.workflow.auto import Rung
 
 @singledispatch
 def diagnosis_view(found: object, ladder: Sequence[Rung], next_command: str, drive: Path | None = None) -> View:
-    """Tell a diagnosis; the first line is its verdict.
+    """Tell a diagnosis: sensors that fail, where any does, then its verdict.
 
     Args:
         found: the diagnosis.

@@ -1,57 +1,170 @@
-"""Clipped sensors: a plateau of identical extreme values that quantisation can't explain."""
+"""Sensors that stand still: at the end of their range, or wherever they were when they failed."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
+import numpy.typing as npt
 
 from pipeclamp_identification.campaign.cycles import Cycles
-from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.campaign.faults import Channel, SensorFailure
+from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.arrays import Array
 
 # a plateau shorter than this is no evidence, whatever else
 FEWEST_ALIKE = 4
 # flat-topped loops stay longer within one quantum of their extreme than a sine does
 FLATTER_THAN_SINE = 3.0
+# friction's plateau lasts half a cycle at most, from one reversal to the next
+LONGER_THAN_FRICTION = 0.6
+# a plateau that ends nearer to a reversal than this share of the cycle, at both ends of the loop, is friction's
+AT_REVERSAL = 0.015
+# a channel with more noise than this, in quanta, shows it on friction's plateau too; rounding alone makes 0.29
+NOISY = 0.6
+# many samples at the very extreme are none of a noisy top's, whose values grow rarer towards it; a quantised sine
+# without noise stays 2.4 times as long in its last quantum as in the one before
+FEWEST_PILED, PILED_OVER_NEXT, NEXT_VALUES = 8, 5, 4
+# as many runs as must share an extreme value, and by how much their amplitudes must differ, to be no chance
+FEWEST_AT_END, AMPLITUDES_APART = 3, 1.05
+# a range of fewer quanta than this meets the same value twice by chance
+FEWEST_QUANTA = 500
+
+UNITS: Mapping[Channel, str] = {"displacement": "mm", "force": "N"}
+Column = Literal["displacement_mm", "force_N"]
+COLUMNS: Mapping[Channel, Column] = {"displacement": "displacement_mm", "force": "force_N"}
+Flags = npt.NDArray[np.bool_]
 
 
 def check_clipping(record: Record, cycles: Cycles) -> None:
-    """Refuse a record whose displacement or force stands still at an extreme value, cycle by cycle.
+    """Refuse a record whose displacement or force stands still, at an extreme value or for most of a cycle.
 
     At its turning points a quantised sine of amplitude A stays within one quantum q of its extreme for
     sqrt(2 q/A)/pi of the cycle; a clipped one stays there much longer. The quantum is the smallest step
-    between the values that the record holds.
+    between the values that the record holds. Dry friction in a record without noise stands as long; it lets go when
+    the motion turns.
 
     Args:
         record: the samples.
         cycles: its steady cycles.
 
     Raises:
-        UnusableRecord: with the channel, the value and the length of the plateau.
+        SensorFailure: with the channel, the value and the length of the plateau.
     """
-    for name in ("displacement_mm", "force_N"):
+    for channel, name in COLUMNS.items():
         samples = getattr(record, name)[cycles.steady]
         per_cycle = len(samples) / cycles.count
+        still, value = _longest_still(samples)
+        if still > LONGER_THAN_FRICTION * per_cycle:
+            raise SensorFailure(
+                f"stuck sensor: {name} stands at {value:g} for {still} samples in a row "
+                f"({still / per_cycle:.1f} cycles)", channel, "stuck", value, UNITS[channel],
+            )  # fmt: skip
         for extreme in (np.max(samples), np.min(samples)):
-            alike = _longest_row(samples == extreme)
-            if alike >= FEWEST_ALIKE and alike > 2 + FLATTER_THAN_SINE * per_cycle * _quantised_share(samples):
-                raise UnusableRecord(
-                    f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row "
-                    f"({100 * alike / per_cycle:.0f} % of a cycle)"
-                )
+            at = samples == extreme
+            first, alike = _longest_row(at)
+            flat = alike >= FEWEST_ALIKE and alike > 2 + FLATTER_THAN_SINE * per_cycle * _quantised_share(samples)
+            if not (flat or _piles_up(samples, at)) or (
+                channel == "force" and _is_frictions(record, cycles, first + alike)
+            ):
+                continue
+            raise SensorFailure(
+                f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row "
+                f"({100 * alike / per_cycle:.0f} % of a cycle)", channel, "clipped", float(extreme), UNITS[channel],
+            )  # fmt: skip
 
 
-def _longest_row(alike: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int:
-    places = np.flatnonzero(alike)
-    # places that follow one another keep their distance to a running count
-    return int(np.max(np.unique(places - np.arange(len(places)), return_counts=True)[1]))
+def _piles_up(samples: Array, at: Flags) -> bool:
+    """Tell whether more samples stand at an extreme than a top that is seen through noise has there."""
+    count = np.count_nonzero(at)
+    if count < FEWEST_PILED:
+        return False
+    values, counts = np.unique(samples, return_counts=True)
+    own = int(np.searchsorted(values, samples[at][0]))
+    beside = counts[1 : 1 + NEXT_VALUES] if own == 0 else counts[-1 - NEXT_VALUES : -1]
+    return bool(count > PILED_OVER_NEXT * np.max(beside, initial=1))
+
+
+def _is_frictions(record: Record, cycles: Cycles, end: int) -> bool:
+    """Tell whether a plateau of the force that ends at this steady sample is that of friction in a noiseless record."""
+    force, y = record.force_N[cycles.steady], record.displacement_mm[cycles.steady]
+    # fourth differences leave next to nothing of a smooth loop
+    noise = float(np.median(np.abs(np.diff(force, 4)))) / 0.6745 / math.sqrt(70)
+    if noise > NOISY * quantum_of(force):
+        return False
+    near = max(2, round(AT_REVERSAL * len(y) / cycles.count))
+    around = y[max(end - near, 0) : end + near + 1]
+    return bool({int(np.argmax(around)), int(np.argmin(around))} - {0, len(around) - 1})
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """How far a channel of a run goes.
+
+    Attributes:
+        high, low: the largest and the smallest value of the steady samples.
+        held: whether neighbouring samples agree in them.
+        quanta: steps between its values that its range holds.
+        amplitude: of the force's fundamental, which says how different runs are.
+    """
+
+    high: float
+    low: float
+    held: tuple[bool, bool]
+    quanta: float
+    amplitude: float
+
+
+def extremes_of(record: Record, cycles: Cycles, channel: Channel, amplitude: float) -> Extremes:
+    """Give how far a channel of a run goes; `amplitude` is that of the run's fundamental."""
+    samples = getattr(record, COLUMNS[channel])[cycles.steady]
+    high, low = float(np.max(samples)), float(np.min(samples))
+    held = (_longest_row(samples == high)[1] > 1, _longest_row(samples == low)[1] > 1)
+    return Extremes(high, low, held, (high - low) / quantum_of(samples) if high > low else 0.0, amplitude)
+
+
+def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
+    """Give the runs of different amplitude that reach one and the same extreme value, beyond which no run goes."""
+    found: dict[str, float] = {}
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        ends = {run: (one.high if sign > 0 else one.low) for run, one in runs.items()}
+        farthest = max(ends.values(), key=lambda end: sign * end, default=0.0)
+        there = [run for run, end in ends.items() if end == farthest and runs[run].held[side]]
+        sizes = [runs[run].amplitude for run in there]
+        fine = [run for run in there if runs[run].quanta >= FEWEST_QUANTA]
+        if len(fine) >= FEWEST_AT_END and max(sizes) > AMPLITUDES_APART * min(sizes):
+            found |= dict.fromkeys(there, farthest)
+    return found
+
+
+def _longest_row(alike: Flags) -> tuple[int, int]:
+    """Give where the longest row of True begins, and how long it is."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], alike.astype(np.int8), [0]])))
+    lengths = edges[1::2] - edges[::2]
+    longest = int(np.argmax(lengths))
+    return int(edges[2 * longest]), int(lengths[longest])
+
+
+def _longest_still(samples: Array) -> tuple[int, float]:
+    """Give the length of the longest row of one and the same value, and the value."""
+    changes = np.flatnonzero(np.diff(samples) != 0.0) + 1
+    edges = np.concatenate([[0], changes, [len(samples)]])
+    longest = int(np.argmax(np.diff(edges)))
+    return int(edges[longest + 1] - edges[longest]), float(samples[edges[longest]])
+
+
+def quantum_of(samples: Array) -> float:
+    """Give the smallest step between the values that a channel holds, half its range at most."""
+    half_range = float(np.ptp(samples)) / 2
+    steps = np.diff(np.unique(samples))
+    # two readings of one value may differ by rounding where a factor was applied
+    return float(np.min(steps[steps > 1e-9 * half_range], initial=half_range))
 
 
 def _quantised_share(samples: Array) -> float:
     """Return the share of a cycle for which a sine, quantised as these samples are, stands at one extreme."""
     half_range = np.ptp(samples) / 2
-    if half_range == 0.0:
-        return 0.0
-    steps = np.diff(np.unique(samples))
-    # two readings of one value may differ by rounding where a factor was applied
-    quantum = np.min(steps[steps > 1e-9 * half_range], initial=half_range)
-    return float(np.sqrt(2 * quantum / half_range) / np.pi)
+    return 0.0 if half_range == 0.0 else float(np.sqrt(2 * quantum_of(samples) / half_range) / np.pi)

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE, FLATTER_THAN_SINE
+from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE, FLATTER_THAN_SINE, UNITS
 from pipeclamp_identification.campaign.cycles import FEWEST_SAMPLES, WIDEST_GAP
+from pipeclamp_identification.campaign.faults import Channel, SensorFailure
 from pipeclamp_identification.campaign.plausibility import Fundamental
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.signals.smooth_motion import SmoothMotion, smooth_motion
@@ -83,7 +84,7 @@ def _check_clipping(record: Record) -> None:
     """Refuse a record in which a sensor stands at an extreme that it entered at speed, while the other one went on.
 
     Raises:
-        UnusableRecord: with the channel, the value and the length of the plateau.
+        SensorFailure: with the channel, the value and the length of the plateau.
     """
     channels = {"displacement_mm": record.displacement_mm, "force_N": record.force_N}
     for name, other in (("displacement_mm", record.force_N), ("force_N", record.displacement_mm)):
@@ -97,10 +98,11 @@ def _check_clipping(record: Record) -> None:
             before, after = abs(extreme - samples[first - alike]), abs(extreme - samples[last + alike - 1])
             entered = min(before, after) > FLATTER_THAN_SINE**2 * SMOOTH_TOP * quantum
             if entered and _excursion(other[first:last]) > WENT_ON * np.ptp(other):
-                raise UnusableRecord(
+                channel: Channel = "force" if name == "force_N" else "displacement"
+                raise SensorFailure(
                     f"clipped sensor: {name} stands at {extreme:g} for {alike} samples in a row, from "
-                    f"{record.time_s[first]:g} s on"
-                )
+                    f"{record.time_s[first]:g} s on", channel, "clipped", float(extreme), UNITS[channel],
+                )  # fmt: skip
 
 
 def _excursion(samples: Array) -> float:

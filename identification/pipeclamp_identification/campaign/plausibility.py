@@ -11,7 +11,7 @@ import numpy as np
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, ComplexArray
 
 SURE = 3.0
 """Standard errors by which something must be negative: a clamp without loss shows either sign."""
@@ -47,17 +47,37 @@ class Fundamental:
         return math.pi * self.amplitude_mm**2 * self.stiffness.imag / 1e3
 
 
-def fundamental_of(record: Record, cycles: Cycles) -> Fundamental:
+@dataclass(frozen=True)
+class CycleByCycle:
+    """Mean and fundamental of each cycle, (cycles, 2) complex: displacement in mm, force in N."""
+
+    displacement: ComplexArray
+    force: ComplexArray
+
+    @property
+    def stiffness(self) -> ComplexArray:
+        """F1/Y1 of each cycle in N/mm; the imaginary part is positive where energy is dissipated."""
+        return self.force[:, 1] / self.displacement[:, 1]
+
+
+def cycle_by_cycle(record: Record, cycles: Cycles) -> CycleByCycle:
+    """Give mean and fundamental of each steady cycle of a record that `check_samples` has passed."""
+    y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
+    bounds = cycles.bounds - cycles.bounds[0]
+    return CycleByCycle(*cycle_harmonics(cycles.phase(record), bounds, [y, force], 1))
+
+
+def fundamental_of(record: Record, cycles: Cycles, known: CycleByCycle | None = None) -> Fundamental:
     """Give a record's fundamental, with the scatter from cycle to cycle and what noise makes of it.
 
     Args:
         record: samples that `check_samples` has passed.
         cycles: its steady cycles.
+        known: `cycle_by_cycle` of them, where it is known already.
     """
-    y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
-    bounds = cycles.bounds - cycles.bounds[0]
-    Y, F = cycle_harmonics(cycles.phase(record), bounds, [y, force], 1)[:, :, 1]
-    per_cycle = F / Y
+    known = known or cycle_by_cycle(record, cycles)
+    force = record.force_N[cycles.steady]
+    Y, F, per_cycle = known.displacement[:, 1], known.force[:, 1], known.stiffness
     amplitude = float(np.mean(np.abs(Y)))
     # what the fundamental leaves of the force is taken for noise, so that a single cycle has a standard error too
     rest = max(float(np.var(force)) - float(np.mean(np.abs(F))) ** 2 / 2, 0.0)

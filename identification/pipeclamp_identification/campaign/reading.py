@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -14,16 +15,20 @@ from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
 from pipeclamp_identification.campaign.description import CampaignDescription, read_description
+from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault, faults_of_failures
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion, fundamental_of_motion
 from pipeclamp_identification.campaign.plausibility import (
+    CycleByCycle,
     Fundamental,
     contradiction,
+    cycle_by_cycle,
     fundamental_of,
     implausible,
     unless_contradicted,
 )
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples, read_record
 from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, read_runs_table
+from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
 from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
 from pipeclamp_models.base.errors import UserError
 
@@ -33,7 +38,11 @@ READERS = 4
 
 @dataclass(frozen=True)
 class Run:
-    """One usable run: what was set (None where not known), its samples and its steady cycles."""
+    """One usable run: what was set (None where not known), its samples and its steady cycles.
+
+    Where a zero drifted, the drift is taken off the samples, but nobody knows where it stood: `mean_known` is False,
+    and the mean force says nothing.
+    """
 
     name: str
     specimen: str | None
@@ -45,14 +54,16 @@ class Run:
     conditions: Mapping[str, float]
     record: Record
     cycles: Cycles
+    mean_known: bool = True
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A run that can't be used, and why."""
+    """A run that can't be used, and why; with the failure, where a sensor's is the reason."""
 
     run: str
     reason: str
+    failure: SensorFailure | None = None
 
     def __str__(self) -> str:
         return f"run {self.run!r} is left out: {self.reason}"
@@ -62,8 +73,10 @@ class LeftOut:
 class Campaign:
     """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed.
 
-    `remarks` say where the records show other settings than runs.csv states; those runs' settings are None. Of the
-    runs in `runs` the motion is a sine, of those in `free` it isn't.
+    `remarks` say what sensors do wrong in runs that are used, and where records show other settings than runs.csv
+    states; those runs' settings are None. Of the
+    runs in `runs` the motion is a sine, of those in `free` it isn't. `faults` are those of sensors; where one could be
+    repaired, the records here are the repaired ones.
     """
 
     name: str
@@ -75,6 +88,7 @@ class Campaign:
     smoothing: Smoothing = field(default_factory=Smoothing)
     remarks: tuple[str, ...] = ()
     free: tuple[FreeRun, ...] = ()
+    faults: tuple[SensorFault, ...] = ()
 
     def of_sines(self) -> Campaign:
         """Give the campaign without its runs of free motion, with a remark that names them.
@@ -129,13 +143,20 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         records = list(readers.map(partial(_read_run, folder, description), table.rows))
     digests = {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)}
     outcomes = [_checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
-    shown = {one.name: fundamental_of(one.record, one.cycles) for one in outcomes if isinstance(one, Run)}
+    by_cycle = {one.name: cycle_by_cycle(one.record, one.cycles) for one in outcomes if isinstance(one, Run)}
+    shown = {
+        one.name: fundamental_of(one.record, one.cycles, by_cycle[one.name]) for one in outcomes if isinstance(one, Run)
+    }
     freely = {one.name: fundamental_of_motion(one.record, one.motion) for one in outcomes if isinstance(one, FreeRun)}
     faults = implausible(shown | freely)
     outcomes = [
         LeftOut(row.run, faults[row.run]) if row.run in faults else one
         for row, one in zip(table.rows, outcomes, strict=True)
     ]
+    sensors = sensors_of(
+        [_observed(one, by_cycle[one.name], shown[one.name]) for one in outcomes if isinstance(one, Run)]
+    )
+    outcomes = [_as_sensors_say(one, sensors) if isinstance(one, Run) else one for one in outcomes]
     runs = tuple(outcome for outcome in outcomes if isinstance(outcome, Run))
     free = tuple(outcome for outcome in outcomes if isinstance(outcome, FreeRun))
     left_out = tuple(outcome for outcome in outcomes if isinstance(outcome, LeftOut))
@@ -152,9 +173,44 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         left_out=left_out,
         condition_columns=table.condition_columns,
         smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
-        remarks=(*remarks, *_moving_from_the_start(free)),
+        remarks=(
+            *(fault.words for fault in sensors.faults if fault.done != "left out"),
+            *remarks,
+            *_moving_from_the_start(free),
+        ),
         free=free,
+        faults=(
+            *faults_of_failures(
+                [(one.run, one.failure) for one in left_out if one.failure and one.run not in sensors.failed]
+            ),
+            *sensors.faults,
+        ),
     )
+
+
+def _observed(run: Run, by_cycle: CycleByCycle, shown: Fundamental) -> Observed:
+    """Give a run as its sensors show it."""
+    density = math.nan if run.density_g_cm3 is None else run.density_g_cm3
+    return Observed(
+        name=run.name,
+        record=run.record,
+        cycles=run.cycles,
+        nominal_mm=run.amplitude_mm,
+        temperature_C=run.temperature_C,
+        further={"density_g_cm3": density, **run.conditions},
+        labels={"specimen": run.specimen or ""},
+        by_cycle=by_cycle,
+        shown=shown,
+    )
+
+
+def _as_sensors_say(run: Run, sensors: Sensors) -> Run | LeftOut:
+    """Give a run with its record as the sensors leave it; what failed is left out."""
+    if run.name in sensors.failed:
+        failure = sensors.failed[run.name]
+        return LeftOut(run.name, str(failure), failure)
+    record = sensors.records[run.name]
+    return replace(run, record=record, mean_known=run.name not in sensors.of_unknown_mean)
 
 
 def _moving_from_the_start(runs: tuple[FreeRun, ...]) -> tuple[str, ...]:
@@ -197,7 +253,7 @@ def _checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
         cycles = find_cycles(record)
         check_clipping(record, cycles)
     except UnusableRecord as fault:
-        return LeftOut(row.run, str(fault))
+        return LeftOut(row.run, str(fault), fault if isinstance(fault, SensorFailure) else None)
     return Run(
         name=row.run,
         specimen=row.specimen,

@@ -53,6 +53,9 @@ class TestPlan:
         riding_order: so many of them a cycle.
         amplitude_error: rms of the amplitude's error as a share.
         temperature_error: rms of the temperature's error in K.
+        force_drift, displacement_drift: of the channels' zeros, N/s and mm/s, from each record's first sample on.
+        force_gain_drift: of the force channel's gain, share per second, likewise.
+        force_range, displacement_range: where the sensors end on either side, N and mm; 0 for nowhere.
         repeats: runs of each combination.
         seed: of the random numbers; the same seed gives the same campaign.
         drive: the displacement of every run, where it isn't made of these amplitudes, frequencies, cycles and tones.
@@ -73,6 +76,11 @@ class TestPlan:
     riding_order: int = 7
     amplitude_error: float = 0.005
     temperature_error: float = 1.0
+    force_drift: float = 0.0
+    displacement_drift: float = 0.0
+    force_gain_drift: float = 0.0
+    force_range: float = 0.0
+    displacement_range: float = 0.0
     repeats: int = 1
     seed: int = 0
     drive: Drive | None = None
@@ -120,11 +128,14 @@ class TestPlan:
             )
         quality = (
             "ramp_cycles", "force_noise", "displacement_noise", "force_step", "displacement_step", "distortion",
-            "riding", "amplitude_error", "temperature_error",
+            "riding", "amplitude_error", "temperature_error", "force_range", "displacement_range",
         )  # fmt: skip
         for name in quality:
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
                 raise UsageError(f"test plan: {name} is {getattr(self, name):g}; expected a number of at least 0")
+        for name in ("force_drift", "displacement_drift", "force_gain_drift"):
+            if not np.isfinite(getattr(self, name)):
+                raise UsageError(f"test plan: {name} is {getattr(self, name):g}; expected a finite number")
 
 
 def driven(plan: TestPlan, drive: Drive) -> TestPlan:
@@ -223,8 +234,20 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
             },
             Record(
                 time[kept],
-                _measured(motion[0][index, kept], plan.displacement_noise, plan.displacement_step, rng),
-                _measured(truth[index, kept], plan.force_noise, plan.force_step, rng),
+                _measured(
+                    motion[0][index, kept] + plan.displacement_drift * time[kept],
+                    plan.displacement_noise,
+                    plan.displacement_step,
+                    plan.displacement_range,
+                    rng,
+                ),
+                _measured(
+                    truth[index, kept] * (1 + plan.force_gain_drift * time[kept]) + plan.force_drift * time[kept],
+                    plan.force_noise,
+                    plan.force_step,
+                    plan.force_range,
+                    rng,
+                ),
             ),
         )
 
@@ -253,9 +276,10 @@ def _followed(drive: Drive, share: Array, time: Array) -> Motion3:
     return y, v, a
 
 
-def _measured(truth: Array, noise: float, step: float, rng: np.random.Generator) -> Array:
-    """Give what a sensor with noise and quantisation shows."""
+def _measured(truth: Array, noise: float, step: float, end: float, rng: np.random.Generator) -> Array:
+    """Give what a sensor with noise, quantisation and an end of its range shows."""
     shown = truth + noise * rng.standard_normal(len(truth))
+    shown = np.clip(shown, -end, end) if end > 0 else shown
     return np.round(shown / step) * step if step > 0 else shown
 
 

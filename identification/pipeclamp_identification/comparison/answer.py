@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
+from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.comparison import breakdown, free_breakdown
 from pipeclamp_identification.comparison.breakdown import BRANCHES, PLACES, Breakdown, Part, phase_edges, place_of
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
@@ -132,6 +133,7 @@ class ComparisonAnswer(AnswerModel):
     runs: tuple[RunComparison, ...]
     where: WhereAnswer
     left_out: tuple[LeftOutRun, ...]
+    sensors: tuple[SensorFault, ...] = Field(description="gross faults of sensors, and what was done about them")
 
 
 def comparison_answer(comparison: Comparison) -> ComparisonAnswer:
@@ -157,6 +159,7 @@ def comparison_answer(comparison: Comparison) -> ComparisonAnswer:
         ),
         where=_where(comparison),
         left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in comparison.campaign.left_out),
+        sensors=comparison.campaign.faults,
     )
 
 

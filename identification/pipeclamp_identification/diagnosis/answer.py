@@ -7,6 +7,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.next_test import Proposal
@@ -115,6 +116,9 @@ class DiagnosisAnswer(AnswerModel):
     left_over: tuple[str, ...]
     reasons: tuple[str, ...]
     left_out: tuple[LeftOutRun, ...]
+    sensors: tuple[SensorFault, ...] = Field(
+        description="gross faults of sensors, found before physics was asked, and what was done about them"
+    )
     ladder: tuple[RungAnswer, ...] = Field(description="what --auto did before this verdict")
     next_command: str = Field(description="the shell line to run next")
 
@@ -151,6 +155,7 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
         left_over=found.left_over(),
         reasons=diagnosis.reasons,
         left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.comparison.campaign.left_out),
+        sensors=found.comparison.campaign.faults,
         ladder=ladder,
         next_command=next_command,
     )

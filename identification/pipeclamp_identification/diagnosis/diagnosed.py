@@ -64,6 +64,10 @@ class Diagnosed:
         named = self.diagnosis.found.named
         return {} if named is None else named.result.law.values
 
+    def sensors(self) -> tuple[str, ...]:
+        """Say which sensors failed or drift: that goes before any physics."""
+        return tuple(fault.words for fault in self.comparison.campaign.faults)
+
     def headline(self) -> str:
         """Give the verdict in words."""
         return HEADLINES[self.verdict, self.kind].format(" or ".join(self.effects))

@@ -69,8 +69,8 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
     The law sees the measured motion as its harmonics say it: noise of the displacement sensor is not taken for force.
     A sample in whose interval the motion reverses errs as its neighbours do, each for its own side: where a law steps,
     its timing decides which side it shows.
-    Where the law's force is known up to a constant only (a state that never loses its beginning), the run's measured
-    mean is taken for that constant.
+    Where the law's force is known up to a constant only (a state that never loses its beginning), or the measured one
+    is (a zero that drifted), the run's measured mean is taken for that constant.
 
     Args:
         law: the law.
@@ -93,11 +93,13 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
 def force_of_rows(law: Law, loops: Loops, samples: int = FINE_SAMPLES) -> Array:
     """Give the law's force on loops as the records would show it, N, shape (R, samples).
 
-    Rows that are adrift are moved to the measured mean; a moving average that the records went through is repeated.
+    Rows that are adrift, or whose zero drifted, are moved to the measured mean; a moving average that the records went
+    through is repeated.
     """
     law_force = force_of_law(law, loop_motion(loops, samples))
     shift = loops.force[:, 0].real - np.mean(law_force.force, axis=1)
-    return averaged(law_force.force + np.where(law_force.adrift, shift, 0.0)[:, None], loops.force_average)
+    open_mean = law_force.adrift | ~np.isfinite(loops.force_standard_error[:, 0])
+    return averaged(law_force.force + np.where(open_mean, shift, 0.0)[:, None], loops.force_average)
 
 
 def _refuse_unknown(law: Law, loops: Loops, force: Array) -> None:

@@ -117,7 +117,7 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
     own = np.tile(plain, (len(loops.run), 1, 1))
     with one_thread():
         for row in np.flatnonzero(few):
-            carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row]))) - 1
+            carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row, 1:])))
             own[row, :, : 2 * carried + 1] = sampled_transform(
                 loops.phases[row], loops.at_reversals[row], samples, carried
             )

@@ -8,6 +8,7 @@ from dataclasses import asdict
 import numpy as np
 from pydantic import ConfigDict, Field
 
+from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.loops.decomposition import Decomposition, PowerSeries, decompose
 from pipeclamp_identification.loops.loops import Loops, per_cycle
@@ -133,6 +134,7 @@ class MetricsAnswer(AnswerModel):
     fingerprint: str
     runs: tuple[RunMetrics, ...]
     left_out: tuple[LeftOutRun, ...]
+    sensors: tuple[SensorFault, ...] = Field(description="gross faults of sensors, and what was done about them")
     studies: tuple[StudyAnswer, ...]
     noise_nrmse: float | None = Field(
         description="scatter over all runs as a share of the force; None of single cycles"
@@ -186,6 +188,7 @@ def metrics_answer(campaign: Campaign, loops: Loops) -> MetricsAnswer:
         fingerprint=campaign.fingerprint,
         runs=tuple(runs),
         left_out=tuple(LeftOutRun(run=one.run, reason=one.reason) for one in campaign.left_out),
+        sensors=campaign.faults,
         studies=tuple(_study(study, loops, metrics) for study in variations_of(campaign, loops)),
         noise_nrmse=known(loops.noise_nrmse) if any(loops.shows_scatter) else None,
     )

@@ -56,7 +56,7 @@ class Loop:
     force: ComplexArray
     """(H + 1,) N."""
     force_standard_error: Array
-    """(H + 1,) N, of the real and of the imaginary part each."""
+    """(H + 1,) N, of the real and of the imaginary part each; infinite for a mean that isn't known."""
     noise_rms_N: float
     """Rms of what is not periodic in the force."""
     scatter_rms_N: float
@@ -151,6 +151,8 @@ def loop_of(run: Run, condition_columns: Sequence[str], harmonics: int, displace
     displacement_variance = harmonic_variance(fitted[0], displacement_noise(fitted[0]))
     force_rms = math.sqrt(np.mean(force**2))
     force_error = np.maximum(np.sqrt(force_variance / cycles.count), FINEST_SHARE * force_rms)
+    if not run.mean_known:
+        force_error[0] = math.inf
     displacement_error = np.sqrt(displacement_variance / cycles.count)
     insignificant = np.abs(mean_displacement) < SIGNIFICANT_STANDARD_ERRORS * displacement_error
     insignificant[:2] = False

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from pipeclamp_identification.signals.between_cycles import between_cycles
 from pipeclamp_identification.signals.harmonics import unit_phasor
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
@@ -42,14 +43,9 @@ def drifting_force(per_cycle: ComplexArray, elapsed: Array, phase: Array) -> Arr
     drifting = np.flatnonzero(explained > (DRIFT_BY_CHANCE ** (-1 / (cycles - 2)) - 1) * rest)
     if len(drifting) == 0:
         return None
-    # a cycle's harmonics are those at its middle; before the first middle and after the last the line goes on
-    place = elapsed - 0.5
-    left = np.clip(np.floor(place).astype(np.intp), 0, cycles - 2)
-    share = place - left
     force = np.zeros(len(phase))
     for order in drifting:
-        between = (1 - share) * deviation[left, order] + share * deviation[left + 1, order]
-        force += (between * unit_phasor(order * phase)).real
+        force += (between_cycles(deviation[:, order], elapsed) * unit_phasor(order * phase)).real
     return force
 
 

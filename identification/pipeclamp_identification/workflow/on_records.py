@@ -99,7 +99,7 @@ class RecordTests:
 
     @property
     def remarks(self) -> Sequence[str]:
-        """What to know of the runs that are used: settings that records contradict, a moving average."""
+        """What to know of the runs that are used: faults of sensors, contradicted settings, a moving average."""
         return tuple(filter(None, (*self.campaign.remarks, self.campaign.smoothing.words())))
 
     def identify(

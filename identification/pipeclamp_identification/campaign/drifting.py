@@ -1,0 +1,377 @@
+"""Sensors that drift inside records: a zero or a gain that moves slowly.
+
+A zero moves the mean and nothing else; a gain moves stiffness and damping in one ratio. What follows the motion, or
+changes the loop, is the clamp's, and is left to the laws.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_identification.campaign.cycles import Cycles
+from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, named
+from pipeclamp_identification.campaign.plausibility import CycleByCycle
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.signals.between_cycles import between_cycles
+from pipeclamp_models.base.arrays import Array, ComplexArray
+
+FALSE_ALARM_CHANCE = 1e-3
+"""A campaign without faults raises an alarm of a kind less often than this by scatter alone."""
+ZERO_SHARE = 0.01
+"""A zero that moves by less than this share of the amplitude, from first to last, does no harm: a cycle of five then
+gains less than a thousandth of its amplitude in quadrature."""
+GAIN_SHARE = 0.02
+"""A gain that moves by less is within what clamps do in a test by themselves."""
+POOLED_FREEDOMS = 4.0
+"""The weight, in degrees of freedom, of the scatter of all runs as a first estimate of each run's own."""
+GOES_ON = 0.3
+"""A drift goes on: its later half is this share of its earlier one at least. What dies away is the clamp's memory of
+the test's beginning."""
+FOLLOWED = 0.3
+"""A quantity that moves by less than this share of what another would make of it doesn't follow that."""
+ALIKE_WITHIN = 0.25
+"""Stiffness and damping change alike where their difference is known to this share of the change, and is none."""
+ALIKE_SHARE = 0.1
+"""Nor do they differ by more than this share of the change, or by what scatter makes of it: a gain that moves within a
+cycle bends the loop a little."""
+MEAN_OF_LOOP = 0.5
+"""A loop that changes takes its mean along, by so much of its change where its halves are as unequal as clamps are."""
+SAME_WAY, FEWEST_ALIKE = 0.9, 6
+"""Runs drift together where this share of so many at least drifts one way."""
+FEWEST_CYCLES = 3
+OWN_SHARE = 0.2
+"""Share of the order's own variance that the conditions must leave: a plan that was run in the order of its conditions
+can't tell a drift from them."""
+MOST_LEFT_OUT = 0.5
+"""If more than this share of the runs shows a falling gain, they are kept: nothing would be left to judge by."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """By how much a quantity changes from first to last, with its standard error and degrees of freedom."""
+
+    size: float
+    error: float
+    freedoms: float
+
+    def is_real(self, runs: int, least: float) -> bool:
+        """Tell whether it is at least so large, and no chance among so many runs."""
+        return abs(self.size) >= least and chance_of(self.size, self.error, self.freedoms) < FALSE_ALARM_CHANCE / runs
+
+    @property
+    def certain(self) -> float:
+        """What it is at least, four standard errors off; zero where that is nothing."""
+        return max(abs(self.size) - 4 * self.error, 0.0)
+
+
+def chance_of(size: float, error: float, freedoms: float) -> float:
+    """Give the chance that scatter alone makes a change of this size or more, two-sided.
+
+    Student's distribution by Wallace's normal approximation (Ann. Math. Stat. 30, 1959): a few percent too large, a
+    third with one freedom.
+    """
+    if error <= 0.0:
+        return 0.0 if size else 1.0
+    z = math.sqrt(freedoms * math.log1p((size / error) ** 2 / freedoms)) * (8 * freedoms + 1) / (8 * freedoms + 3)
+    return math.erfc(z / math.sqrt(2))
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A run as it is watched for drifts.
+
+    Attributes:
+        name: the run's.
+        start_s, end_s: when its record begins and ends, by its own clock.
+        nominal_mm: stated amplitude, None where it isn't.
+        conditions: the level of each condition, by name.
+        by_cycle: mean and fundamental of each cycle.
+    """
+
+    name: str
+    start_s: float
+    end_s: float
+    nominal_mm: float | None
+    conditions: Mapping[str, str]
+    by_cycle: CycleByCycle
+
+    @property
+    def amplitudes(self) -> tuple[float, float]:
+        """Of displacement and force, mm and N."""
+        known = self.by_cycle
+        return float(np.mean(np.abs(known.displacement[:, 1]))), float(np.mean(np.abs(known.force[:, 1])))
+
+
+@dataclass(frozen=True)
+class InRecord:
+    """What changes inside a record, as shares: means over the amplitude, the others over their size."""
+
+    mean_force: Change
+    mean_displacement: Change
+    elastic: Change
+    damping: Change
+    amplitude: Change
+    force: Change
+    stiffness_share: float
+    """In-phase force over the force's amplitude: what of it follows the mean position."""
+    loop: float
+    """By how much the loop itself changes at least, as a share."""
+    goes_on: tuple[bool, bool]
+    """Whether the drifts of mean force and mean displacement go on."""
+
+
+def drifting(runs: Sequence[Watched]) -> tuple[SensorFault, ...]:
+    """Find the sensors that drift inside records; what was done says what `repaired` and the reader do."""
+    found = _in_records(runs)
+    return tuple(
+        filter(
+            None,
+            (
+                _fault(_force_zeros(found), "force", "zero_drift", "N", "corrected", runs),
+                _fault(_displacement_zeros(found, True), "displacement", "zero_drift", "mm", "corrected", runs),
+                _fault(_displacement_zeros(found, False), "displacement", "zero_drift", "mm", "kept", runs),
+                _fault(_force_gains(found), "force", "gain_drift", "share", "left out", runs),
+                _fault(_displacement_gains(found, runs), "displacement", "gain_drift", "share", "left out", runs),
+            ),
+        )
+    )
+
+
+def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
+    long = [run for run in runs if len(run.by_cycle.force) >= FEWEST_CYCLES]
+    if not long:
+        return {}
+    series = []
+    for run in long:
+        A, F = run.amplitudes
+        y, force, k = run.by_cycle.displacement, run.by_cycle.force, run.by_cycle.stiffness
+        mean = np.mean(k)
+        series.append(
+            (
+                force[:, 0].real / F,
+                y[:, 0].real / A,
+                k.real / (abs(mean.real) or 1.0),
+                k.imag / (abs(mean.imag) or 1.0),
+                np.abs(y[:, 1]) / A,
+                np.abs(force[:, 1]) / F,
+            )
+        )
+    changes = [_changes([one[place] for one in series]) for place in range(6)]
+    found = {}
+    for row, run in enumerate(long):
+        usual = complex(np.mean(run.by_cycle.stiffness))
+        in_phase, in_quadrature = usual.real / abs(usual), usual.imag / abs(usual)
+        elastic, damping = changes[2][row], changes[3][row]
+        found[run.name] = InRecord(
+            mean_force=changes[0][row],
+            mean_displacement=changes[1][row],
+            elastic=elastic,
+            damping=damping,
+            amplitude=changes[4][row],
+            force=changes[5][row],
+            stiffness_share=in_phase,
+            loop=math.hypot(in_phase * elastic.certain, in_quadrature * damping.certain),
+            goes_on=(_goes_on(series[row][0]), _goes_on(series[row][1])),
+        )
+    return found
+
+
+def _slope(values: Array | ComplexArray) -> complex:
+    along = np.arange(len(values)) - (len(values) - 1) / 2
+    return complex(along @ values / (along @ along))
+
+
+def _changes(series: Sequence[Array]) -> list[Change]:
+    """Give the change of each run's series from its first cycle to its last by a line; its scatter is partly pooled."""
+    slopes = [_slope(values).real for values in series]
+    rests, freedoms = [], []
+    for values, slope in zip(series, slopes, strict=True):
+        along = np.arange(len(values)) - (len(values) - 1) / 2
+        rests.append(float(np.sum((values - np.mean(values) - slope * along) ** 2)))
+        freedoms.append(len(values) - 2)
+    pooled = float(np.median(np.array(rests) / np.array(freedoms)))
+    shared = POOLED_FREEDOMS if len(series) > 1 else 0.0
+    changes = []
+    for values, slope, rest, free in zip(series, slopes, rests, freedoms, strict=True):
+        count = len(values)
+        variance = (rest + shared * pooled) / (free + shared)
+        spread = count * (count**2 - 1) / 12
+        changes.append(Change(slope * (count - 1), (count - 1) * math.sqrt(variance / spread), free + shared))
+    return changes
+
+
+def _goes_on(values: Array) -> bool:
+    """Tell whether a drift goes on in the later half of its cycles as in the earlier one."""
+    half = (len(values) + 1) // 2
+    early, late = float(values[half - 1] - values[0]), float(values[-1] - values[-half])
+    return late * early > 0 and abs(late) >= GOES_ON * abs(early)
+
+
+Found = dict[str, Change]
+
+
+def _force_zeros(found: Mapping[str, InRecord]) -> Found:
+    """Find mean forces that drift while position and loop stay."""
+    every = _of_all([one.mean_force for one in found.values()])
+    drifts = {}
+    for run, one in found.items():
+        followed = one.stiffness_share * one.mean_displacement.size
+        size = abs(one.mean_force.size)
+        alone = abs(one.mean_force.size - followed) > 0.5 * size and size > MEAN_OF_LOOP * one.loop
+        if alone and (every or (one.goes_on[0] and one.mean_force.is_real(len(found), ZERO_SHARE))):
+            drifts[run] = one.mean_force
+    return drifts
+
+
+def _of_all(changes: Sequence[Change]) -> bool:
+    """Tell whether next to all runs drift one way, by the scatter from run to run."""
+    sizes = np.array([change.size for change in changes])
+    if len(changes) < FEWEST_ALIKE or max(np.mean(sizes > 0), np.mean(sizes < 0)) < SAME_WAY:
+        return False
+    error = float(np.std(sizes, ddof=1)) / math.sqrt(len(sizes))
+    return Change(float(np.mean(sizes)), error, len(sizes) - 1).is_real(1, ZERO_SHARE)
+
+
+def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> Found:
+    """Find mean positions that drift.
+
+    Args:
+        found: what changes in each run.
+        told: whether the force tells that the clamp didn't move, or can't tell. Where it follows, the clamp did.
+    """
+    every = _of_all([one.mean_displacement for one in found.values()])
+    drifts = {}
+    for run, one in found.items():
+        force = abs(one.stiffness_share * one.mean_displacement.size)
+        seen = force > 4 * one.mean_force.error
+        stays = abs(one.mean_force.size) < FOLLOWED * force
+        real = one.goes_on[1] and one.mean_displacement.is_real(len(found), ZERO_SHARE)
+        if (every or real) and seen is told and (stays or not told):
+            drifts[run] = one.mean_displacement
+    return drifts
+
+
+def _force_gains(found: Mapping[str, InRecord]) -> Found:
+    """Find forces of which stiffness and damping change in one ratio, while the motion stays."""
+    drifts = {}
+    for run, one in found.items():
+        both = (one.elastic, one.damping)
+        mean = alike(*both)
+        if mean is None or abs(mean.size) < GAIN_SHARE or one.amplitude.certain > 0.25 * abs(mean.size):
+            continue
+        if all(change.is_real(len(found), 0.0) for change in both):
+            drifts[run] = mean
+    return drifts
+
+
+def alike(one: Change, other: Change) -> Change | None:
+    """Give the mean of two changes; None unless they are known to be alike."""
+    weights = np.array([one.error, other.error]) ** -2.0 if one.error and other.error else np.ones(2)
+    size = float(weights @ [one.size, other.size] / weights.sum())
+    doubt = math.hypot(one.error, other.error)
+    if doubt > ALIKE_WITHIN * abs(size) or abs(one.size - other.size) > max(2 * doubt, ALIKE_SHARE * abs(size)):
+        return None
+    return Change(size, float(weights.sum() ** -0.5), min(one.freedoms, other.freedoms))
+
+
+def _displacement_gains(found: Mapping[str, InRecord], runs: Sequence[Watched]) -> Found:
+    """Find amplitudes that change without the force that such a change makes from run to run."""
+    exponent = _force_over_amplitude(runs)
+    drifts = {}
+    for run, one in found.items():
+        force = abs(exponent * one.amplitude.size)
+        seen = force > 4 * one.force.error and abs(one.force.size) < FOLLOWED * force
+        if one.amplitude.is_real(len(found), GAIN_SHARE) and seen:
+            drifts[run] = one.amplitude
+    return drifts
+
+
+def _force_over_amplitude(runs: Sequence[Watched]) -> float:
+    """Give the exponent with which the force grows with the amplitude from run to run; zero where none is seen."""
+    A, F = np.log(np.array([run.amplitudes for run in runs])).T
+    others = conditions_basis(runs, leave=("amplitude_mm",))
+    own = A - others @ (others.T @ A)
+    if np.sum(own**2) < OWN_SHARE * np.sum((A - A.mean()) ** 2) or np.ptp(A) < math.log(1.2):
+        return 0.0
+    return float(own @ F / (own @ own))
+
+
+def _fault(
+    drifts: Found, channel: Channel, kind: FaultKind, unit: str, done: Done, runs: Sequence[Watched]
+) -> SensorFault | None:
+    """Put the runs that show a drift into one fault, sizes in its unit."""
+    if not drifts:
+        return None
+    if done == "left out" and len(drifts) > MOST_LEFT_OUT * len(runs):
+        done = "kept"
+    place = 0 if channel == "displacement" else 1
+    scale = {run.name: run.amplitudes[place] if kind == "zero_drift" else 1.0 for run in runs}
+    sizes = {run: (change.size * scale[run], change.error * scale[run]) for run, change in drifts.items()}
+    worst = max(drifts, key=lambda run: abs(drifts[run].size))
+    size, error = sizes[worst]
+    others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({named(list(drifts))})"
+    where = f"in run {worst}, from its first cycle to its last{others}"
+    shown = f"by {size:+.3g} {unit} ({abs(drifts[worst].size):.1%} of the amplitude, standard error {error:.1g} {unit})"
+    if kind == "zero_drift" and done == "kept":
+        words = (
+            f"the zero of the displacement channel drifts, or the mean position does: {shown} {where}; the force "
+            "can't tell which, as it hardly follows the position; the runs are kept; to do: see whether the zero "
+            "stays while the machine rests"
+        )
+    elif kind == "zero_drift":
+        stays = "its loop and its position stay" if channel == "force" else "the force doesn't follow"
+        words = (
+            f"the zero of the {channel} channel drifts: {shown} {where}; {stays}, so it is not the clamp; the drift "
+            "is taken off, and the mean force of these records counts for nothing, as nobody knows where it stood; "
+            "to do: let the amplifier warm up, and set the zero before each run"
+        )
+    else:
+        told = (
+            "stiffness and damping change in one ratio, as no effect does to both"
+            if channel == "force"
+            else "the force stays, though it follows the amplitude from run to run"
+        )
+        words = (
+            f"the gain of the {channel} channel drifts: by {size:+.2%} (standard error {error:.1g}) {where}; {told}; "
+            f"{_done_words(done)}; to do: calibrate it, and repeat these runs"
+        )
+    return SensorFault(
+        channel=channel, fault=kind, over="record", size=size, unit=unit, done=done, words=words,
+        runs=tuple(FaultyRun(run=run, size=one, standard_error=off) for run, (one, off) in sizes.items()),
+    )  # fmt: skip
+
+
+def _done_words(done: Done) -> str:
+    return "left out" if done == "left out" else "too many to leave out: what is said of physics may be this fault's"
+
+
+def conditions_basis(runs: Sequence[Watched], leave: Sequence[str] = (), pairs: bool = False) -> Array:
+    """Give an orthonormal basis of what conditions may do to runs: a constant each level of each, or of each pair."""
+    columns = [np.ones(len(runs))]
+    own = [[run.conditions[name] for run in runs] for name in runs[0].conditions if name not in leave]
+    if pairs and len(own) > 1:
+        own = [list(map("|".join, zip(*two, strict=True))) for two in itertools.combinations(own, 2)]
+    for values in own:
+        columns += [np.array([float(value == level) for value in values]) for level in sorted(set(values))[1:]]
+    left, singular, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
+    return np.asarray(left[:, singular > 1e-9 * singular[0]])
+
+
+def repaired(record: Record, cycles: Cycles, by_cycle: CycleByCycle, channels: Sequence[Channel]) -> Record:
+    """Take the drift of the means off a record's channels; the mean over the steady cycles stays."""
+    elapsed = cycles.frequency_Hz * (record.time_s - record.time_s[cycles.bounds[0]])
+    # outside the steady cycles the line would run off
+    within = np.clip(elapsed, 0.0, float(cycles.count))
+    for channel in channels:
+        means = (by_cycle.force if channel == "force" else by_cycle.displacement)[:, 0].real
+        drift = between_cycles(means - np.mean(means), within)
+        if channel == "force":
+            record = replace(record, force_N=record.force_N - drift)
+        else:
+            record = replace(record, displacement_mm=record.displacement_mm - drift)
+    return record

@@ -1,0 +1,165 @@
+"""The sensors of a campaign, asked before any law: what failed, what drifts, and the records without it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.campaign.clipping import UNITS, at_common_end, extremes_of
+from pipeclamp_identification.campaign.cycles import Cycles
+from pipeclamp_identification.campaign.drifting import Watched, drifting, repaired
+from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_runs, repaired_over_runs
+from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
+from pipeclamp_identification.campaign.plausibility import SURE, CycleByCycle, Fundamental
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.signals.levels import Level, number_levels
+from pipeclamp_models.base.units import CELSIUS
+
+DEAD_BELOW = 0.1
+"""A force that the motion doesn't show in, and that stays below this share of what other runs show, is no clamp's."""
+FEWEST_OTHERS = 3
+SAME = 0.05
+"""Conditions closer than this share of each other count as the same."""
+SAME_K = 5.0
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A run as its sensors show it, and what was stated of it; None where it isn't known.
+
+    Attributes:
+        nominal_mm: stated amplitude.
+        temperature_C: stated temperature.
+        further: other numbers that were stated, nan where they aren't known.
+        labels: texts that were stated.
+        by_cycle, shown: mean and fundamental of each cycle, and of the record.
+    """
+
+    name: str
+    record: Record
+    cycles: Cycles
+    nominal_mm: float | None
+    temperature_C: float | None
+    further: Mapping[str, float]
+    labels: Mapping[str, str]
+    by_cycle: CycleByCycle
+    shown: Fundamental
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """What the sensors of a campaign's usable runs show.
+
+    Attributes:
+        faults: found, those of left-out runs among them.
+        records: of the runs that are kept, repaired where that could be done, by name.
+        failed: why others are left out, by name.
+    """
+
+    faults: tuple[SensorFault, ...]
+    records: Mapping[str, Record]
+    failed: Mapping[str, SensorFailure]
+
+    @property
+    def of_unknown_mean(self) -> frozenset[str]:
+        """Names of the runs inside which a zero drifted: where it stood before isn't known."""
+        drifted = (one for one in self.faults if (one.done, one.over) == ("corrected", "record"))
+        return frozenset(run.run for fault in drifted for run in fault.runs)
+
+
+def sensors_of(runs: Sequence[Observed]) -> Sensors:
+    """Ask the sensors of runs whose records can be used one by one; the order is that of runs.csv."""
+    failed = {**_at_the_end_of_their_range(runs), **_dead(runs)}
+    faults = list(faults_of_failures(list(failed.items())))
+    runs = [run for run in runs if run.name not in failed]
+    if not runs:
+        return Sensors(tuple(faults), {}, failed)
+    watched = _watched(runs)
+    drifts = drifting(watched)
+    taken_off: dict[str, list[Channel]] = {run.name: [] for run in runs}
+    for fault in drifts:
+        for one in fault.runs:
+            if fault.done == "corrected":
+                taken_off[one.run].append(fault.channel)
+            elif fault.done == "left out":
+                failed[one.run] = SensorFailure(fault.words, fault.channel, fault.fault, one.size, fault.unit)
+    kept = [(run, seen) for run, seen in zip(runs, watched, strict=True) if run.name not in failed]
+    records = [
+        repaired(run.record, run.cycles, run.by_cycle, taken_off[run.name]) if taken_off[run.name] else run.record
+        for run, _ in kept
+    ]
+    left = [seen for _, seen in kept]
+    over_runs = drifting_over_runs(left) if left else ()
+    for fault in over_runs:
+        if fault.done == "corrected":
+            records = repaired_over_runs(records, left, fault)
+    return Sensors(
+        (*faults, *drifts, *over_runs), {run.name: one for (run, _), one in zip(kept, records, strict=True)}, failed
+    )
+
+
+def _at_the_end_of_their_range(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
+    """Give the runs of different amplitude that stop at one and the same value, however shortly."""
+    found: dict[str, SensorFailure] = {}
+    for channel, unit in UNITS.items():
+        ends = {
+            run.name: extremes_of(run.record, run.cycles, channel, run.shown.amplitude_mm * abs(run.shown.stiffness))
+            for run in runs
+        }
+        for run, end in at_common_end(ends).items():
+            reason = f"clipped sensor: {channel}_{unit} stops at {end:g} as in other runs of other amplitude"
+            found.setdefault(run, SensorFailure(reason, channel, "clipped", end, unit))
+    return found
+
+
+def _dead(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
+    """Give the runs whose force doesn't show the motion, where others' does."""
+    force = np.array([run.shown.amplitude_mm * abs(run.shown.stiffness) for run in runs])
+    seen = np.array([abs(run.shown.stiffness) > SURE * run.shown.standard_error for run in runs], dtype=np.bool_)
+    if np.count_nonzero(seen) < FEWEST_OTHERS:
+        return {}
+    usual = float(np.median(force[seen]))
+    return {
+        runs[row].name: SensorFailure(
+            f"dead sensor: the force doesn't show the motion ({force[row]:.2g} N of its fundamental, {usual:.3g} N in "
+            "most runs)", "force", "dead", float(force[row]), "N",
+        )
+        for row in np.flatnonzero(~seen & (force < DEAD_BELOW * usual)).tolist()
+    }  # fmt: skip
+
+
+def _watched(runs: Sequence[Observed]) -> list[Watched]:
+    """Give the runs as they are watched for drifts, their conditions by level."""
+    kelvin = [np.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs]
+    numbers = {
+        "amplitude_mm": number_levels(np.array([run.shown.amplitude_mm for run in runs]), relative=SAME),
+        "frequency_Hz": number_levels(np.array([run.cycles.frequency_Hz for run in runs]), relative=SAME),
+        "temperature_C": number_levels(np.array(kelvin), absolute=SAME_K),
+        **{
+            name: number_levels(np.array([run.further[name] for run in runs]), relative=SAME)
+            for name in runs[0].further
+        },
+    }
+    labels = {name: _label_of_each(levels, len(runs)) for name, levels in numbers.items()}
+    texts = {name: [run.labels.get(name, "") for run in runs] for name in runs[0].labels}
+    return [
+        Watched(
+            name=run.name,
+            start_s=float(run.record.time_s[0]),
+            end_s=float(run.record.time_s[-1]),
+            nominal_mm=run.nominal_mm,
+            conditions={name: own[row] for name, own in (labels | texts).items()},
+            by_cycle=run.by_cycle,
+        )
+        for row, run in enumerate(runs)
+    ]
+
+
+def _label_of_each(levels: Sequence[Level], count: int) -> list[str]:
+    found = [""] * count
+    for level in levels:
+        for row in level.rows:
+            found[int(row)] = level.label
+    return found

@@ -1,0 +1,235 @@
+"""Sensors that fail or drift, told before any law is asked; the faults are made here, by plain arithmetic."""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+
+from pipeclamp_identification.campaign.bundled import bundled_campaign
+from pipeclamp_identification.campaign.clipping import check_clipping
+from pipeclamp_identification.campaign.cycles import find_cycles
+from pipeclamp_identification.campaign.drifting import chance_of
+from pipeclamp_identification.campaign.faults import SensorFailure
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.records import Record
+
+FEW = 12
+"""Runs of the bundled campaign that the trials take, every fourth."""
+
+
+def _faulty(source: Path, target: Path, fault, order=None) -> None:
+    """Copy a campaign, its records changed: fault(place, share of the record's time, y, F) gives y and F."""
+    target.mkdir()
+    shutil.copy(source / "campaign.toml", target)
+    table = pl.read_csv(source / "runs.csv")
+    table = table if order is None else table[order]
+    for place, row in enumerate(table.iter_rows(named=True)):
+        content = (source / row["file"]).read_bytes()
+        record = pl.read_csv(gzip.decompress(content) if row["file"].endswith(".gz") else content)
+        t, y, force = (record[name].to_numpy().copy() for name in ("time_s", "displacement_mm", "force_N"))
+        y, force = fault(place, (t - t[0]) / (t[-1] - t[0]), y, force)
+        changed = record.with_columns(pl.Series("displacement_mm", y), pl.Series("force_N", force))
+        changed.write_parquet(target / f"{place}.parquet")
+    table.with_columns(pl.Series("file", [f"{place}.parquet" for place in range(len(table))])).write_csv(
+        target / "runs.csv"
+    )
+
+
+@pytest.fixture
+def faults_of(tmp_path):
+    """Give a function that reads clamp_a, a quarter of its runs, with a fault in each third one."""
+
+    def read(fault, every=3, order=None):
+        def some(place, share, y, force):
+            return fault(share, y, force) if place % every == 0 else (y, force)
+
+        order = np.arange(0, 48, 48 // FEW) + np.arange(FEW) % 4 if order is None else order
+        _faulty(bundled_campaign("clamp_a"), tmp_path / "faulty", some, order)
+        return read_campaign(tmp_path / "faulty")
+
+    return read
+
+
+def _size(force):
+    return np.ptp(force) / 2
+
+
+def test_a_campaign_without_faults_has_none():
+    campaign = read_campaign(bundled_campaign("clamp_a"))
+    assert campaign.faults == campaign.remarks == campaign.left_out == ()
+
+
+def test_a_drifting_zero_of_force_is_told_and_taken_off(faults_of):
+    campaign = faults_of(lambda share, y, force: (y, force + 0.04 * _size(force) * share))
+    (fault,) = campaign.faults
+    assert (fault.channel, fault.fault, fault.over, fault.unit, fault.done) == (
+        "force", "zero_drift", "record", "N", "corrected",
+    )  # fmt: skip
+    assert len(campaign.runs) == FEW
+    assert [run.run for run in fault.runs] == [run.name for run in campaign.runs[::3]]
+    for named, run in zip(fault.runs, campaign.runs[::3], strict=True):
+        # from the middle of the first cycle of five to that of the last
+        assert named.size == pytest.approx(0.04 * 0.8 * _size(run.record.force_N), rel=0.25)
+        mean = [np.mean(part) for part in np.array_split(run.record.force_N[run.cycles.steady], run.cycles.count)]
+        assert np.ptp(mean) < 0.004 * _size(run.record.force_N)
+    assert fault.words in campaign.remarks
+    assert f"{fault.size:+.3g} N" in fault.words
+
+
+def test_a_drifting_zero_of_displacement_that_the_force_does_not_follow_is_told(faults_of):
+    (fault,) = faults_of(lambda share, y, force: (y + 0.04 * np.max(y) * share, force)).faults
+    assert (fault.channel, fault.fault, fault.done, len(fault.runs)) == ("displacement", "zero_drift", "corrected", 4)
+
+
+def test_a_mean_position_that_the_force_follows_is_no_fault(faults_of):
+    def moved(share, y, force):
+        return y + 0.04 * np.max(y) * share, force + 0.04 * _size(force) * share
+
+    assert faults_of(moved).faults == ()
+
+
+def test_a_mean_force_that_dies_away_is_no_drift(faults_of):
+    """A Maxwell arm forgets its beginning: a memory, not the sensor's zero."""
+    assert faults_of(lambda share, y, force: (y, force + 0.04 * _size(force) * np.exp(-share / 0.15))).faults == ()
+
+
+def test_a_failing_gain_of_force_is_told_and_its_runs_are_left_out(faults_of):
+    campaign = faults_of(lambda share, y, force: (y, force * (1 - 0.1 * share)))
+    (fault,) = campaign.faults
+    assert (fault.channel, fault.fault, fault.done, len(fault.runs)) == ("force", "gain_drift", "left out", 4)
+    assert all(-0.1 < run.size < -0.07 for run in fault.runs)
+    assert [entry.run for entry in campaign.left_out] == [run.run for run in fault.runs]
+
+
+@pytest.mark.parametrize("part", ["stiffness", "damping"])
+def test_stiffness_or_damping_that_changes_alone_is_no_gain(faults_of, part):
+    def changed(share, y, force):
+        turned = np.gradient(y)
+        basis = np.stack([y, turned]) if part == "stiffness" else np.stack([turned, y])
+        own = np.linalg.lstsq(basis.T, force, rcond=None)[0][0] * basis[0]
+        return y, force - 0.1 * share * own
+
+    assert faults_of(changed).faults == ()
+
+
+def test_a_failing_gain_of_displacement_is_told(faults_of):
+    (fault,) = faults_of(lambda share, y, force: (y * (1 - 0.05 * share), force)).faults
+    assert (fault.channel, fault.fault, len(fault.runs)) == ("displacement", "gain_drift", 4)
+
+
+def test_too_many_failing_runs_are_kept(faults_of):
+    campaign = faults_of(lambda share, y, force: (y, force * (1 - 0.1 * share)), every=1)
+    (fault,) = campaign.faults
+    assert (fault.done, len(campaign.runs)) == ("kept", FEW)
+
+
+def _over_runs(tmp_path, change):
+    order = np.random.default_rng(3).permutation(48)
+    _faulty(
+        bundled_campaign("clamp_a"), tmp_path / "faulty",
+        lambda place, share, y, force: change(place / 47, y, force), order,
+    )  # fmt: skip
+    return read_campaign(tmp_path / "faulty").faults
+
+
+def test_a_zero_that_drifts_from_run_to_run_is_told(tmp_path):
+    (fault,) = _over_runs(tmp_path, lambda at, y, force: (y, force + 120.0 * at))
+    assert (fault.channel, fault.fault, fault.over, fault.done) == ("force", "zero_drift", "campaign", "corrected")
+    assert fault.size == pytest.approx(120.0, rel=0.05)
+
+
+def test_a_gain_that_drifts_from_run_to_run_is_told(tmp_path):
+    (fault,) = _over_runs(tmp_path, lambda at, y, force: (y, force * (1 - 0.1 * at)))
+    assert (fault.channel, fault.fault, fault.over, fault.done) == ("force", "gain_drift", "campaign", "kept")
+    assert fault.size == pytest.approx(np.log(0.9), rel=0.2)
+
+
+def test_a_drift_in_the_order_of_the_conditions_is_not_told(tmp_path):
+    """clamp_a's table is sorted by amplitude: what grows along it may be the amplitude's."""
+    _faulty(
+        bundled_campaign("clamp_a"), tmp_path / "faulty",
+        lambda place, share, y, force: (y, force + 120.0 * place / 47),
+    )  # fmt: skip
+    assert read_campaign(tmp_path / "faulty").faults == ()
+
+
+@pytest.mark.parametrize("sides", ["both", "one"])
+def test_a_saturated_force_is_told_however_shortly(faults_of, sides):
+    def clipped(share, y, force):
+        force = np.minimum(force, 0.98 * np.max(force))
+        return y, force if sides == "one" else np.maximum(force, 0.98 * np.min(force))
+
+    (fault,) = faults_of(clipped).faults
+    assert (fault.channel, fault.fault, fault.done, len(fault.runs)) == ("force", "clipped", "left out", 4)
+
+
+def test_a_quantised_channel_is_not_saturated(faults_of):
+    def quantised(share, y, force):
+        quantum = _size(force) / 40
+        return np.round(y / 0.01) * 0.01, np.round(force / quantum) * quantum
+
+    assert faults_of(quantised, every=1).left_out == ()
+
+
+@pytest.mark.parametrize(
+    ("kind", "change"),
+    [
+        ("stuck", lambda force: np.where(np.arange(len(force)) < len(force) / 2, force, force[len(force) // 2])),
+        ("stuck", lambda force: np.zeros(len(force))),
+        ("dead", lambda force: np.random.default_rng(0).normal(0.0, 3.0, len(force))),
+    ],
+    ids=["stuck", "zero", "noise alone"],
+)
+def test_a_channel_that_stands_still_or_shows_noise_alone_is_told(faults_of, kind, change):
+    campaign = faults_of(lambda share, y, force: (y, change(force)))
+    (fault,) = campaign.faults
+    assert (fault.channel, fault.fault, len(fault.runs), len(campaign.runs)) == ("force", kind, 4, 8)
+
+
+@pytest.mark.parametrize("noise", [0.0, 2.0])
+@pytest.mark.parametrize("stiffness", [0.0, 900.0])
+def test_the_plateau_of_friction_is_not_clipping(noise, stiffness):
+    """Dry friction, alone and with an end stop's kink, quantised coarsely, with noise and without."""
+    t = np.arange(2000) / 400
+    y, v = 0.8 * np.sin(2 * np.pi * t), np.cos(2 * np.pi * t)
+    force = 700.0 * np.sign(v) + stiffness * np.sign(y) * np.maximum(np.abs(y) - 0.6, 0.0)
+    force = np.round((force + np.random.default_rng(0).normal(0.0, noise, len(t))) / 1.0) * 1.0
+    record = Record(t, y + 1e-4 * np.random.default_rng(1).normal(size=len(t)), force)
+    cycles = find_cycles(record)
+    check_clipping(record, cycles)
+    with pytest.raises(SensorFailure):
+        check_clipping(Record(t, np.minimum(y, 0.7), force), cycles)
+
+
+def test_chances_are_students():
+    """Two-sided tails of Student's t, from tables."""
+    for t, freedoms, chance in ((2.228, 10, 0.05), (5.408, 8, 6.4e-4), (4.032, 5, 0.01)):
+        assert chance_of(t, 1.0, freedoms) == pytest.approx(chance, rel=0.1)
+
+
+@pytest.mark.parametrize("name", ["mr_damper", "friction_device"])
+def test_measured_campaigns_raise_no_alarm_and_show_what_is_put_in(measured_data, tmp_path, name):
+    source = measured_data / name
+    assert read_campaign(source).faults == ()
+
+    def clipped(place, share, y, force):
+        return y, np.clip(force, *(0.95 * np.percentile(force, (0.5, 99.5)))) if place % 3 == 0 else force
+
+    _faulty(source, tmp_path / "clipped", clipped)
+    (fault,) = read_campaign(tmp_path / "clipped").faults
+    count = len(pl.read_csv(source / "runs.csv"))
+    assert (fault.fault, len(fault.runs)) == ("clipped", len(range(0, count, 3)))
+
+
+def test_the_drift_of_a_measured_damper_is_found(measured_data, tmp_path):
+    _faulty(
+        measured_data / "mr_damper", tmp_path / "drift",
+        lambda place, share, y, force: (y, force + (0.1 * _size(force) * share if place % 5 == 0 else 0.0)),
+    )  # fmt: skip
+    (fault,) = read_campaign(tmp_path / "drift").faults
+    assert (fault.channel, fault.fault, len(fault.runs)) == ("force", "zero_drift", 6)
