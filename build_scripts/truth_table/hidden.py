@@ -99,12 +99,20 @@ def bouc_wen_pinched(motion: Motion, base: BaseLaw, rough: bool, size: float, sh
 
 
 def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Dry friction; rough: Stribeck, smoothed."""
+    """Dry friction; rough: smoothed, and a little more of it where the displacement presses harder."""
     F_c = size * typical(base)
     if not rough:
         return Part(force=F_c * np.sign(motion.v))
-    level = 1 + 0.1 * np.exp(-np.abs(motion.v) / (2 * shape["speed"]))
+    level = 1 + 0.1 * motion.y**2
     return Part(force=F_c * level * np.tanh(motion.v / (0.03 * shape["speed"])))
+
+
+def stribeck(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Dry friction that falls with speed, as a Gaussian; rough: as an exponential (Tustin), smoothed."""
+    speed, at_speed = np.abs(motion.v) / (4 * shape["speed"]), 0.3 * shape["any"]
+    if rough:
+        return Part(force=size * typical(base) * (at_speed + np.exp(-speed)) * np.tanh(motion.v / 0.05))
+    return Part(force=size * typical(base) * (at_speed + np.exp(-(speed**2))) * np.sign(motion.v))
 
 
 def viscous(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -139,6 +147,21 @@ def hardening(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Sh
     """Fifth power; rough: another power."""
     power = 4.5 + 1.2 * shape["any"] if rough else 5.0
     return Part(force=size * base.k10 * np.copysign(np.abs(motion.y) ** power, motion.y))
+
+
+def exponential_stiffening(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Stiffness that grows as an exponential of the stroke; rough: as a hyperbolic cosine."""
+    rate = (2.5 + 3.5 * shape["any"]) / shape["stop"]
+    stroke = rate * np.abs(motion.y)
+    grown = np.sinh(stroke) if rough else np.expm1(stroke)
+    return Part(force=size * base.k10 * np.sign(motion.y) * (grown - stroke) / rate)
+
+
+def gas_spring(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Gas in a column, polytropic; rough: on a bellows, of which the area grows as it is compressed."""
+    share = (0.3 + 0.3 * shape["any"]) * motion.y / shape["stop"] * np.copysign(1.0, shape["sign"])
+    area = 1 + 0.2 * share if rough else 1.0
+    return Part(force=size * typical(base) * (area * (1 - share) ** -1.35 - 1))
 
 
 def end_stop(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -270,6 +293,9 @@ EFFECTS: dict[str, Kind] = {
     "offset": Kind(offset, most=0.2),
     "inertia": Kind(inertia),
     "delay": Kind(delay, most=1.0),
+    "stribeck": Kind(stribeck, most=0.3),
+    "exponential_stiffening": Kind(exponential_stiffening, most=1.0),
+    "gas_spring": Kind(gas_spring, most=3.0),
 }
 COLUMN = "bolt_torque_Nm"
 """The further column of runs.csv where the condition is studied."""

@@ -16,6 +16,8 @@ IMITATIONS = {
     ("play", "gap"): STROKE,
     ("slip_spread", "memory"): STROKE, ("bouc_wen", "memory"): STROKE, ("slip_spread", "bouc_wen"): STROKE,
     ("directional_slip", "memory"): STROKE,
+    ("exponential_stiffening", "hardening"): STROKE, ("exponential_stiffening", "end_stop"): STROKE,
+    ("gas_spring", "asymmetry"): STROKE, ("stribeck", "coulomb"): ANY,
     ("coulomb", "viscous"): ANY, ("coulomb", "memory"): ANY, ("viscous", "quadratic_damping"): ANY,
     ("viscous", "delay"): ANY, ("asymmetry", "offset"): ANY, ("asymmetry", "directional_damping"): ANY,
     ("damping_temperature", "loosening"): ("two temperatures",), ("contact_growth", "loosening"): ("two temperatures",),

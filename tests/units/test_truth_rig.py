@@ -43,7 +43,8 @@ def test_both_agree_on_the_base_law():
         "memory", "directional_slip", "slip_spread", "bouc_wen",
         "coulomb", "viscous", "quadratic_damping", "directional_damping", "asymmetry", "hardening",
         "end_stop", "gap", "play", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency",
-        "loosening", "density", "condition", "offset", "inertia", "delay",
+        "loosening", "density", "condition", "offset", "inertia", "delay", "stribeck", "exponential_stiffening",
+        "gas_spring",
     ],
 )  # fmt: skip
 def test_both_agree_on_an_effect(effect):

@@ -72,3 +72,17 @@ FOLIENTE = (
     "Foliente: Hysteresis Modeling of Wood Joints and Structural Systems, Journal of Structural Engineering 121(6), "
     "1013-1022 (1995)"
 )
+OLSSON = (
+    "Olsson, Åström, Canudas de Wit, Gäfvert and Lischinsky: Friction Models and Friction Compensation, European "
+    "Journal of Control 4(3), 176-195 (1998)"
+)
+BO = (
+    "Bo and Pavelescu: The friction-speed relation and its influence on the critical velocity of stick-slip motion, "
+    "Wear 82(3), 277-289 (1982)"
+)
+FUNG = "Fung: Elasticity of soft tissues in simple elongation, American Journal of Physiology 213(6), 1532-1544 (1967)"
+BAUER = "Bauer: Hydropneumatic Suspension Systems, Springer (2011)"
+QUAGLIA = (
+    "Quaglia and Sorli: Air Suspension Dimensionless Analysis and Design Procedure, Vehicle System Dynamics 35(6), "
+    "443-475 (2001)"
+)

@@ -1,0 +1,45 @@
+"""Stribeck friction: F = (F_k + F_b exp(-(v/v_s)^2)) sgn v, from F_k + F_b where it begins to move to F_k at speed."""
+
+import sympy as sp
+
+from pipeclamp_models.equations.effect import Effect, Parameter
+from pipeclamp_models.equations.literature import ARMSTRONG, BO, OLSSON
+from pipeclamp_models.equations.symbols import (
+    A_highest,
+    A_typical,
+    F_typical,
+    f_highest,
+    f_lowest,
+    f_typical,
+    smooth_sign,
+    v,
+    v_r,
+)
+
+F_k, F_b, v_s = sp.symbols("F_k F_b v_s", real=True)
+slow, usual, fast = (
+    2 * sp.pi * f * A for f, A in ((f_lowest, A_typical), (f_typical, A_typical), (f_highest, A_highest))
+)
+
+EFFECT = Effect(
+    id="stribeck",
+    part="clamp",
+    does="dry friction that falls as the clamp moves faster",
+    source=f"{OLSSON}, the Stribeck curve with delta = 2, F_C = F_k and F_S = F_k + F_b; {BO}; {ARMSTRONG}",
+    looks_like="a step of force at each reversal that falls while the clamp gathers speed: ears at the loop's ends",
+    imitated_by=("coulomb", "memory", "power_damping"),
+    told_apart_by="one amplitude from very slow to fast: the loop shrinks, the faster the cycle, by up to F_b on each "
+    "side, and no further",
+    parameters=(
+        Parameter(F_k, "N", "friction at speed", (0.03 * F_typical,) * 3, lower=0.0, neutral=0.0),
+        Parameter(
+            F_b, "N", "friction beyond it where the clamp begins to move", (0.05 * F_typical,) * 3, lower=0.0,
+            upper=10 * F_typical, neutral=0.0,
+        ),
+        Parameter(
+            v_s, "mm/s", "speed at which a third of that is left", (0.1 * slow, 0.2 * usual, 0.6 * usual),
+            lower=0.01 * slow, upper=2 * fast,
+        ),
+    ),
+    force=(F_k + F_b * sp.exp(-((v / v_s) ** 2))) * smooth_sign(v, v_r),
+)  # fmt: skip
