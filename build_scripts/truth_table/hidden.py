@@ -108,10 +108,10 @@ def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shap
 
 
 def stribeck(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Dry friction that falls with speed, as a Gaussian; rough: as an exponential (Tustin), smoothed."""
+    """Dry friction that falls with speed, as a Gaussian; rough: as Hess and Soom have it, smoothed."""
     speed, at_speed = np.abs(motion.v) / (4 * shape["speed"]), 0.3 * shape["any"]
     if rough:
-        return Part(force=size * typical(base) * (at_speed + np.exp(-speed)) * np.tanh(motion.v / 0.05))
+        return Part(force=size * typical(base) * (at_speed + 1 / (1 + speed**2)) * np.tanh(motion.v / 0.05))
     return Part(force=size * typical(base) * (at_speed + np.exp(-(speed**2))) * np.sign(motion.v))
 
 

@@ -47,7 +47,7 @@ def lost(motion, force):
     return np.sum((np.roll(force, -1, axis=1) + force) / 2 * moves, axis=1)
 
 
-STRIBECK = {"F_k": 40.0, "F_b": 60.0, "v_s": 5.0}
+STRIBECK = {"F_k": 40.0, "F_b": 60.0, "v_s": 5.0, "delta_s": 2.0}
 
 
 def test_friction_follows_the_stribeck_curve():
@@ -56,6 +56,8 @@ def test_friction_follows_the_stribeck_curve():
         [40 + 60 * np.exp(-0.0036), 40 + 60 / np.e, 40.0], rel=6e-4
     )
     assert at("stribeck", STRIBECK, 0.0, 0.0)[0] == 0.0
+    falling = at("stribeck", STRIBECK | {"delta_s": 0.7}, 0.0, [0.5, 5.0, 50.0])
+    assert falling == pytest.approx(40 + 60 * np.exp(-(np.array([0.1, 1.0, 10.0]) ** 0.7)), rel=6e-4)
     v = np.linspace(-20.0, 20.0, 41)
     np.testing.assert_array_equal(at("stribeck", STRIBECK, 0.0, v), -at("stribeck", STRIBECK, 0.0, -v))
 

@@ -48,7 +48,7 @@ EFFECT = Effect(
         ),
         Parameter(
             n_g, "-", "exponent of the change of state: 1 isothermal, 1.4 adiabatic", (USUAL,) * len(shares),
-            lower=1.0, upper=1.8, neutral=USUAL,
+            lower=1.0, upper=1.8, neutral=USUAL, known_within=0.15,
         ),
     ),
     force=F_g * (pressure * (1 + n_g * beyond) - 1),

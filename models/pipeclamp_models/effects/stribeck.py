@@ -1,4 +1,7 @@
-"""Stribeck friction: F = (F_k + F_b exp(-(v/v_s)^2)) sgn v, from F_k + F_b where it begins to move to F_k at speed."""
+"""Stribeck friction: F = (F_k + F_b exp(-|v/v_s|^delta_s)) sgn v, F_k + F_b next to rest and F_k at speed.
+
+|v| is smooth at v = 0 within v_r, as sgn v is, so that its powers have slopes.
+"""
 
 import sympy as sp
 
@@ -16,7 +19,7 @@ from pipeclamp_models.equations.symbols import (
     v_r,
 )
 
-F_k, F_b, v_s = sp.symbols("F_k F_b v_s", real=True)
+F_k, F_b, v_s, delta_s = sp.symbols("F_k F_b v_s delta_s", real=True)
 slow, usual, fast = (
     2 * sp.pi * f * A for f, A in ((f_lowest, A_typical), (f_typical, A_typical), (f_highest, A_highest))
 )
@@ -25,7 +28,7 @@ EFFECT = Effect(
     id="stribeck",
     part="clamp",
     does="dry friction that falls as the clamp moves faster",
-    source=f"{OLSSON}, the Stribeck curve with delta = 2, F_C = F_k and F_S = F_k + F_b; {BO}; {ARMSTRONG}",
+    source=f"{OLSSON}, F_C = F_k and F_S = F_k + F_b; {BO}; {ARMSTRONG}",
     looks_like="a step of force at each reversal that falls while the clamp gathers speed: ears at the loop's ends",
     imitated_by=("coulomb", "memory", "power_damping"),
     told_apart_by="one amplitude from very slow to fast: the loop shrinks, the faster the cycle, by up to F_b on each "
@@ -40,6 +43,10 @@ EFFECT = Effect(
             v_s, "mm/s", "speed at which a third of that is left", (0.1 * slow, 0.2 * usual, 0.6 * usual),
             lower=0.01 * slow, upper=2 * fast,
         ),
+        Parameter(
+            delta_s, "-", "how suddenly it falls: 1 exponential (Tustin), 2 Gaussian (Armstrong)", (1.5,) * 3,
+            lower=0.5, upper=3.0,
+        ),
     ),
-    force=(F_k + F_b * sp.exp(-((v / v_s) ** 2))) * smooth_sign(v, v_r),
+    force=(F_k + F_b * sp.exp(-(((v**2 + v_r**2) / v_s**2) ** (delta_s / 2)))) * smooth_sign(v, v_r),
 )  # fmt: skip

@@ -31,6 +31,7 @@ class Parameter:
         follows: the slow signals that must vary in the data for it to be determined.
         levels: how many distinct levels of them it takes.
         typical: a size at which the effect shows in a loop, where `start` has none: to try it out on the virtual rig.
+        known_within: standard deviation by which `neutral` is known beforehand, from physics: of a normal prior.
     """
 
     symbol: sp.Symbol
@@ -43,6 +44,7 @@ class Parameter:
     follows: tuple[sp.Symbol, ...] = ()
     levels: int = 2
     typical: sp.Expr | float | None = None
+    known_within: float | None = None
 
     @property
     def name(self) -> str:
@@ -61,6 +63,8 @@ class Parameter:
         How strongly a coefficient follows a condition is what few conditions leave open, so it shrinks to "not at all"
         as far as the data don't say otherwise. Its bounds, which lie symmetrically, are three standard deviations off.
         """
+        if self.known_within is not None:
+            return self.known_within
         symmetric = self.neutral is not None and not self.lower + self.upper - 2 * self.neutral
         return self.upper / 3 if self.follows and symmetric and self.upper != math.inf else None
 
