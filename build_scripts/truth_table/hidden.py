@@ -23,6 +23,7 @@ from truth import (
     jenkins_of_two_limits,
     late,
     maxwell,
+    maxwell_arms,
 )
 
 Shape = Mapping[str, float]
@@ -191,6 +192,17 @@ def relaxation(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: S
     return Part(force=size * base.k10 * np.mean(arms, axis=0))
 
 
+def relaxation_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Relaxation times spread as Cole and Cole's (fractional); rough: evenly in their logarithm, over two decades."""
+    places = np.log(10) * (np.linspace(-1.0, 1.0, 15) if rough else np.arange(-3.0, 3.1, 0.3))
+    order = 0.45 + 0.3 * shape["any"]
+    spread = 1 / (np.cosh(order * places) + np.cos(np.pi * order))
+    weights = np.full(len(places), 1 / len(places)) if rough else spread / spread.sum()
+    taus = shape["tau"] * np.exp(places)
+    arms = motion.remember(("relaxation_spread", rough), lambda: maxwell_arms(motion, taus, weights))
+    return Part(force=size * base.k10 * arms)
+
+
 def damping_temperature(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Damping over temperature; rough: falls by a smooth step, or into a valley."""
     t = (motion.T - T0) / 100
@@ -293,6 +305,7 @@ EFFECTS: dict[str, Kind] = {
     "offset": Kind(offset, most=0.2),
     "inertia": Kind(inertia),
     "delay": Kind(delay, most=1.0),
+    "relaxation_spread": Kind(relaxation_spread, most=0.8),
     "stribeck": Kind(stribeck, most=0.3),
     "exponential_stiffening": Kind(exponential_stiffening, most=1.0),
     "gas_spring": Kind(gas_spring, most=3.0),

@@ -257,6 +257,25 @@ def maxwell(motion: Motion, tau: float) -> Array:
     return result.T
 
 
+def maxwell_arms(motion: Motion, taus: Array, weights: Array) -> Array:
+    """Maxwell arms of stiffnesses `weights` and times `taus`, mm, (R, n), by the implicit midpoint rule.
+
+    The lead is too short for slow arms to forget rest, so they begin as if they had been moved before.
+    """
+    share = motion.step / (2 * taus)
+    v = motion.v.T[:, :, None]
+    result = np.zeros_like(motion.v.T)
+    q = np.zeros((len(motion.y), len(taus)))
+    for order, tone in motion.tones:
+        turn = 2j * np.pi * order * motion.f
+        q += np.real(tone[:, None] * np.exp(turn * motion.time[0]) * turn * taus / (1 + turn * taus))
+    result[0] = q @ weights
+    for step in range(len(v) - 1):
+        q = (q * (1 - share) + (v[step] + v[step + 1]) / 2 * motion.step) / (1 + share)
+        result[step + 1] = q @ weights
+    return result.T
+
+
 def pushed_through(force: Array, side: Array) -> Array:
     """Give what of a force comes through a clearance, of which this end pushes: 1, -1 or 0."""
     return np.where(side > 0, np.maximum(force, 0.0), np.where(side < 0, np.minimum(force, 0.0), 0.0))

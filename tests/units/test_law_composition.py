@@ -31,6 +31,7 @@ CONTRACT = [
     "end_stop",
     "gap",
     "relaxation",
+    "relaxation_spread",
     "damping_temperature",
     "contact_growth",
     "stiffness_frequency",

@@ -261,17 +261,20 @@ def _price_of_free_means(result: Fit, problem: Problem) -> Array:
 
 
 def objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
-    """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing."""
+    """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing.
+
+    A bound at which a parameter changes nothing is no objection: what it stands for isn't there, the rest may be.
+    """
     against: list[str] = []
     errors = result.standard_errors()
     added = {effect.name: effect for effect in result.equations.effects}
     for name in effects:
-        parameters = [parameter.name for parameter in added[name].parameters]
+        parameters = added[name].parameters
         against += [
-            f"{parameter} ran into its bound ({result.law.values[parameter]:.4g})"
+            f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})"
             for parameter in parameters
-            if parameter in result.at_bound
+            if parameter.name in result.at_bound and parameter.neutral not in (parameter.lower, parameter.upper)
         ]
-        if not any(parameter in errors for parameter in parameters):
+        if not any(parameter.name in errors for parameter in parameters):
             against.append(f"the data determines no parameter of {name}")
     return tuple(against)

@@ -34,7 +34,7 @@ EFFECT = Effect(
         Parameter(
             k_x, "N/mm", "stiffness that is added at the stroke ln 2/b_x",
             tuple(0.2 * F_typical * rate / (sp.exp(end) - 1 - end) for rate, end in zip(rates, grown, strict=True)),
-            lower=0.0, neutral=0.0,
+            lower=0.0,
         ),
         Parameter(
             b_x, "1/mm", "growth of the stiffness per stroke", tuple(rates), lower=0.2 / A_highest,

@@ -40,7 +40,7 @@ EFFECT = Effect(
         Parameter(
             F_g, "N", "pressure times area in the middle",
             tuple(0.3 * F_typical / ((1 - abs(share)) ** -USUAL - 1) for share in shares), lower=0.0,
-            upper=100 * F_typical, neutral=0.0,
+            upper=100 * F_typical,
         ),
         Parameter(
             q_g, "1/mm", "one over the column's length; above 0 where positive y compresses",

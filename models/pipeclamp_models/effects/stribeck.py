@@ -37,7 +37,7 @@ EFFECT = Effect(
         Parameter(F_k, "N", "friction at speed", (0.03 * F_typical,) * 3, lower=0.0, neutral=0.0),
         Parameter(
             F_b, "N", "friction beyond it where the clamp begins to move", (0.05 * F_typical,) * 3, lower=0.0,
-            upper=10 * F_typical, neutral=0.0,
+            upper=10 * F_typical,
         ),
         Parameter(
             v_s, "mm/s", "speed at which a third of that is left", (0.1 * slow, 0.2 * usual, 0.6 * usual),

@@ -86,3 +86,15 @@ QUAGLIA = (
     "Quaglia and Sorli: Air Suspension Dimensionless Analysis and Design Procedure, Vehicle System Dynamics 35(6), "
     "443-475 (2001)"
 )
+KOELLER = (
+    "Koeller: Applications of Fractional Calculus to the Theory of Viscoelasticity, Journal of Applied Mechanics "
+    "51(2), 299-307 (1984)"
+)
+COLE = (
+    "Cole and Cole: Dispersion and Absorption in Dielectrics I. Alternating Current Characteristics, Journal of "
+    "Chemical Physics 9(4), 341-351 (1941)"
+)
+PARK = (
+    "Park: Analytical modeling of viscoelastic dampers for structural and vibration control, International Journal of "
+    "Solids and Structures 38(44-45), 8065-8092 (2001)"
+)

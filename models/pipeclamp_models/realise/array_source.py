@@ -13,10 +13,12 @@ from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.scalar import ScalarPrinter
 from pipeclamp_models.realise.slopes import StageSlopes, in_order, needed, slope_of, slopes_through
-from pipeclamp_models.realise.stepping import Definition, exact
+from pipeclamp_models.realise.stepping import Definition, exact, held_apart
 
 FAST = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 SMOOTHING = (symbols.v_r, symbols.y_r)
+MOVING = frozenset({symbols.y, symbols.v, symbols.a, symbols.y_previous})
+"""What changes from step to step of a march, besides its states and stages."""
 Pair = tuple[int, int]
 """Places of what is differentiated, among its like, and of what it is differentiated by."""
 
@@ -82,8 +84,14 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
             way, slopes_of_stages = slopes_through(stages, by)
             index, slopes = _nonzero_slopes(updates, by, slopes_of_stages)
             return {"source": _source(fast, slopes, needed(way, slopes)), "index": index}
-        case "update_of_numbers":
-            return {"source": _source(fast, updates, stages, numbers=True)}
+        case "held":
+            return {
+                "source": _source(fast, [expression for _, expression in _along_a_march(stages, updates, states)[0]])
+            }
+        case "march" | "march_of_numbers":
+            held, stages, updates = _along_a_march(stages, updates, states)
+            arguments = [*fast, *(symbol for symbol, _ in held)]
+            return {"source": _source(arguments, updates, stages, numbers=function == "march_of_numbers")}
         case "energy":
             return {"source": _source(fast, [equations.energy])}
         case "lag":
@@ -92,6 +100,17 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
             index, slopes = _nonzero_slopes([equations.lag], parameters)
             return {"source": _source(parameters, slopes), "index": index}
     raise ValueError(f"got {function!r}; expected a function of array realisations")
+
+
+def _along_a_march(
+    stages: Sequence[Definition], updates: Sequence[sp.Expr], states: Sequence[sp.Symbol]
+) -> tuple[list[Definition], list[Definition], list[sp.Expr]]:
+    """Set apart what stands still from step to step; give it with its symbols, and stages and updates in these."""
+    names = [symbol for symbol, _ in stages]
+    within = [exact(expression) for expression in (*(expression for _, expression in stages), *updates)]
+    found, reduced = held_apart(within, {*MOVING, *states, *names})
+    held = [(symbol, expression) for symbol, expression in found if symbol != expression]
+    return held, list(zip(names, reduced[: len(names)], strict=True)), reduced[len(names) :]
 
 
 def _source(

@@ -92,9 +92,19 @@ class ArrayRealisation:
         return self._compiled("update_slopes")
 
     @cached_property
-    def update_of_numbers(self) -> Compiled:
-        """The states after a step, of plain numbers; raises what Python's arithmetic raises."""
-        return self._compiled("update_of_numbers", {"math": math})
+    def held(self) -> Compiled:
+        """What stands still along a march of states; of the update's arguments."""
+        return self._compiled("held")
+
+    @cached_property
+    def march(self) -> Compiled:
+        """The states after a step, of the update's arguments and of what is held."""
+        return self._compiled("march")
+
+    @cached_property
+    def march_of_numbers(self) -> Compiled:
+        """The same of plain numbers; raises what Python's arithmetic raises."""
+        return self._compiled("march_of_numbers", {"math": math})
 
     @cached_property
     def energy(self) -> Compiled:

@@ -20,7 +20,10 @@ EXACT_POWERS = range(2, 9)
 
 
 class CPrinter(C99CodePrinter):  # type: ignore[misc]
-    """Print sign, steps and whole powers as C evaluates them best."""
+    """Print sign, steps and whole powers as C evaluates them best, and constants as numbers, for C99 names none."""
+
+    def _print_NumberSymbol(self, expression: sp.Expr) -> str:
+        return repr(float(expression))
 
     def _print_sign(self, expression: sp.Expr) -> str:
         argument = self._print(expression.args[0])
@@ -215,7 +218,7 @@ def _function(
         blocks: targets and their expressions; a block may use the targets of those before it.
         unused: arguments that a law may leave unused, named so that a compiler doesn't warn of them.
     """
-    printer = CPrinter()
+    printer = CPrinter({"math_macros": {}})
     names = sp.numbered_symbols("part_", real=True)
     used: set[sp.Symbol] = set()
     body: list[str] = []

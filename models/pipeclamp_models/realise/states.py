@@ -138,16 +138,19 @@ class March:
 
     def _walk(self, start: Array, columns: Columns) -> Array:
         """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
+        moving, held = columns
+        states_before = start[:, :, None]
+        columns = moving, [*held, *self.compiled.held(*moving, *states_before, *held)]
         if len(self.motion.y) == 1:  # one motion is stepped many times faster in plain numbers than in arrays of one
             numbers = [[column[0].tolist() for column in some] for some in columns]
             try:
-                steps = list(_steps(self.compiled.update_of_numbers, start[:, 0].tolist(), *numbers))
+                steps = list(_steps(self.compiled.march_of_numbers, start[:, 0].tolist(), *numbers))
                 return np.array(steps, dtype=np.float64).T[:, None]
             except (ArithmeticError, ValueError):
                 pass  # what plain numbers refuse is infinite or no number in arrays
         states = np.empty((*start.shape, self.motion.y.shape[1]))
         arrays = [[list(column.T) for column in some] for some in columns]
-        for index, after in enumerate(_steps(self.compiled.update, list(start), *arrays)):
+        for index, after in enumerate(_steps(self.compiled.march, list(start), *arrays)):
             for state, value in zip(states, after, strict=True):
                 state[:, index] = value
         return states
