@@ -24,6 +24,7 @@ from truth import (
     late,
     maxwell,
     maxwell_arms,
+    relieved,
 )
 
 Shape = Mapping[str, float]
@@ -203,6 +204,19 @@ def relaxation_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, s
     return Part(force=size * base.k10 * arms)
 
 
+def oil_damper(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Oil damper with a relief valve; rough: a valve that opens little by little."""
+    relief, opened = size * typical(base), 20.0 * shape["any"] + 5.0
+    exponent, slope = 0.5 + 0.5 * shape["several"], 0.1 + 0.2 * shape["any"]
+
+    def speed_under(force: Array) -> Array:
+        load = np.abs(force) / relief
+        beyond = softly(load - 1, 0.1) if rough else np.maximum(load - 1, 0.0)
+        return opened * np.sign(force) * (np.minimum(load, 1.0) ** (1 / exponent) + beyond / (slope * exponent))
+
+    return Part(force=relieved(motion, relief / (0.4 * shape["limit"]), speed_under, relief))
+
+
 def damping_temperature(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Damping over temperature; rough: falls by a smooth step, or into a valley."""
     t = (motion.T - T0) / 100
@@ -306,6 +320,7 @@ EFFECTS: dict[str, Kind] = {
     "inertia": Kind(inertia),
     "delay": Kind(delay, most=1.0),
     "relaxation_spread": Kind(relaxation_spread, most=0.8),
+    "oil_damper": Kind(oil_damper, most=0.3),
     "stribeck": Kind(stribeck, most=0.3),
     "exponential_stiffening": Kind(exponential_stiffening, most=1.0),
     "gas_spring": Kind(gas_spring, most=3.0),

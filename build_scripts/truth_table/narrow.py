@@ -12,6 +12,7 @@ ANY = ("two neighbouring frequencies", "one frequency", "neighbouring amplitudes
 IMITATIONS = {
     ("relaxation", "stiffness_frequency"): BAND, ("stiffness_frequency", "inertia"): BAND,
     ("relaxation", "inertia"): BAND, ("relaxation", "viscous"): BAND,
+    ("oil_damper", "relaxation"): BAND, ("oil_damper", "memory"): STROKE, ("oil_damper", "viscous"): BAND,
     ("relaxation_spread", "relaxation"): BAND, ("relaxation_spread", "stiffness_frequency"): BAND,
     ("hardening", "end_stop"): STROKE, ("gap", "end_stop"): STROKE, ("gap", "memory"): STROKE,
     ("play", "gap"): STROKE,

@@ -276,6 +276,27 @@ def maxwell_arms(motion: Motion, taus: Array, weights: Array) -> Array:
     return result.T
 
 
+def relieved(motion: Motion, stiffness: float, speed_under: Callable[[Array], Array], force: float) -> Array:
+    """Force of a spring in series with a dashpot, N, (R, n): dq/dt = k (v - w(q)), by Rosenbrock's linear midpoint.
+
+    Args:
+        motion: the batch.
+        stiffness: of the spring, N/mm.
+        speed_under: gives the dashpot's speed under forces.
+        force: N, of the order of the dashpot's; a millionth of it is the step of a slope.
+    """
+    v = motion.v.T
+    result = np.zeros_like(v)
+    q = np.zeros(len(motion.y))
+    aside = 1e-6 * force
+    for step in range(len(v) - 1):
+        speed, ahead = speed_under(q), speed_under(q + aside)
+        way = stiffness * motion.step * ((v[step] + v[step + 1]) / 2 - speed)
+        q = q + way / (1 + stiffness * motion.step / 2 * (ahead - speed) / aside)
+        result[step + 1] = q
+    return result.T
+
+
 def pushed_through(force: Array, side: Array) -> Array:
     """Give what of a force comes through a clearance, of which this end pushes: 1, -1 or 0."""
     return np.where(side > 0, np.maximum(force, 0.0), np.where(side < 0, np.minimum(force, 0.0), 0.0))

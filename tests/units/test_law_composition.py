@@ -32,6 +32,7 @@ CONTRACT = [
     "gap",
     "relaxation",
     "relaxation_spread",
+    "oil_damper",
     "damping_temperature",
     "contact_growth",
     "stiffness_frequency",

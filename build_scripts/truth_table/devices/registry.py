@@ -111,7 +111,8 @@ DEVICES: dict[str, Device] = {
     "relief_damper": Device(
         "dF/dt = k (v - v_valve(F)), valve c1 up to F_r and c2 beyond",
         "Kasai and Nishimura 2004, J. Struct. Constr. Eng. AIJ 69(583)",
-        flow.relief_damper, flow.draw_relief_damper, ("damper", "bench"), fastest=_fastest_oil,
+        flow.relief_damper, flow.draw_relief_damper, ("damper", "bench"),
+        frozenset({"oil_damper", "coulomb", "damping_temperature"}), fastest=_fastest_oil,
     ),
     "rubber": Device(
         "F = k y (1 + ..) + sum of Maxwell arms tau_i^-order, which flow faster by recent motion",

@@ -98,3 +98,11 @@ PARK = (
     "Park: Analytical modeling of viscoelastic dampers for structural and vibration control, International Journal of "
     "Solids and Structures 38(44-45), 8065-8092 (2001)"
 )
+KASAI = (
+    "Kasai and Nishimura: Equivalent Linearization of Passive Control System Having Oil Damper Bi-linearly Dependent "
+    "on Velocity, Journal of Structural and Construction Engineering (AIJ) 69(583), 47-54 (2004)"
+)
+AKCELYAN = (
+    "Akcelyan, Lignos and Hikino: Adaptive Numerical Method Algorithms for Nonlinear Viscous and Bilinear Oil Damper "
+    "Models Subjected to Dynamic Loading, Soil Dynamics and Earthquake Engineering 113, 488-502 (2018)"
+)
