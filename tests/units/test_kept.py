@@ -23,7 +23,7 @@ STRUCTURES = [
     Structure("power", ("play", "condition:current_A")),
 ]
 FUNCTIONS = (
-    "coefficients", "coefficient_slopes", "force", "force_slopes", "update", "update_slopes", "held", "march",
+    "coefficients", "coefficient_slopes", "force", "force_with_slopes", "update", "update_slopes", "held", "march",
     "march_of_numbers", "energy", "lag", "lag_slopes",
 )  # fmt: skip
 SIZES = {

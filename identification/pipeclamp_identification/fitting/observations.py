@@ -17,7 +17,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.signals import REFERENCES, condition_signal
 from pipeclamp_models.law.outline import Sizes
-from pipeclamp_models.realise.force import LawForce
+from pipeclamp_models.realise.force import LawForce, known_jacobian
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import data_sizes
 
@@ -125,15 +125,6 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
     return averaged(own, loops.force_average, axis=1)
 
 
-def _chosen(law_force: LawForce, parameters: Rows) -> Array:
-    """Give the derivatives of the force by some of the parameters, shape (P, R, n)."""
-    if law_force.jacobian is None:
-        raise ValueError("the force was computed without derivatives")
-    # All of them are many megabytes, which needn't be copied.
-    every = np.array_equal(parameters, np.arange(len(law_force.jacobian)))
-    return law_force.jacobian if every else law_force.jacobian[parameters]
-
-
 @dataclass(frozen=True)
 class LoopObservations:
     """Harmonics of measured loops.
@@ -173,7 +164,7 @@ class LoopObservations:
 
     def plain_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
         """Give the derivatives of the plain residuals; the transform is linear."""
-        slopes = -self.transformed(_chosen(law_force, parameters))
+        slopes = -known_jacobian(law_force).through(self.transformed, parameters)
         slopes[:, law_force.adrift, 0] = 0.0
         return np.asarray(slopes)
 

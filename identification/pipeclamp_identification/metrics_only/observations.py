@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.fitting.observations import Rows
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.realise.force import LawForce
+from pipeclamp_models.realise.force import LawForce, known_jacobian
 from pipeclamp_models.realise.motion import Motion
 
 METRICS = ("dW", "W")
@@ -75,9 +75,7 @@ class MetricObservations:
 
 def metric_slopes(motion: Motion, law_force: LawForce, parameters: Rows) -> Array:
     """Give the derivatives of log dW and log W by some of the parameters, shape (P, R, 2)."""
-    if law_force.jacobian is None:
-        raise ValueError("the force was computed without derivatives")
-    force, jacobian = law_force.force, law_force.jacobian[parameters]
+    force, jacobian = law_force.force, known_jacobian(law_force).of(parameters)
     dissipated, elastic = loop_energies(motion, force)
     rows = np.arange(len(force))
     d_dissipated = np.sum(jacobian * motion.v * motion.h, axis=2) / 1e3

@@ -13,7 +13,7 @@ from pipeclamp_identification.metrics_only.thresholds import IMITATED_SHARE, UNS
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.law import with_effect
-from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.force import force_of_equations, known_jacobian
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,8 @@ def look(law: MetricJudged, name: str, observations: MetricObservations) -> Look
         slopes = metric_slopes(observations.motion, law_force, free)
         weighted = np.moveaxis(slopes / observations.relative_error, 0, -1).reshape(-1, len(free))
         weighted = np.nan_to_num(weighted)
-        assert law_force.jacobian is not None
         size = np.sqrt(np.mean(law_force.force**2))
-        in_force = np.sqrt(np.mean(law_force.jacobian[free] ** 2, axis=(1, 2)))[new] / size
+        in_force = np.sqrt(np.mean(known_jacobian(law_force).of(free) ** 2, axis=(1, 2)))[new] / size
         in_metrics = np.sqrt(np.mean(slopes**2, axis=(1, 2)))[new]
         seen = bool(np.any(in_metrics > UNSEEN_SHARE * in_force))
         basis = orthonormal(weighted[:, ~new])

@@ -11,7 +11,7 @@ from sympy.printing.numpy import NumPyPrinter
 
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
-from pipeclamp_models.realise.scalar import ScalarPrinter
+from pipeclamp_models.realise.scalar import PRODUCTS, ScalarPrinter
 from pipeclamp_models.realise.slopes import StageSlopes, in_order, needed, slope_of, slopes_through
 from pipeclamp_models.realise.stepping import Definition, exact, held_apart
 
@@ -24,7 +24,13 @@ Pair = tuple[int, int]
 
 
 class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
-    """Print branches as nested `where`, which is many times cheaper than `select`."""
+    """Print branches as nested `where` and small powers as products, which is many times cheaper than otherwise."""
+
+    def _print_Pow(self, expression: sp.Pow, rational: bool = False) -> str:
+        base, exponent = expression.as_base_exp()
+        if base.is_Symbol and exponent in PRODUCTS:
+            return f"({'*'.join([self._print(base)] * int(exponent))})"
+        return str(super()._print_Pow(expression, rational))
 
     def _print_Piecewise(self, expression: sp.Piecewise) -> str:
         *branches, (last, _) = expression.args
@@ -75,9 +81,9 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
             return {"source": _source(slow, slopes), "index": index}
         case "force":
             return {"source": _source(fast, [equations.force])}
-        case "force_slopes":
+        case "force_with_slopes":
             index, slopes = _nonzero_slopes([equations.force], by)
-            return {"source": _source(fast, slopes), "index": index}
+            return {"source": _source(fast, [equations.force, *slopes]), "index": index}
         case "update":
             return {"source": _source(fast, updates, stages)}
         case "update_slopes":

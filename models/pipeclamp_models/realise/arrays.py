@@ -68,13 +68,13 @@ class ArrayRealisation:
 
     @cached_property
     def force_slope_places(self) -> Slopes:
-        """Where each derivative stands in `force_slopes`; the force is result 0."""
-        return self._places("force_slopes")
+        """Where each derivative stands after the force in `force_with_slopes`; the force is result 0."""
+        return self._places("force_with_slopes")
 
     @cached_property
-    def force_slopes(self) -> Compiled:
-        """The force's derivatives by states, coefficients and parameters."""
-        return self._compiled("force_slopes")
+    def force_with_slopes(self) -> Compiled:
+        """The force, then its derivatives by states, coefficients and parameters: most of the work is common."""
+        return self._compiled("force_with_slopes")
 
     @cached_property
     def update(self) -> Compiled:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,11 +10,57 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Equations, Law
-from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Compiled, realise
+from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Compiled, Slopes, realise
 from pipeclamp_models.realise.motion import Motion, Turning, refuse_unknown_conditions
 from pipeclamp_models.realise.states import March
 
 VELOCITY = FAST_ARGUMENTS.index("v")
+
+
+@dataclass(frozen=True)
+class Jacobian:
+    """Derivatives of the force by the parameters: sums of courses along the motions, each times a number of its row.
+
+    The parameters of a power surface share the course of its coefficient: few courses stand for many parameters.
+
+    Attributes:
+        courses: shape (K, R, n).
+        terms: for each parameter, the courses that make up its derivative, by place, and their factors, shape (R, 1).
+    """
+
+    courses: Array
+    terms: Sequence[Sequence[tuple[int, Array | float]]]
+
+    def of(self, parameters: npt.NDArray[np.intp]) -> Array:
+        """Give the derivatives by some of the parameters, shape (P, R, n)."""
+        return self.through(lambda courses: courses, parameters)
+
+    def through(self, linear: Callable[[Array], Array], parameters: npt.NDArray[np.intp]) -> Array:
+        """Give what a linear map makes of the derivatives by some of the parameters.
+
+        Args:
+            linear: takes forces of shape (K, R, n) to shape (K, R, m), row by row.
+            parameters: places of the parameters, P of them.
+
+        Returns:
+            shape (P, R, m).
+        """
+        used = sorted({course for parameter in parameters for course, _ in self.terms[parameter]})
+        every = len(used) == len(self.courses)  # all of them are many megabytes, which needn't be copied
+        mapped = linear(self.courses if every else self.courses[used])
+        by_course = dict(zip(used, mapped, strict=True))
+        found = np.zeros((len(parameters), *mapped.shape[1:]))
+        for derivative, parameter in zip(found, parameters, strict=True):
+            for course, factor in self.terms[parameter]:
+                derivative += factor * by_course[course]
+        return found
+
+    def moved(self, courses: Array, course: Array, factors: Mapping[int, float]) -> Jacobian:
+        """Give the same sums of other courses, and of one more, which some parameters have with these factors."""
+        terms = [list(one) for one in self.terms]
+        for parameter, factor in factors.items():
+            terms[parameter].append((len(courses), factor))
+        return Jacobian(np.concatenate([courses, course[None]]), terms)
 
 
 @dataclass(frozen=True)
@@ -23,7 +69,7 @@ class LawForce:
 
     Attributes:
         force: N, shape (R, n).
-        jacobian: derivatives of the force by the parameters, shape (parameters, R, n), where asked for.
+        jacobian: derivatives of the force by the parameters, where asked for.
         adrift: rows in which a state never loses its beginning (an element that sticks all the way round, say), so
             that the force is known up to a constant which only the history before the record would tell; shape (R,).
         unsettled: rows in which a state isn't periodic after all that was tried: their force is that of one cycle among
@@ -33,11 +79,18 @@ class LawForce:
     """
 
     force: Array
-    jacobian: Array | None
+    jacobian: Jacobian | None
     adrift: npt.NDArray[np.bool_]
     unsettled: npt.NDArray[np.bool_]
     states: Sequence[Array]
     steps: Array | None = None
+
+
+def known_jacobian(law_force: LawForce) -> Jacobian:
+    """Give the Jacobian of a force that was computed with it."""
+    if law_force.jacobian is None:
+        raise ValueError("the force was computed without derivatives")
+    return law_force.jacobian
 
 
 def force_of_law(law: Law, motion: Motion) -> LawForce:
@@ -90,23 +143,53 @@ def force_of_equations(
         fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.h]
         arguments = [*fast, *states.after, *coefficients, *values, *smoothing]
         shape = (rows, samples)
-        force = _with_means(compiled.force, arguments, motion.turning, shape)[0]
-        law_force = LawForce(force, None, states.adrift, states.unsettled, states.after, states.steps)
-        if not derivatives:
-            return _late(compiled, values, motion, law_force)
-        jacobian = np.zeros((len(values), rows, samples))
-        force_slopes = compiled.force_slope_places.filled(
-            _with_means(compiled.force_slopes, arguments, motion.turning, shape)
-        )
-        for (_, state), slope in force_slopes.by_state.items():
-            jacobian[list(march.moving)] += slope * states.slopes[state]
-        for (_, coefficient), slope in force_slopes.by_coefficient.items():
-            for (entry, parameter), inner in coefficient_slopes.items():
-                if entry == coefficient:
-                    jacobian[parameter] += slope * inner
-        for (_, parameter), slope in force_slopes.by_parameter.items():
-            jacobian[parameter] += slope
-    return _late(compiled, values, motion, replace(law_force, jacobian=jacobian))
+        evaluated = compiled.force_with_slopes if derivatives else compiled.force
+        force, *slopes = _with_means(evaluated, arguments, motion.turning, shape)
+    law_force = LawForce(force, None, states.adrift, states.unsettled, states.after, states.steps)
+    if derivatives:
+        by_states = dict(zip(march.moving, np.moveaxis(states.slopes, 1, 0), strict=True))
+        found = compiled.force_slope_places.filled(slopes)
+        law_force = replace(law_force, jacobian=_jacobian(len(values), shape, found, by_states, slope_columns))
+    return _late(compiled, values, motion, law_force)
+
+
+def _jacobian(
+    count: int,
+    shape: tuple[int, int],
+    slopes: Slopes,
+    states: Mapping[int, Array],
+    coefficients: Mapping[tuple[int, int], Array],
+) -> Jacobian:
+    """Put the derivatives by the parameters together.
+
+    Args:
+        count: number of parameters.
+        shape: (R, n).
+        slopes: of the force, of that shape each.
+        states: slopes of the states by a parameter, shape (J, R, n) each.
+        coefficients: slopes of coefficients by parameters, shape (R, 1), or (R, n) where conditions change along a row.
+    """
+    courses: list[Array] = []
+    terms: list[list[tuple[int, Array | float]]] = [[] for _ in range(count)]
+
+    def add(course: Array, factors: Mapping[int, Array | float]) -> None:
+        for parameter, factor in factors.items():
+            terms[parameter].append((len(courses), factor))
+        courses.append(course)
+
+    if slopes.by_state:
+        for parameter, moved in states.items():
+            by_way_of = [slope * moved[state] for (_, state), slope in slopes.by_state.items()]
+            add(np.sum(by_way_of, axis=0), {parameter: 1.0})
+    for (_, coefficient), slope in slopes.by_coefficient.items():
+        inner = {parameter: factor for (entry, parameter), factor in coefficients.items() if entry == coefficient}
+        add(slope, {parameter: factor for parameter, factor in inner.items() if factor.shape[1] == 1})
+        for parameter, factor in inner.items():
+            if factor.shape[1] > 1:
+                add(slope * factor, {parameter: 1.0})
+    for (_, parameter), slope in slopes.by_parameter.items():
+        add(slope, {parameter: 1.0})
+    return Jacobian(np.array(courses).reshape(len(courses), *shape), terms)
 
 
 def _with_means(
@@ -155,10 +238,10 @@ def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, l
     late = np.fft.irfft(force, samples)
     if law_force.jacobian is None:
         return replace(law_force, force=late)
-    jacobian = np.fft.irfft(np.fft.rfft(law_force.jacobian) * turn, samples)
-    for parameter, slope in zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True):
-        jacobian[parameter] -= slope * np.fft.irfft(1j * omega * force, samples)
-    return replace(law_force, force=late, jacobian=jacobian)
+    courses = np.fft.irfft(np.fft.rfft(law_force.jacobian.courses) * turn, samples)
+    by_lag = -np.fft.irfft(1j * omega * force, samples)
+    lag_slopes = dict(zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True))
+    return replace(law_force, force=late, jacobian=law_force.jacobian.moved(courses, by_lag, lag_slopes))
 
 
 def _later(compiled: ArrayRealisation, values: Sequence[float], h: Array, lag: float, law_force: LawForce) -> LawForce:
@@ -177,9 +260,8 @@ def _later(compiled: ArrayRealisation, values: Sequence[float], h: Array, lag: f
     late = delayed(force)
     if law_force.jacobian is None:
         return replace(law_force, force=late)
-    jacobian = delayed(law_force.jacobian)
     moving = (place > 0.0) & (place < last)
-    slope = np.where(moving, (force[rows, right] - force[rows, left]) / h, 0.0)
-    for parameter, by_parameter in zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True):
-        jacobian[parameter] -= by_parameter * slope
+    by_lag = -np.where(moving, (force[rows, right] - force[rows, left]) / h, 0.0)
+    lag_slopes = dict(zip(compiled.lag_slope_index, compiled.lag_slopes(*values), strict=True))
+    jacobian = law_force.jacobian.moved(delayed(law_force.jacobian.courses), by_lag, lag_slopes)
     return replace(law_force, force=late, jacobian=jacobian)
