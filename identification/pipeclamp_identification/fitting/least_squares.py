@@ -42,6 +42,9 @@ ALIKE = 1e-3
 """Parameters whose shares of an undetermined direction differ by less are alike in it."""
 AT_BOUND = 1e-6
 """A parameter is at a bound when no more than this share of the allowed range lies between."""
+EQUALLY_GOOD = 1e-9
+"""Starts whose costs differ by less than this share end in one valley: the last of them is taken, whatever rounding
+says."""
 STRONG_CORRELATION = 0.95
 
 
@@ -220,7 +223,7 @@ def fit(
         progress: is told what is being done.
 
     Returns:
-        The best fit over all starts.
+        The best fit over all starts, of equally good ones the last.
 
     Raises:
         UserError: there are fewer observations than free parameters.
@@ -244,7 +247,7 @@ def fit(
                 [held.get(name, neutral[name]) if name in reasons else values[name] for name in equations.names]
             )
             cost, solution = _minimise(law, begin, frozenset(reasons), scales, tolerance)
-            if best is None or cost < best[0]:
+            if best is None or cost <= best[0] * (1 + EQUALLY_GOOD):
                 best = cost, solution
         assert best is not None
         return _finish(structure, law, best[1], reasons, scales)
