@@ -1,7 +1,6 @@
-"""Evidence: how a fitted law does on conditions that were left out, and whether what is left follows the conditions.
+"""Evidence: whether what a fitted law leaves over follows the conditions.
 
-Evidence is counted in whitened harmonics per run, never in raw samples. What leaving a group of runs out does is told
-from the fit to all of them, by the exact formula of linear least squares.
+Evidence is counted in whitened harmonics per run, never in raw samples.
 """
 
 from __future__ import annotations
@@ -11,9 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from pipeclamp_identification.diagnosis.noise import UNSEEN, NoiseModel, WhitenedObservations
-from pipeclamp_identification.fitting.least_squares import Fit
-from pipeclamp_identification.fitting.observations import Rows
+from pipeclamp_identification.diagnosis.left_out import Whitened
+from pipeclamp_identification.diagnosis.noise import UNSEEN, NoiseModel
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array
 
@@ -47,66 +45,6 @@ def drifts(loops: Loops) -> bool:
     # Errors from few cycles are rough: runs count by the median of their neighbours, not by luck.
     weight = np.minimum(weights, np.median(weights)) if weights else np.zeros(1)
     return bool(len(slopes) > 3 and abs(weight @ np.array(slopes)) > DRIFT * np.sqrt(weight.sum()))
-
-
-@dataclass(frozen=True)
-class Whitened:
-    """Whitened residuals of a fit and their derivatives by the fitted parameters, shapes (R, m) and (R, m, P)."""
-
-    residual: Array
-    jacobian: Array
-
-
-def whitened(result: Fit, observations: WhitenedObservations) -> Whitened:
-    """Give the whitened residuals of a fit at its solution."""
-    slopes = observations.residual_slopes(result.law_force, result.places)
-    return Whitened(observations.residual(result.law_force), np.moveaxis(slopes, 0, -1))
-
-
-@dataclass(frozen=True)
-class LeftOutScore:
-    """How a law foretells groups of runs that it wasn't fitted to.
-
-    Attributes:
-        squares: sum of squared whitened residuals of each run, its group left out, shape (R,).
-        mean_squares: mean square of each run's error in N2, scatter left aside, shape (R,).
-    """
-
-    squares: Array
-    mean_squares: Array
-
-
-def left_out_score(result: Fit, observations: WhitenedObservations, fitted: Whitened, groups: Rows) -> LeftOutScore:
-    """Tell how a fit would foretell each group, had it been left out.
-
-    Args:
-        result: the fit to all runs.
-        observations: what it was fitted to.
-        fitted: its whitened residuals and derivatives.
-        groups: the group of each run, shape (R,).
-    """
-    scale = np.linalg.norm(fitted.jacobian, axis=(0, 1))
-    scale = np.where(scale > 0, scale, 1.0)
-    jacobian = fitted.jacobian / scale
-    plain = observations.loops.plain_residual(result.law_force)
-    plain_slopes = np.moveaxis(observations.loops.plain_slopes(result.law_force, result.places), 0, -1) / scale
-    mean_squares = np.empty(len(groups))
-    normal = np.einsum("rmp,rmq->pq", jacobian, jacobian)
-    prior = np.diag(result.precision / scale**2)
-    squares = np.empty(len(groups))
-    for group in range(int(groups.max()) + 1):
-        own = groups == group
-        J = jacobian[own].reshape(-1, jacobian.shape[2])
-        r = fitted.residual[own].ravel()
-        rest = normal - J.T @ J
-        # A direction that this group alone determines can't be foretold without it, but by the priors.
-        step = np.linalg.pinv(np.nan_to_num(rest) + prior, rcond=1e-10, hermitian=True) @ np.nan_to_num(J.T @ r)
-        step = np.clip(step, *(result.room * scale))
-        whole = np.sum((r + J @ step).reshape(np.count_nonzero(own), -1) ** 2, axis=1)
-        squares[own] = np.nan_to_num(whole, nan=np.inf)
-        error = np.where(observations.loops.seen[own], plain[own] + plain_slopes[own] @ step, 0.0)
-        mean_squares[own] = error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2
-    return LeftOutScore(squares, mean_squares)
 
 
 @dataclass(frozen=True)

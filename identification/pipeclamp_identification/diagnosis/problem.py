@@ -9,20 +9,18 @@ from functools import cached_property
 import numpy as np
 from joblib import Parallel, delayed, effective_n_jobs
 
-from pipeclamp_identification.diagnosis.evidence import (
-    LackOfFit,
-    LeftOutScore,
-    Whitened,
-    drifts,
-    lack_of_fit,
-    left_out_score,
-    whitened,
-)
+from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
+from pipeclamp_identification.diagnosis.left_out import LeftOut, LeftOutScore, Whitened, whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.least_squares import Fit, fit
-from pipeclamp_identification.fitting.observations import LoopObservations, Rows, loop_observations
+from pipeclamp_identification.fitting.observations import (
+    COARSE_SAMPLES,
+    LoopObservations,
+    Rows,
+    loop_observations,
+)
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Structure
@@ -31,8 +29,6 @@ CLOSELY = 1e-5
 """Tolerance of a candidate's fit: a step that gains less is far below what any verdict asks."""
 ROUGHLY = 1e-3
 """Tolerance of the fits that only tell the best of several starts, or of several pairs."""
-COARSE_SAMPLES = 128
-"""Points of the cycle at which laws are evaluated for those."""
 VALLEYS = 2
 """Starts from which an effect is fitted, those that promise most: the error has valleys between them."""
 WORTH_PROCESSES = 100
@@ -138,7 +134,7 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     ages = "N" in {str(symbol) for symbol in structure.equations.slow_signals}
     loops = per_cycle(loops) if ages or drifts(loops) else loops
     harmonics = loop_observations(loops)
-    first = fit_structure(structure, loops, harmonics, start=start)
+    first = fit_structure(structure, loops, harmonics, start=start, tolerance=CLOSELY)
     noise = noise_model(loops, harmonics.plain_residual(first.law_force))
     groups = condition_groups(loops)
     problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops))
@@ -176,17 +172,19 @@ def judge(
         tolerance: of the fit.
     """
     start = starts[0] if len(starts) == 1 else roughly(structure, starts, problem).law.values
+    if structure.equations.states:
+        start = fit(structure, problem.coarse, start=start, tolerance=tolerance).law.values
     result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
-    score = left_out_score(result, problem.observations, fitted, problem.groups)
+    left_out = LeftOut(result, problem.observations, problem.coarse, fitted)
+    score = left_out.score(problem.groups)
     plain = problem.harmonics.plain_residual(result.law_force)
     lack = lack_of_fit(
         against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.noise_rms_N
     )
     further = {
-        name: _share_of_force(left_out_score(result, problem.observations, fitted, groups), problem.loops)
-        for name, groups in problem.further_groups.items()
+        name: _share_of_force(left_out.score(groups), problem.loops) for name, groups in problem.further_groups.items()
     }
     error = _share_of_force(score, problem.loops)
     price = _price_of_free_means(result, problem)

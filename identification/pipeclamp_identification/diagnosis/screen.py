@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.fitting.least_squares import Linearised, linearised, starting_points
+from pipeclamp_identification.fitting.least_squares import Linearised, linearised, starting_points, unfitted
 from pipeclamp_identification.fitting.refinement import refined_starts
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.equations.effect import Effect, Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
@@ -60,8 +61,16 @@ class Promise:
         return [self.starts[place] for place in np.argsort(costs, kind="stable")]
 
 
-def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> Promise | None:
-    """Give what an effect promises; None if it can't be fitted."""
+def _promise(structure: Structure, name: str, problem: Problem, law: Judged, unseen: Array) -> Promise | None:
+    """Give what an effect promises; None if it can't be fitted.
+
+    Args:
+        structure: the law's structure.
+        name: the effect.
+        problem: the data.
+        law: the law as it is.
+        unseen: residuals that coarse sampling of the law as it is doesn't show, flat.
+    """
     try:
         larger = with_effect(structure, name)
         points = _starts(structure, larger, name, problem, law)
@@ -69,7 +78,8 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
         if any(declaration.id == name for declaration in structure.declared):
             raise  # who declares an effect wants to know why it can't be tried
         return None
-    steps = [linearised(larger, problem.observations, point) for point in points]
+    coarse = [linearised(larger, problem.coarse, point) for point in points]
+    steps = [replace(step, residual=step.residual + unseen) for step in coarse]
     costs = [step.cost_after_one_step() for step in steps]
     best = int(np.argmin(costs))
     return Promise(name, law.result.cost - costs[best], points[best], steps, points)
@@ -114,9 +124,11 @@ def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[st
 def screened(structure: Structure, problem: Problem, law: Judged, tell: Callable[[str], None]) -> list[Promise]:
     """Screen every effect by one step; most promising first."""
     promises = []
+    as_it_is = unfitted(structure, problem.coarse, law.result.law.values).law_force
+    unseen = (law.fitted.residual - problem.coarse.residual(as_it_is)).ravel()
     for name in candidate_names(structure, problem.loops.conditions):
         tell(f"screen {name}")
-        promise = _promise(structure, name, problem, law)
+        promise = _promise(structure, name, problem, law, unseen)
         if promise is not None:
             promises.append(promise)
     return sorted(promises, key=lambda promise: -promise.gain)

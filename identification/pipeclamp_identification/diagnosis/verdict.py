@@ -17,7 +17,7 @@ from pipeclamp_identification.diagnosis.candidates import (
 )
 from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
-from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, judge_each, prepare, weighed_for
+from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem, judge, judge_each, prepare, weighed_for
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.thresholds import (
     FEWEST_RUNS,
@@ -181,7 +181,8 @@ def _bare_lack(structure: Structure, problem: Problem) -> float:
     if not structure.effects:
         return 0.0
     bare = replace(structure, effects=())
-    return judge((), bare, [fit_structure(bare, problem.loops, problem.harmonics).law.values], problem).lack.share
+    fitted = fit_structure(bare, problem.loops, problem.harmonics, tolerance=CLOSELY)
+    return judge((), bare, [fitted.law.values], problem).lack.share
 
 
 def _precision(loops: Loops) -> float:

@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign, LeftOut
-from pipeclamp_identification.fitting.least_squares import HELD, WISHED, Fit, fit, unfitted
+from pipeclamp_identification.fitting.least_squares import HELD, TOLERANCE, WISHED, Fit, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
-from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
+from pipeclamp_identification.fitting.observations import COARSE_SAMPLES, LoopObservations, loop_observations
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_identification.loops.loops import Loops, loops_of, per_cycle
 from pipeclamp_models.base.errors import UsageError
@@ -41,7 +41,7 @@ from pipeclamp_models.law.range import intervals_of, rounded
 Method = Literal["joint", "surfaces"]
 
 ROUGHLY = 1e-5
-"""Tolerance of the fit that only serves to see what the law leaves over."""
+"""Tolerance of the fits that only serve to see what the law leaves over, and to come near."""
 
 
 @dataclass(frozen=True)
@@ -119,11 +119,13 @@ def fit_structure(
     *,
     start: Mapping[str, float] | None = None,
     method: Method = "joint",
+    tolerance: float = TOLERANCE,
     progress: Progress | None = None,
 ) -> Fit:
     """Fit a structure to loops: weighted by their scatter first, then by scatter and what the law leaves over.
 
-    Effects that change from cycle to cycle are fitted to every cycle by itself.
+    Effects that change from cycle to cycle are fitted to every cycle by itself. Laws with states are led near at fewer
+    points of the cycle.
 
     Raises:
         UserError: the data can't serve the structure.
@@ -146,9 +148,13 @@ def fit_structure(
     # With elements that slip, the loop's area isn't the power's alone: only the elastic surfaces are a fair start then.
     fair = elastic_values(from_surfaces) if equations.states else from_surfaces
     begin = {**fair, **(start or {})}
-    first = fit(structure, observations, start=begin, tolerance=ROUGHLY, progress=progress)
+    rough = loop_observations(loops, COARSE_SAMPLES) if equations.states else observations
+    first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
+    if equations.states:
+        near = fit(structure, rough.with_discrepancy(first.law_force), start=first.law.values, tolerance=ROUGHLY)
+        first = unfitted(structure, observations, near.law.values)
     widened = observations.with_discrepancy(first.law_force)
-    return fit(structure, widened, start=first.law.values, progress=progress)
+    return fit(structure, widened, start=first.law.values, tolerance=tolerance, progress=progress)
 
 
 def law_file(

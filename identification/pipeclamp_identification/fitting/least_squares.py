@@ -87,6 +87,12 @@ class Fit:
         """One over the variance of the fitted parameters' priors, zero where there is none, shape (fitted,)."""
         return np.array([self.spreads.get(name, math.inf) ** -2.0 for name in self.fitted])
 
+    @property
+    def from_priors(self) -> Array:
+        """How far the fitted parameters lie from the means of their priors, shape (fitted,)."""
+        means = {parameter.name: parameter.neutral or 0.0 for parameter in self.equations.parameters}
+        return np.array([self.law.values[name] - means[name] for name in self.fitted])
+
     def standard_errors(self) -> dict[str, float]:
         """Give the standard error of each fitted parameter by name."""
         return dict(zip(self.fitted, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))

@@ -25,7 +25,8 @@ FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
 SAMPLES = 512
 """Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
-
+COARSE_SAMPLES = 128
+"""Points for fits that only lead near, of laws whose states are stepped from point to point."""
 
 Rows = npt.NDArray[np.intp]
 

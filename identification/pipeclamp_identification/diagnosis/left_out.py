@@ -1,0 +1,135 @@
+"""How a fitted law would foretell groups of runs, had they been left out.
+
+Told from the fit to all runs by the formula of linear least squares, which is exact for linear laws. Where a group
+pulls hard on the parameters, the law itself is evaluated at what the formula gives, and the step is shortened until the
+other runs agree with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.noise import WhitenedObservations
+from pipeclamp_identification.fitting.least_squares import Fit
+from pipeclamp_identification.fitting.observations import Rows
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.realise.force import LawForce, force_of_equations
+
+SHORTEST = 2.0**-10
+"""Share of a step below which it isn't shortened further."""
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """Whitened residuals of a fit and their derivatives by the fitted parameters, shapes (R, m) and (R, m, P)."""
+
+    residual: Array
+    jacobian: Array
+
+
+def whitened(result: Fit, observations: WhitenedObservations) -> Whitened:
+    """Give the whitened residuals of a fit at its solution."""
+    slopes = observations.residual_slopes(result.law_force, result.places)
+    return Whitened(observations.residual(result.law_force), np.moveaxis(slopes, 0, -1))
+
+
+@dataclass(frozen=True)
+class LeftOutScore:
+    """How a law foretells groups of runs that it wasn't fitted to.
+
+    Attributes:
+        squares: sum of squared whitened residuals of each run, its group left out, shape (R,).
+        mean_squares: mean square of each run's error in N2, scatter left aside, shape (R,).
+    """
+
+    squares: Array
+    mean_squares: Array
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A fit to all runs, prepared for leaving groups out.
+
+    Attributes:
+        result: the fit.
+        observations: what it was fitted to.
+        coarse: the same at fewer points of the cycle, for evaluating the law elsewhere.
+        fitted: its whitened residuals and derivatives.
+    """
+
+    result: Fit
+    observations: WhitenedObservations
+    coarse: WhitenedObservations
+    fitted: Whitened
+
+    def score(self, groups: Rows) -> LeftOutScore:
+        """Tell how the fit would foretell each group, had it been left out.
+
+        Args:
+            groups: the group of each run, shape (R,).
+        """
+        seen = self.observations.loops.seen
+        plain = self.observations.loops.plain_residual(self.result.law_force)
+        plain_slopes = np.moveaxis(
+            self.observations.loops.plain_slopes(self.result.law_force, self.result.places), 0, -1
+        )
+        squares, mean_squares = np.empty(len(groups)), np.empty(len(groups))
+        for group in range(int(groups.max()) + 1):
+            own = groups == group
+            step = self._step(own)
+            residual = self.fitted.residual[own] + self.fitted.jacobian[own] @ step
+            error = plain[own] + plain_slopes[own] @ step
+            pull = residual - self.fitted.residual[own]
+            if not np.sum(pull**2) < np.sum(self.fitted.residual[own] ** 2):
+                residual, error = self._evaluated(step, own, plain[own])
+            squares[own] = np.nan_to_num(np.sum(residual**2, axis=1), nan=np.inf)
+            error = np.where(seen[own], error, 0.0)
+            mean_squares[own] = error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2
+        return LeftOutScore(squares, mean_squares)
+
+    def _step(self, own: Rows) -> Array:
+        """Give how the fitted parameters would move without a group, by the linear formula, inside their bounds."""
+        jacobian = self.fitted.jacobian
+        scale = np.linalg.norm(jacobian, axis=(0, 1))
+        scale = np.where(scale > 0, scale, 1.0)
+        J = (jacobian[own] / scale).reshape(-1, len(scale))
+        rest = (jacobian[~own] / scale).reshape(-1, len(scale))
+        prior = np.diag(self.result.precision / scale**2)
+        # A direction that this group alone determines can't be foretold without it, but by the priors.
+        inverse = np.linalg.pinv(np.nan_to_num(rest.T @ rest) + prior, rcond=1e-10, hermitian=True)
+        step = inverse @ np.nan_to_num(J.T @ self.fitted.residual[own].ravel())
+        return np.asarray(np.clip(step / scale, *self.result.room))
+
+    def _evaluated(self, step: Array, own: Rows, plain: Array) -> tuple[Array, Array]:
+        """Give the whitened residuals and the plain ones of a group where its step leads, which the others agree with.
+
+        Args:
+            step: of the fitted parameters.
+            own: which runs are left out.
+            plain: their plain residuals at the fit.
+        """
+        here = self._law_force(np.zeros_like(step))
+        most = self._cost_of_others(here, np.zeros_like(step), own)
+        share = 1.0
+        while share > SHORTEST:
+            there = self._law_force(share * step)
+            if self._cost_of_others(there, share * step, own) <= most:
+                break
+            share /= 2
+        change = self.coarse.residual(there) - self.coarse.residual(here)
+        plain_change = self.coarse.loops.plain_residual(there) - self.coarse.loops.plain_residual(here)
+        return self.fitted.residual[own] + change[own], plain + plain_change[own]
+
+    def _law_force(self, step: Array) -> LawForce:
+        law = self.result.law
+        values = np.array(law.vector(self.result.equations))
+        values[self.result.places] += step
+        return force_of_equations(self.result.equations, values, (law.v_r, law.y_r), self.coarse.motion)
+
+    def _cost_of_others(self, law_force: LawForce, step: Array, own: Rows) -> float:
+        """Give the sum of squares of the other runs and of the priors, less the priors' at the fit."""
+        squares = float(np.sum(self.coarse.residual(law_force)[~own] ** 2))
+        from_mean = self.result.from_priors
+        return squares + float(np.sum(self.result.precision * ((from_mean + step) ** 2 - from_mean**2)))
