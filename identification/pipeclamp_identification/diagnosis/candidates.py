@@ -81,20 +81,25 @@ def _closely_where_worth(
 
 
 def law_from_another_valley(law: Judged, judged: Sequence[Judged], problem: Problem) -> Judged:
-    """Give the law as it is, fitted from where the best candidates ended: they may have led it out of a poor valley."""
+    """Give the law as it is, fitted from where candidates ended that do best: they may have left a poor valley.
+
+    Of valleys the one that foretells left-out conditions best is chosen: where the error on all tests is much the same,
+    a poor one fits what is peculiar to some of them.
+    """
     structure = law.result.law.structure
     names = structure.equations.names
-    nearest = sorted(judged, key=lambda each: each.result.cost)[:MOST_PAIRED]
-    shared = [structure.own(each.result.law.values) for each in nearest]
-    best = min(
-        (roughly(structure, [start], problem) for start in shared if len(start) == len(names)),
-        key=lambda result: result.cost,
-        default=None,
-    )
-    if best is None or best.cost > unfitted(structure, problem.coarse, law.result.law.values).cost - RIVAL_LIKELIHOOD:
-        return law
-    again = judge((), structure, [best.law.values], problem)
-    return again if again.result.cost < law.result.cost else law
+    starts = {}
+    for each in (*_best_by(judged, lambda one: one.result.cost), *_best_by(judged, lambda one: one.squares)):
+        own = structure.own(each.result.law.values)
+        if len(own) == len(names):
+            starts[each.effects] = own
+    elsewhere = [judge((), structure, [start], problem) for start in starts.values()]
+    best = min(elsewhere, key=lambda each: each.squares, default=law)
+    return best if best.squares < law.squares - RIVAL_LIKELIHOOD else law
+
+
+def _best_by(judged: Sequence[Judged], what: Callable[[Judged], float]) -> list[Judged]:
+    return sorted(judged, key=what)[:MOST_PAIRED]
 
 
 def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell: Callable[[str], None]) -> Judged:

@@ -6,7 +6,7 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Family, Parameter
 from pipeclamp_models.equations.literature import SPENCER
-from pipeclamp_models.equations.symbols import condition_size, condition_symbol
+from pipeclamp_models.equations.symbols import F_typical, condition_size, condition_symbol, y
 
 MOST = 10.0
 """A condition changes a coefficient by no more than a factor exp(10)."""
@@ -50,10 +50,22 @@ def follow(argument: str) -> Effect:
             ),
         ]
         scales[role] = sp.exp(slope * u + bend * u**2)
+    mean = sp.Symbol(f"F_{u}1", real=True)
+    parameters.append(
+        Parameter(
+            mean,
+            f"N/[{argument}]",
+            "slope of a mean force",
+            0.0,
+            neutral=0.0,
+            follows=(u,),
+            typical=0.05 * F_typical / size,
+        )
+    )
     return Effect(
         id="condition",
         part="clamp",
-        does="stiffness, damping and slip force follow a column of runs.csv",
+        does="stiffness, damping, slip force and a mean force follow a column of runs.csv",
         source=f"{SPENCER}: coefficients of a damper that follow its voltage. Here their "
         "logarithms do, so that none changes its sign",
         looks_like=f"error that follows {argument}",
@@ -61,6 +73,8 @@ def follow(argument: str) -> Effect:
         told_apart_by=f"{argument} varied in another order than the other conditions",
         parameters=tuple(parameters),
         scales=scales,
+        force=mean * u,
+        energy=mean * u * y,
         argument=argument,
     )
 
