@@ -248,7 +248,7 @@ def _price_of_free_means(result: Fit, problem: Problem) -> Array:
     But a law that could have any mean foretells none: the means count as random, of the size that they turn out to
     have, and the logarithm of that size over the noise is the price, as it is in any likelihood.
     """
-    adrift = result.law_force.adrift
+    adrift = result.law_force.adrift & (problem.harmonics.plain_residual(result.law_force)[:, 0] == 0.0)
     price = np.zeros(len(adrift))
     if adrift.any():
         off = problem.harmonics.harmonics[:, 0] - result.law_force.force.mean(axis=1)

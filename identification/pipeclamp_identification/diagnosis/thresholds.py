@@ -30,8 +30,8 @@ HALF_TAKEN_SHARE = 0.5
 conditions: any effect takes some of a wrong form."""
 MATERIAL_PART_SHARE = 0.05
 """A part that is worth a rung takes this share of the mean-square lack of fit: the error falls by a fortieth."""
-PART_STANDARD_ERRORS = 2.0
-"""And its gain on left-out groups exceeds its own standard error, from group to group, so many times."""
+BEYOND_DOUBT_DRAWS_SHARE = 0.975
+"""And it gains on left-out groups in more than this share of draws of them with replacement."""
 NEAR_NOISE_SHARE = 5.0
 """Where the best effect still leaves more than so many times the force noise, no second one is tried with it: the best
 takes its part first, and what remains is asked of the catalogue with it in the law."""

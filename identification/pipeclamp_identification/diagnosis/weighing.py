@@ -14,11 +14,11 @@ from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
+    BEYOND_DOUBT_DRAWS_SHARE,
     HALF_LEFT_SHARE,
     HALF_TAKEN_SHARE,
     MATERIAL_PART_SHARE,
     NEAR_NOISE_SHARE,
-    PART_STANDARD_ERRORS,
     REAL_LACK_CHANCE,
     RIVAL_DRAWS_SHARE,
     RIVAL_LIKELIHOOD,
@@ -172,10 +172,12 @@ def gain_and_doubt(candidate: Judged, law: Judged, problem: Problem) -> tuple[fl
 
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
     """Tell whether a law takes a material share on every kind of left-out condition, beyond doubt."""
-    gain, doubt = gain_and_doubt(candidate, law, problem)
+    gain = np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares)
+    # Groups differ in size by orders of magnitude, so that a sum's standard error says little; its draws do.
+    wins = np.mean(_draws(len(gain)) @ gain > 0)
     elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
     material = explained_share(candidate, law) >= MATERIAL_PART_SHARE
-    return bool(material and elsewhere and gain > PART_STANDARD_ERRORS * doubt)
+    return bool(material and elsewhere and len(gain) > 1 and wins > BEYOND_DOUBT_DRAWS_SHARE)
 
 
 def _betters(candidate: Judged, law: Judged) -> bool:
@@ -263,11 +265,9 @@ def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judg
     others = [each for each in others if each is not best]
     if not others:
         return []
-    random = np.random.default_rng(0)
     squares: Array = np.stack([each.squares_by_run(problem.loops) for each in (best, *others)], axis=1)
     count = len(squares)
-    weights = random.multinomial(count, np.full(count, 1 / count), size=DRAWS)
-    wins = np.bincount(np.argmin(weights @ squares, axis=1), minlength=1 + len(others)) / DRAWS
+    wins = np.bincount(np.argmin(_draws(count) @ squares, axis=1), minlength=1 + len(others)) / DRAWS
     near = []
     for place, candidate in enumerate(others, 1):
         difference = squares[:, place] - squares[:, 0]
@@ -276,6 +276,11 @@ def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judg
         if difference.sum() <= error or wins[place] >= RIVAL_DRAWS_SHARE or as_likely:
             near.append(candidate)
     return near
+
+
+def _draws(count: int) -> Array:
+    """Give how often each of so many is drawn when as many are drawn at random, (DRAWS, count)."""
+    return np.random.default_rng(0).multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(np.float64)
 
 
 def _scatter_words(lack: LackOfFit, problem: Problem) -> str:

@@ -93,13 +93,15 @@ def misfits(law: Law, campaign: Campaign, loops: Loops) -> tuple[RunMisfit, ...]
 def force_of_rows(law: Law, loops: Loops, samples: int = FINE_SAMPLES) -> Array:
     """Give the law's force on loops as the records would show it, N, shape (R, samples).
 
-    Rows that are adrift, or whose zero drifted, are moved to the measured mean; a moving average that the records went
+    Rows that are adrift are moved towards the measured mean as far as their states can hold it, and those whose zero
+    drifted to it; a moving average that the records went
     through is repeated.
     """
     law_force = force_of_law(law, loop_motion(loops, samples))
     shift = loops.force[:, 0].real - np.mean(law_force.force, axis=1)
-    open_mean = law_force.adrift | ~np.isfinite(loops.force_standard_error[:, 0])
-    return averaged(law_force.force + np.where(open_mean, shift, 0.0)[:, None], loops.force_average)
+    known = np.isfinite(loops.force_standard_error[:, 0])
+    shift = np.where(known, np.clip(shift, -law_force.held, law_force.held), shift)
+    return averaged(law_force.force + shift[:, None], loops.force_average)
 
 
 def _refuse_unknown(law: Law, loops: Loops, force: Array) -> None:

@@ -158,15 +158,15 @@ class LoopObservations:
         return np.isfinite(self.standard_error)
 
     def plain_residual(self, law_force: LawForce) -> Array:
-        """Give measured less law in N; the mean force of a row that is adrift is no evidence."""
+        """Give measured less law in N; the mean force that a row which is adrift can hold is no evidence."""
         residual = self.harmonics - self.transformed(law_force.force)
-        residual[law_force.adrift, 0] = 0.0
+        residual[:, 0] -= np.clip(residual[:, 0], -law_force.held, law_force.held)
         return np.asarray(residual)
 
     def plain_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
         """Give the derivatives of the plain residuals; the transform is linear."""
         slopes = -known_jacobian(law_force).through(self.transformed, parameters)
-        slopes[:, law_force.adrift, 0] = 0.0
+        slopes[:, law_force.adrift & (self.plain_residual(law_force)[:, 0] == 0.0), 0] = 0.0
         return np.asarray(slopes)
 
     def residual(self, law_force: LawForce) -> Array:

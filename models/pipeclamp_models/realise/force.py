@@ -12,7 +12,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Equations, Law
 from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Compiled, Slopes, realise
 from pipeclamp_models.realise.motion import Motion, Turning, refuse_unknown_conditions
-from pipeclamp_models.realise.states import March
+from pipeclamp_models.realise.states import March, States
 
 VELOCITY = FAST_ARGUMENTS.index("v")
 
@@ -72,6 +72,8 @@ class LawForce:
         jacobian: derivatives of the force by the parameters, where asked for.
         adrift: rows in which a state never loses its beginning (an element that sticks all the way round, say), so
             that the force is known up to a constant which only the history before the record would tell; shape (R,).
+        held: mean force, N, that the states of such a row can hold at most: what the largest of the motions would have
+            stretched them by before; zero in other rows; shape (R,).
         unsettled: rows in which a state isn't periodic after all that was tried: their force is that of one cycle among
             others; shape (R,).
         states: the states after each sample, J arrays of shape (R, n).
@@ -81,6 +83,7 @@ class LawForce:
     force: Array
     jacobian: Jacobian | None
     adrift: npt.NDArray[np.bool_]
+    held: Array
     unsettled: npt.NDArray[np.bool_]
     states: Sequence[Array]
     steps: Array | None = None
@@ -145,7 +148,8 @@ def force_of_equations(
         shape = (rows, samples)
         evaluated = compiled.force_with_slopes if derivatives else compiled.force
         force, *slopes = _with_means(evaluated, arguments, motion.turning, shape)
-    law_force = LawForce(force, None, states.adrift, states.unsettled, states.after, states.steps)
+        held = _held(compiled, fast, states, [*coefficients, *values, *smoothing], motion)
+    law_force = LawForce(force, None, states.adrift, held, states.unsettled, states.after, states.steps)
     if derivatives:
         by_states = dict(zip(march.moving, np.moveaxis(states.slopes, 1, 0), strict=True))
         found = compiled.force_slope_places.filled(slopes)
@@ -190,6 +194,32 @@ def _jacobian(
     for (_, parameter), slope in slopes.by_parameter.items():
         add(slope, {parameter: 1.0})
     return Jacobian(np.array(courses).reshape(len(courses), *shape), terms)
+
+
+def _held(
+    compiled: ArrayRealisation, fast: Sequence[Array], states: States, still: Sequence[npt.ArrayLike], motion: Motion
+) -> Array:
+    """Give the mean force that states which are adrift can hold at most, N, shape (R,).
+
+    Half of what they move by in a cycle, as far as the largest of the motions would have moved them.
+
+    Args:
+        compiled: the law.
+        fast: signals at each sample.
+        states: of all rows.
+        still: coefficients, parameters and smoothing.
+        motion: the motions.
+    """
+    held = np.zeros(len(motion.y))
+    if not states.adrift.any():
+        return held
+    half = [np.ptp(state, axis=1, keepdims=True) / 2 for state in states.after]
+    ends = []
+    for sign in (1, -1):
+        moved = [state + sign * move for state, move in zip(states.after, half, strict=True)]
+        ends.append(np.broadcast_to(compiled.force(*fast, *moved, *still)[0], motion.y.shape).mean(axis=1))
+    size = np.ptp(motion.y, axis=1)
+    return np.asarray(np.where(states.adrift, np.abs(ends[0] - ends[1]) / 2 * (size.max() / size), held))
 
 
 def _with_means(
