@@ -215,10 +215,10 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
     """Name the effect that clearly takes most of what is missing, though much remains; None where none does."""
     if not able or scales.law.lack.share < scales.tolerance.left:
         return None
-    best = able[0]
-    near = _near(best, able, scales.problem)
-    rivals = [each for each in near if _same_part(each, best, promises, scales)]
-    names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
+    near = _near(able[0], able, scales.problem)
+    alike = [able[0], *(each for each in near if _same_part(each, able[0], promises, scales))]
+    best = _simplest(alike, scales.law)
+    names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
     takes = (
         f"{best.effects[0]} takes {explained_share(best, scales.law):.0%} of what is missing (mean square, on "
         "left-out conditions)"
@@ -227,6 +227,15 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
         others = " and ".join(names[1:])
         return Weighed("ambiguous", names, "part", best, pair, (f"{takes}; {others} would take much the same part",))
     return Weighed("missing", names, "part", best, pair, (f"{takes}, and no rival comes near",))
+
+
+def _simplest(alike: Sequence[Judged], law: Judged) -> Judged:
+    """Give the law of fewest parameters among those that take as much as the first, but for what isn't material."""
+    enough = explained_share(alike[0], law) - MATERIAL_PART_SHARE
+    return min(
+        (each for each in alike if explained_share(each, law) >= enough),
+        key=lambda each: len(each.result.equations.names),
+    )
 
 
 def _same_part(other: Judged, best: Judged, promises: Sequence[Promise], scales: Scales) -> bool:
