@@ -37,6 +37,7 @@ from pipeclamp.cli.terminal import (
     opened_law,
     print_table,
     show,
+    spare,
     told,
     values_in,
 )
@@ -157,6 +158,7 @@ def metrics(
     from pipeclamp_identification.metrics_only.writing import metric_files
     from pipeclamp_models.base.files import write_folder
 
+    spare(campaign, outputs=(json, report))
     with told("metrics") as tell:
         tests = _read(campaign, strict, tell)
         view = metrics_view(tests)
@@ -188,6 +190,7 @@ def identify(
     from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.file import law_text
 
+    spare(campaign, *(declared or ()), outputs=(output, report))
     with told("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
         tests = _read(campaign, strict, tell)
@@ -228,6 +231,7 @@ def compare(
     from pipeclamp_models.law.declaration_files import refuse_declaration
 
     refuse_declaration(Path(law))
+    spare(law, campaign, outputs=(json, report))
     if law.endswith(".toml"):
         from pipeclamp.cli.on_pipe import compare_on_pipe
 
@@ -275,6 +279,8 @@ def diagnose(
     from pipeclamp_models.law.declaration_files import read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
 
+    spare(campaign, *(declared or ()), outputs=(json, report, drive, auto))
+    spare(law, outputs=(json, report, drive))
     if drive:
         refuse_drive_name(drive)
     with told("diagnose") as tell:
@@ -408,6 +414,7 @@ def _change(
     from pipeclamp.show.law import addition_table
     from pipeclamp_models.law.file import law_text
 
+    spare(campaign, outputs=(output,))
     with told(title) as tell:
         file = opened_law(law)
         tests = _read(campaign, strict, tell)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from pipeclamp.cli.terminal import DeclaredOption, JsonOption, console, print_table
+from pipeclamp.cli.terminal import DeclaredOption, JsonOption, console, print_table, spare
 from pipeclamp_models.base.files import write_whole
 
 app = typer.Typer()
@@ -30,6 +30,7 @@ def effects(
     from pipeclamp_models.law.declared import effect_of
     from pipeclamp_models.realise.catalogue_answer import REFERENCE, catalogue_answer, reference_sizes
 
+    spare(*(declared or ()), outputs=(json,))
     names, declarations = read_effects([effect] if effect else [], declared or ())
     own = {declaration.id: effect_of(declaration) for declaration in declarations}
     if not names:

@@ -21,6 +21,7 @@ from pipeclamp.cli.terminal import (
     names_in,
     opened_law,
     say,
+    spare,
     told,
 )
 from pipeclamp_models.base.errors import UsageError
@@ -101,6 +102,7 @@ def build_fmu(
         connected_temperature=temperature_input,
     )
     build_python, build_native = partial(build_clamp, told=start), partial(build_native_clamp, told=start)
+    spare(law, outputs=(output,))
     with told("build-fmu"):
         made = _built(opened_law(law), output, build_python, build_native, kind, fmi, platforms)
     console().print(f"{output}: {made}")
@@ -115,6 +117,7 @@ def set_parameters(
     """Put another law's parameters into a finished clamp FMU, without a compiler."""
     from pipeclamp_fmu import set_parameters as setting
 
+    spare(law, outputs=(output,))
     with told("set-parameters"):
         file = opened_law(law)
         setting.set_parameters(fmu, file, output or fmu)
@@ -134,6 +137,7 @@ def build_pipe(
     from pipeclamp_models.pipe.description import read_pipe
     from pipeclamp_models.pipe.modes import reduce
 
+    spare(pipe, outputs=(output,))
     with told("build-pipe"):
         reduced = reduce(read_pipe(pipe))
         made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
@@ -153,6 +157,7 @@ def cosim(
     from pipeclamp_system.cosim.result import write_result
     from pipeclamp_system.cosim.run import run_system
 
+    spare(system, outputs=(output, report))
     with told("cosim") as tell:
         result = run_system(system, lambda share: tell(f"{share:.0%}"))
         sections = cosim_sections(result)
@@ -174,6 +179,7 @@ def response(
     from pipeclamp.pages.response import response_sections
     from pipeclamp_system.steady.response import run_response, write_response
 
+    spare(system, outputs=(output, report))
     with told("response") as tell:
         found = run_response(system, tell)
         sections = response_sections(found)
@@ -195,6 +201,7 @@ def system_structure(
     from pipeclamp_system.cosim.building import NATIVE, PYTHON
     from pipeclamp_system.cosim.ssp import write_system
 
+    spare(system, outputs=(output,))
     with told("system") as tell:
         found = write_system(system, output, PYTHON if kind is FmuKind.python else NATIVE, tell)
     console().print(f"{output}: SSP 1.0, {kind.value}")
@@ -232,6 +239,7 @@ def sweep(
     from pipeclamp_system.study.description import read_study
     from pipeclamp_system.study.run import run_study
 
+    spare(study, outputs=(output, report))
     read = read_study(study)
     columns = (TextColumn("sweep"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     with Progress(*columns, console=errors(), transient=True, disable=not errors().is_terminal) as shown:

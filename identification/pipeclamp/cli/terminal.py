@@ -68,6 +68,31 @@ def _output_option(refuse: Callable[[Path], None], metavar: str, help: str, name
     return typer.Option(*(names or ("-o", "--output")), metavar=metavar, help=help, callback=checked)
 
 
+def spare(*inputs: str | Path, outputs: Sequence[Path | None]) -> None:
+    """Refuse to write over what a command reads, before the work; and two of its answers into one file.
+
+    A file that is to be succeeded, as a law by that with one more effect, is no such input.
+
+    Raises:
+        UsageError: a file of `outputs` is one of the inputs, lies in one of them as a part of the tests, or is named
+            twice.
+    """
+    written = [path for path in outputs if path]
+    for path in written:
+        if written.count(path) > 1:
+            raise UsageError(f"{path}: two answers would be written there; expected a file for each")
+    there = {path.resolve(): path for path in written if path.exists()}
+    if not there:
+        return
+    from pipeclamp_identification.workflow.inputs import files_of
+
+    for given in map(Path, inputs):
+        for file in files_of(given) if given.is_dir() else [given]:
+            if file.resolve() in there:
+                path = there[file.resolve()]
+                raise UsageError(f"{path}: the command reads it, and would write over it; expected another file")
+
+
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
 JsonOption = Annotated[Path | None, file_option("F", "Write the answer as JSON.", "--json")]
 ReportOption = Annotated[Path | None, file_option("F.html", "Write a report with pictures.", "--report")]
