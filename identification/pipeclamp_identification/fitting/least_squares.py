@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.fitting.observations import Observations, data_scales
+from pipeclamp_identification.fitting.priors import priors_of, spreads_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
@@ -352,39 +353,6 @@ def parameter_bounds(equations: Equations, scales: Sizes) -> tuple[Array, Array]
     return lower, upper
 
 
-@dataclass(frozen=True)
-class Priors:
-    """Normal priors of parameters, shape (P,) each: `root` is one over the standard deviation, zero without a prior."""
-
-    mean: Array
-    root: Array
-
-    def of(self, chosen: npt.NDArray[np.intp]) -> Priors:
-        """Give those of some parameters."""
-        return Priors(self.mean[chosen], self.root[chosen])
-
-    def residual(self, values: Array) -> Array:
-        """Give the residuals by which priors join the data's."""
-        return (values - self.mean) * self.root
-
-
-def spreads_of(equations: Equations, scales: Sizes) -> dict[str, float]:
-    """Give the standard deviations of the priors of a law's parameters, for data of these scales, by name."""
-    return {
-        parameter.name: number_in(parameter.spread, scales)
-        for parameter in equations.parameters
-        if parameter.spread is not None
-    }
-
-
-def priors(equations: Equations, scales: Sizes) -> Priors:
-    """Give the priors of a law's parameters, for data of these scales."""
-    spreads = spreads_of(equations, scales)
-    roots = [1.0 / spreads.get(name, math.inf) for name in equations.names]
-    means = [parameter.neutral or 0.0 for parameter in equations.parameters]
-    return Priors(np.array(means), np.array(roots))
-
-
 def _starts(equations: Equations, given: Mapping[str, float], scales: Sizes) -> list[dict[str, float]]:
     """Give the starting points: for each effect with several starts, every one of them in combination."""
     choices: list[list[dict[str, float]]] = []
@@ -439,7 +407,7 @@ def _minimise(
     # What only holds a law against tests does without it: it takes as long to load as all the rest.
     from scipy.optimize import least_squares
 
-    prior = priors(equations, scales).of(free)
+    prior = priors_of(equations, scales).of(free)
     prior_slopes = np.diag(prior.root)
 
     def minimise(method: str, at: Array) -> OptimizeResult:
@@ -489,7 +457,7 @@ def _finish(
         dtype=np.intp,
     )
     spreads = spreads_of(equations, scales)
-    roots = priors(equations, scales).root
+    roots = priors_of(equations, scales).root
     while True:
         evaluator = _Evaluator(law, values, free)
         jacobian = evaluator.jacobian(values[free])
