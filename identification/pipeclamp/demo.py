@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from importlib import resources
 from math import isfinite
 from pathlib import Path
@@ -180,8 +181,8 @@ def _law_sections(
     return [
         Section("The error falls", (), [addition_table(addition) for addition in additions], [falling]),
         Section("On tests never seen", how_much(on_unseen[-1])),
-        map_section(on_unseen[-1]),
-        loops_section(on_unseen[-1]),
+        replace(map_section(on_unseen[-1]), title="Where, on tests never seen"),
+        replace(loops_section(on_unseen[-1]), title="Worst loops never seen"),
         *law_page(file, tests.compare(file)),
     ]
 

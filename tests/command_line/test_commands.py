@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 import zipfile
 from importlib import resources
@@ -287,6 +288,10 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
         assert set(pl.read_csv(tmp_path / "story" / f"{name}.csv")["trusted [1 yes, 0 no]"]) == {1.0}
     # a second run replaces the first
     assert not [path for path in (tmp_path / "story").iterdir() if path.name.startswith(".")]
+    links = re.findall(
+        r'<a href="#section-[0-9]+">([^<]*)</a>', (tmp_path / "story" / "3_clamp_a.html").read_text("utf-8")
+    )
+    assert len(links) > 10 and len(set(links)) == len(links)
 
 
 def test_the_measured_damper_is_read_identified_and_compared(pipeclamp, measured_data, tmp_path):

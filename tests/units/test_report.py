@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pipeclamp.pages.error_pictures import ConditionsMap, conditions_picture
-from pipeclamp.pages.page import Section, render, write_report
+from pipeclamp.pages.page import MOST_ROWS, Section, render, write_report
 from pipeclamp.pages.pictures import (
     LoopPanel,
     curves_picture,
@@ -18,7 +18,7 @@ from pipeclamp.pages.pictures import (
     surface_picture,
     waterfall_picture,
 )
-from pipeclamp.show.law import doubts
+from pipeclamp.show.law import coefficient_table, doubts
 from pipeclamp.show.table import Table, cell
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.bundled import open_law
@@ -125,3 +125,17 @@ def test_memory_that_does_not_settle_is_said() -> None:
     fit = FitQuality(method="joint", nrmse=0.01, unsettled=3)
     assert any(line.startswith("On 3 of the cycles") for line in doubts(law.model_copy(update={"fit": fit})))
     assert not any("periodic" in line for line in doubts(law))
+
+
+def test_only_a_long_table_scrolls_within_a_box():
+    for count, boxed in ((MOST_ROWS, False), (MOST_ROWS + 1, True)):
+        page = render("title", "", [Section("runs", (), [Table(("run",), [("a",)] * count)])])
+        assert ('<div class="table long">' in page) == boxed
+
+
+def test_every_parameter_has_its_meaning():
+    """Also where a file, by hand, leaves it out."""
+    file = open_law("emwm2")
+    bare = {name: entry.model_copy(update={"meaning": "", "reason": ""}) for name, entry in file.coefficients.items()}
+    table = coefficient_table(file.model_copy(update={"coefficients": bare}))
+    assert all(row[-1] for row in table.rows)

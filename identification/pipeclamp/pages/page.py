@@ -20,6 +20,9 @@ MEASURED, MODEL = "#52606d", "#d64545"
 """Measured data is grey and drawn first; the model is red and drawn over it, in every picture."""
 SERIES = ("#1c7ed6", "#e8590c", "#2b8a3e", "#9c36b5", "#c2255c", "#0b7285", "#846358", "#495057")
 
+MOST_ROWS = 40
+"""Rows up to which a table stands whole on its page; longer ones, a row a run, scroll within a box."""
+
 
 @dataclass(frozen=True)
 class Section:
@@ -88,6 +91,7 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
         subtitle=subtitle,
         sections=list(zip(sections, drawn, strict=True)),
         doubt=DOUBT,
+        most_rows=MOST_ROWS,
         plotly_script=get_plotlyjs() if any(drawn) else "",
     )
 

@@ -6,13 +6,21 @@ from pipeclamp.show.comparison import SINGLE_CYCLES
 from pipeclamp.show.table import Table
 from pipeclamp_identification.metrics_only.law import METHOD
 from pipeclamp_identification.workflow.change import Addition
-from pipeclamp_models.law.file import FitQuality, LawFile
+from pipeclamp_models.law.file import FitQuality, LawFile, structure_of
 
 
 def coefficient_table(file: LawFile) -> Table:
     """Give the parameters with unit, standard error and how they came about."""
+    meanings = {parameter.name: parameter.meaning for parameter in structure_of(file).equations.parameters}
     rows = [
-        (name, entry.value, entry.standard_error, entry.unit, entry.state, entry.reason or entry.meaning)
+        (
+            name,
+            entry.value,
+            entry.standard_error,
+            entry.unit,
+            entry.state,
+            entry.reason or entry.meaning or meanings[name],
+        )
         for name, entry in file.coefficients.items()
     ]
     return Table(("parameter", "value", "standard error", "unit", "state", "meaning"), rows, f"Law {file.name}")
