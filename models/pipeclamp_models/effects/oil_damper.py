@@ -33,6 +33,9 @@ SMALLEST = sp.Rational(1, 10**6)
 REACHED = sp.Rational(1, 10**9)
 """Share of the relief force that counts as nothing left."""
 
+LEAST = 0.01
+"""Share of the stroke by which the spring gives at least under the whole force: if less, there is a dashpot alone."""
+
 
 def within(value: sp.Expr) -> sp.Expr:
     """Give a value, or the nearer end of -1 to 1."""
@@ -91,7 +94,7 @@ EFFECT = Effect(
         Parameter(
             k_o, "N/mm", "stiffness of the oil and its mounting",
             tuple(relief / give for relief, give in zip(reliefs, gives, strict=True)), lower=0.0,
-            upper=500 * F_typical / A_typical,
+            upper=F_typical / (LEAST * A_typical),
         ),
         Parameter(
             F_o, "N", "force at which the valve relieves", tuple(reliefs), lower=1e-3 * F_typical, upper=10 * F_typical
