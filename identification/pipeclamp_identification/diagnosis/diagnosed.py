@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
@@ -34,14 +35,27 @@ class Diagnosed:
     Attributes:
         diagnosis: the verdict and its evidence.
         comparison: the law as it is in its file, held against the tests.
-        proposal: the test to run next, where rivals are left and one within the limits tells them apart.
-        no_test: why there is none, where rivals are left.
+        limits: what the rig can do.
     """
 
     diagnosis: Diagnosis
     comparison: Comparison
-    proposal: Proposal | None
-    no_test: str = ""
+    limits: Limits | None = None
+
+    @cached_property
+    def _next_test(self) -> Proposal | NoTest | None:
+        """Sought where it is asked for: a ladder that goes on needs none."""
+        return next_test(self.diagnosis, self.limits)
+
+    @property
+    def proposal(self) -> Proposal | None:
+        """The test to run next, where rivals are left and one within the limits tells them apart."""
+        return None if isinstance(self._next_test, NoTest) else self._next_test
+
+    @property
+    def no_test(self) -> str:
+        """Why there is none, where rivals are left."""
+        return self._next_test.words if isinstance(self._next_test, NoTest) else ""
 
     @property
     def verdict(self) -> Verdict:
@@ -129,7 +143,4 @@ def diagnosed(
     comparison = compare(file, campaign, loops)
     structure = structure_of(file).with_declared(declared)
     diagnosis = diagnose(structure, campaign, comparison.loops, start=law_of(file).values, jobs=jobs, progress=progress)
-    found = next_test(diagnosis, limits)
-    if isinstance(found, NoTest):
-        return Diagnosed(diagnosis, comparison, None, found.words)
-    return Diagnosed(diagnosis, comparison, found)
+    return Diagnosed(diagnosis, comparison, limits)
