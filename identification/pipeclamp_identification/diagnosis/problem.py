@@ -16,10 +16,11 @@ from pipeclamp_identification.fitting.heldout import condition_groups, further_g
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.fitting.observations import (
-    COARSE_SAMPLES,
     LoopObservations,
     Rows,
+    coarser,
     loop_observations,
+    points_enough,
 )
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
@@ -27,6 +28,8 @@ from pipeclamp_models.law.law import Structure
 
 CLOSELY = 1e-5
 """Tolerance of a candidate's fit: a step that gains less is far below what any verdict asks."""
+FROM_NEAR = 1e-4
+"""Tolerance of a fit to all points of the cycle that begins where the fit to few of them ended."""
 ROUGHLY = 1e-3
 """Tolerance of the fits that only tell the best of several starts, or of several pairs."""
 VALLEYS = 2
@@ -71,9 +74,7 @@ class Problem:
     @cached_property
     def coarse(self) -> WhitenedObservations:
         """The same for rough fits: laws are evaluated at fewer points."""
-        return WhitenedObservations(
-            loop_observations(self.loops, COARSE_SAMPLES), self.noise.whitener(self.discrepancy)
-        )
+        return WhitenedObservations(coarser(self.loops, self.harmonics), self.noise.whitener(self.discrepancy))
 
     @cached_property
     def against_noise(self) -> WhitenedObservations:
@@ -133,7 +134,7 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     """
     ages = "N" in {str(symbol) for symbol in structure.equations.slow_signals}
     loops = per_cycle(loops) if ages or drifts(loops) else loops
-    harmonics = loop_observations(loops)
+    harmonics = loop_observations(loops, points_enough(loops))
     first = fit_structure(structure, loops, harmonics, start=start, tolerance=CLOSELY)
     noise = noise_model(loops, harmonics.plain_residual(first.law_force))
     groups = condition_groups(loops)
@@ -174,6 +175,7 @@ def judge(
     start = starts[0] if len(starts) == 1 else roughly(structure, starts, problem).law.values
     if structure.equations.states:
         start = fit(structure, problem.coarse, start=start, tolerance=tolerance).law.values
+        tolerance = max(tolerance, FROM_NEAR)
     result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
     against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted

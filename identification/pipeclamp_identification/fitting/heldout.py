@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.fitting.least_squares import fit
-from pipeclamp_identification.fitting.observations import COARSE_SAMPLES, LoopObservations, Rows, loop_observations
+from pipeclamp_identification.fitting.observations import LoopObservations, Rows, coarser
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import Level, number_levels
 from pipeclamp_models.base.errors import UserError
@@ -90,7 +90,7 @@ def heldout_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: 
     """
     groups = condition_groups(loops)
     # Steps from point to point take their time; a fold's fit may be told at fewer points than its error.
-    fitted_to = loop_observations(loops, COARSE_SAMPLES) if law.equations.states else observations
+    fitted_to = coarser(loops, observations) if law.equations.states else observations
     widened = fitted_to.with_discrepancy(force_of_law(law, fitted_to.motion))
     error = force = 0.0
     for used, left_out in folds(groups, most):

@@ -12,7 +12,7 @@ import numpy as np
 from pipeclamp_identification.campaign.reading import Campaign, LeftOut
 from pipeclamp_identification.fitting.least_squares import HELD, TOLERANCE, WISHED, Fit, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
-from pipeclamp_identification.fitting.observations import COARSE_SAMPLES, LoopObservations, loop_observations
+from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_identification.loops.loops import Loops, loops_of, per_cycle
 from pipeclamp_models.base.errors import UsageError
@@ -148,7 +148,7 @@ def fit_structure(
     # With elements that slip, the loop's area isn't the power's alone: only the elastic surfaces are a fair start then.
     fair = elastic_values(from_surfaces) if equations.states else from_surfaces
     begin = {**fair, **(start or {})}
-    rough = loop_observations(loops, COARSE_SAMPLES) if equations.states else observations
+    rough = coarser(loops, observations) if equations.states else observations
     first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
     if equations.states:
         near = fit(structure, rough.with_discrepancy(first.law_force), start=first.law.values, tolerance=ROUGHLY)

@@ -25,8 +25,12 @@ FEW_SAMPLES = 400
 """Below so many samples a cycle, a law is seen through the record's own sampling."""
 SAMPLES = 512
 """Points of the cycle at which laws are evaluated: a step at a reversal must be placed well between samples."""
-COARSE_SAMPLES = 128
-"""Points for fits that only lead near, of laws whose states are stepped from point to point."""
+FEWEST_SAMPLES = 64
+"""Points at least, so that they show the harmonics."""
+GRID_ERROR = 10.0
+"""Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
+GRID_NOISE_SHARE = 0.05
+"""What the points err by is less than this share of the scatter: half of what is worth an effect."""
 
 Rows = npt.NDArray[np.intp]
 
@@ -270,6 +274,19 @@ def loop_observations(loops: Loops, samples: int = SAMPLES) -> LoopObservations:
     both = np.concatenate([error[:, :1], np.repeat(error[:, 1:], 2, axis=1)], axis=1)
     amplitude = np.ptp(on_grid(loops.force, SAMPLES), axis=1) / 2
     return LoopObservations(loop_motion(loops, samples), harmonics, both, amplitude, _transforms(loops, samples))
+
+
+def points_enough(loops: Loops) -> int:
+    """Give how many points of the cycle err by far less than loops scatter: `SAMPLES` at most."""
+    points = 2 * FEWEST_SAMPLES
+    while points < SAMPLES and not GRID_ERROR / points**2 <= GRID_NOISE_SHARE * loops.noise_nrmse:
+        points *= 2
+    return points
+
+
+def coarser(loops: Loops, observations: LoopObservations) -> LoopObservations:
+    """Give loops at a quarter of the points, for fits that only lead near."""
+    return loop_observations(loops, max(FEWEST_SAMPLES, observations.motion.y.shape[1] // 4))
 
 
 def data_scales(observations: Observations) -> Sizes:
