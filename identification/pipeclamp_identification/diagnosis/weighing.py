@@ -26,6 +26,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     UNEXPLAINED_SHARE,
 )
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -188,6 +189,7 @@ def _betters(candidate: Judged, law: Judged) -> bool:
 def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     """Name one effect that explains what is missing, and the others that do so as well."""
     rivals = _near(best, [other for other in sound if scales.explains(other)], scales.problem)
+    best, *rivals = _without_general([best, *rivals])
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     if len(names) > 1:
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
@@ -216,7 +218,7 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
     if not able or scales.law.lack.share < scales.tolerance.left:
         return None
     near = _near(able[0], able, scales.problem)
-    alike = [able[0], *(each for each in near if _same_part(each, able[0], promises, scales))]
+    alike = _without_general([able[0], *(each for each in near if _same_part(each, able[0], promises, scales))])
     best = _simplest(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
     takes = (
@@ -227,6 +229,16 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
         others = " and ".join(names[1:])
         return Weighed("ambiguous", names, "part", best, pair, (f"{takes}; {others} would take much the same part",))
     return Weighed("missing", names, "part", best, pair, (f"{takes}, and no rival comes near",))
+
+
+def _without_general(alike: Sequence[Judged]) -> list[Judged]:
+    """Leave out effects that do no better than a special case of theirs."""
+    ids = {effect_id(each.effects[0]) for each in alike}
+    return [each for each in alike if not ids & set(_added(each).special_cases)]
+
+
+def _added(judged: Judged) -> Effect:
+    return next(effect for effect in judged.result.equations.effects if effect.name == judged.effects[0])
 
 
 def _simplest(alike: Sequence[Judged], law: Judged) -> Judged:

@@ -21,6 +21,7 @@ EFFECT = Effect(
     imitated_by=("memory", "directional_damping", "asymmetry", "offset"),
     told_apart_by="amplitude and frequency swept apart: the two forces at which it yields stay, and at amplitudes that "
     "don't slip the mean force goes",
+    special_cases=("memory",),
     parameters=(
         Parameter(
             k_d, "N/mm", "stiffness of the element while it sticks",

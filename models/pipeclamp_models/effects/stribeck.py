@@ -33,6 +33,7 @@ EFFECT = Effect(
     imitated_by=("coulomb", "memory", "power_damping"),
     told_apart_by="one amplitude from very slow to fast: the loop shrinks, the faster the cycle, by up to F_b on each "
     "side, and no further",
+    special_cases=("coulomb",),
     parameters=(
         Parameter(F_k, "N", "friction at speed", (0.03 * F_typical,) * 3, lower=0.0, neutral=0.0),
         Parameter(

@@ -157,6 +157,8 @@ class Effect:
         lag: time in s by which the measured force is late; for rig effects.
         argument: the argument that made it of a family, "" otherwise.
         refinement: the next larger member of its family; None where there is none.
+        special_cases: ids of effects that it becomes at some values of its parameters: where one of them does as well,
+            that one is named.
     """
 
     id: str
@@ -178,6 +180,7 @@ class Effect:
     lag: sp.Expr = NOTHING
     argument: str = ""
     refinement: Refinement | None = None
+    special_cases: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
