@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from pipeclamp.api.diagnosis import Diagnosis, diagnose
     from pipeclamp.api.fmu import build_fmu, build_pipe
     from pipeclamp.api.law import Law, open_law
-    from pipeclamp.api.laws import add, identify, remove
+    from pipeclamp.api.laws import add, identify, identify_per, remove
     from pipeclamp.api.system import Cosimulation, cosim
     from pipeclamp.api.tests import Tests, read_campaign
     from pipeclamp_models.base.errors import UserError
 
 __all__ = [
     "Comparison", "Cosimulation", "Diagnosis", "Law", "Tests", "UserError", "add", "build_fmu", "build_pipe", "compare",
-    "cosim", "diagnose", "identify", "open_law", "read_campaign", "remove",
+    "cosim", "diagnose", "identify", "identify_per", "open_law", "read_campaign", "remove",
 ]  # fmt: skip
 
 _HOMES = {
@@ -44,6 +44,7 @@ _HOMES = {
     "cosim": "pipeclamp.api.system",
     "diagnose": "pipeclamp.api.diagnosis",
     "identify": "pipeclamp.api.laws",
+    "identify_per": "pipeclamp.api.laws",
     "open_law": "pipeclamp.api.law",
     "read_campaign": "pipeclamp.api.tests",
     "remove": "pipeclamp.api.laws",

@@ -64,6 +64,41 @@ def identify(
 
 
 @one_thread()
+def identify_per(
+    tests: Tests | PathOrName,
+    column: str,
+    effects: Sequence[PathOrName] = (),
+    base: str = "power",
+    *,
+    progress: Progress = silent,
+) -> dict[str, Law]:
+    """Fit a law to each group of a text column of runs.csv by itself; other arguments as of `identify`.
+
+    Args:
+        tests: the tests, or their folder or bundled name.
+        column: specimen, or another column of texts.
+        effects, base, progress: as of `identify`.
+
+    Returns:
+        the law of each group, by its name.
+
+    Raises:
+        UserError: there is no such column, or a group has too few runs, or can't determine the law.
+    """
+    from pipeclamp_identification.workflow.per_group import identify_per as fitted
+
+    tests = tested(tests)
+    names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
+    laws = fitted(tests.tests, column, base=base, effects=names, declared=declarations, progress=progress)
+    shown = [fspath(effect) for effect in effects]
+    called = f"pc.identify_per({_read(tests)}, {column!r}, effects={shown!r}, base={base!r})"
+    return {
+        law.group: Law(law.found.file(name=f"{tests.name} {law.group}", command=f"{called}[{law.group!r}]", date=None))
+        for law in laws
+    }
+
+
+@one_thread()
 def add(
     law: Law | PathOrName, effect: str | Diagnosis, tests: Tests | PathOrName, *, progress: Progress = silent
 ) -> Law:

@@ -171,8 +171,16 @@ def metrics(
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
 def identify(
     campaign: CampaignFolder,
-    output: Annotated[Path, file_option("LAW.json", "The parameter file to write.")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="LAW.json", help="The parameter file to write; with --per a new folder of them."
+        ),
+    ],
     effects: EffectsOption = "",
+    per: Annotated[
+        str, typer.Option(metavar="COLUMN", help="A law for each group of a text column: specimen, valve, ...")
+    ] = "",
     base: Annotated[
         BaseLaw, typer.Option(help="Base law, of Jiang et al. 2020: Eq. 17 (power), 14 (memory), 10 (series).")
     ] = BaseLaw.power,
@@ -187,18 +195,41 @@ def identify(
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
+    from pipeclamp.show.law import per_group_table
+    from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
     from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.file import law_text
 
+    if per:
+        refuse_folder(output)
+        if report:
+            raise UsageError("identify: got --report with --per; expected one of them: `pipeclamp compare` shows a law")
+    else:
+        refuse_file(output)
     spare(campaign, *(declared or ()), outputs=(output, report))
     with told("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
         tests = _read(campaign, strict, tell)
+        date = None if reproducible else _now()
+        if per:
+            from pipeclamp_identification.workflow.per_group import identify_per
+
+            laws = identify_per(
+                tests, per, base=base.value, effects=ids, frozen=values_in(freeze), method=method.value,
+                declared=declarations, progress=tell,
+            )  # fmt: skip
+            files = {
+                law.stem: law.found.file(name=f"{name or tests.name} {law.group}", command=command_called(), date=date)
+                for law in laws
+            }
+            write_folder(output, ((f"{stem}.json", law_text(one).encode()) for stem, one in files.items()))
+            print_table(per_group_table(per, files))
+            console().print(str(output), highlight=False)
+            return
         found = tests.identify(
             base=base.value, effects=ids, frozen=values_in(freeze), method=method.value, declared=declarations,
             progress=tell,
         )  # fmt: skip
-        date = None if reproducible else _now()
         file = found.file(name=name or tests.name, command=command_called(), date=date)
     if report:
         from pipeclamp.pages.page import write_report

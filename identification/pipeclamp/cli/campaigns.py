@@ -89,6 +89,8 @@ def rig(
     force_gain_drift: Annotated[float, typer.Option(help="Drift of the force channel's gain, share per second.")] = 0.0,
     force_range: Annotated[float, typer.Option(help="Where the force sensor ends, N; 0: nowhere.")] = 0.0,
     displacement_range: Annotated[float, typer.Option(help="Where that of displacement ends, mm; 0: nowhere.")] = 0.0,
+    specimens: Annotated[int, typer.Option(min=0, help="Specimens, each run in every combination; 0: no name.")] = 0,
+    specimen_scatter: Annotated[float, typer.Option(help="Rms share by which their k and c differ.")] = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
     format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.csv,
 ) -> None:
@@ -123,6 +125,8 @@ def rig(
             force_gain_drift=force_gain_drift,
             force_range=force_range,
             displacement_range=displacement_range,
+            specimens=specimens,
+            specimen_scatter=specimen_scatter,
             repeats=repeats,
             seed=seed,
         )

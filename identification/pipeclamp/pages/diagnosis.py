@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.comparison import comparison_sections
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture, waterfall_picture
-from pipeclamp.show.diagnosis import against, candidate_table, sensor_sentences, sentence
+from pipeclamp.show.diagnosis import against, before_physics, candidate_table, sentence
 from pipeclamp.show.table import Table
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
@@ -20,7 +20,7 @@ from pipeclamp_models.law.catalogue import effect_id
 def diagnosis_sections(answer: Diagnosed) -> list[Section]:
     """Give the report of a diagnosis."""
     diagnosis, leftover = answer.diagnosis, answer.diagnosis.leftover
-    words = [*sensor_sentences(answer), answer.headline()]
+    words = [*before_physics(answer), answer.headline()]
     words += [sentence(word) for word in (*diagnosis.reasons, *answer.cautions())]
     if answer.proposal:
         words.append(f"Next test: {answer.proposal.words()}.")

@@ -11,6 +11,7 @@ from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing import explained_share
+from pipeclamp_identification.fitting.groups_answer import group_words
 from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
 
 WORSE = 1.02
@@ -60,9 +61,10 @@ def sentence(words: str) -> str:
     return f"{words[0].upper()}{words[1:]}."
 
 
-def sensor_sentences(found: Diagnosed) -> list[str]:
-    """Say which sensors failed or drift: before any physics."""
-    return [f"Sensors: {words}." for words in found.sensors()]
+def before_physics(found: Diagnosed) -> list[str]:
+    """Say what goes before any physics: sensors that fail or drift, and groups of runs that differ."""
+    groups = group_words(found.groups)
+    return [*(f"Sensors: {words}." for words in found.sensors()), *(f"Groups: {words}." for words in groups)]
 
 
 def diagnosis_view(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_command: str, drive: Path | None) -> View:
@@ -70,7 +72,7 @@ def diagnosis_view(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comman
     return View(
         diagnosis_answer(found, ladder, next_command),
         [candidate_table(found.diagnosis)],
-        [*sensor_sentences(found), *verdict_lines(found, next_command, drive)],
+        [*before_physics(found), *verdict_lines(found, next_command, drive)],
     )
 
 

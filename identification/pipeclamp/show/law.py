@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from pipeclamp.show.comparison import SINGLE_CYCLES
 from pipeclamp.show.table import Table
+from pipeclamp_identification.fitting.groups_answer import per_group_words
 from pipeclamp_identification.metrics_only.law import METHOD
 from pipeclamp_identification.workflow.change import Addition
-from pipeclamp_models.law.file import FitQuality, LawFile, structure_of
+from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
 
 
 def coefficient_table(file: LawFile) -> Table:
@@ -35,7 +38,7 @@ def fit_words(fit: FitQuality) -> str:
 
 
 def doubts(file: LawFile) -> list[str]:
-    """Say what of a law is less sure than its standard errors tell."""
+    """Say what of a law is less sure than its standard errors tell, and how groups of its runs differ from it."""
     lines = [
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations
@@ -45,7 +48,28 @@ def doubts(file: LawFile) -> list[str]:
             f"On {file.fit.unsettled} of the cycles that the law was fitted to, its memory doesn't become periodic: "
             "the force that was compared there is that of one repetition among others."
         )
-    return lines
+    return [*lines, *per_group_words(file.groups or ())]
+
+
+def per_group_table(column: str, files: Mapping[str, LawFile]) -> Table:
+    """Give the laws of groups side by side, by the stem of their files."""
+    laws = list(files.values())
+    names = dict.fromkeys(name for law in laws for name in law.coefficients)
+    rows: list[Sequence[str | float | None]] = [
+        ("runs", "", *(float(law.data.runs_used) for law in laws)),
+        ("error", "%", *(100 * law.fit.nrmse if law.fit else None for law in laws)),
+    ]
+    for name in names:
+        entries = [law.coefficients.get(name) for law in laws]
+        rows.append((name, next(entry.unit for entry in entries if entry), *(_shown(entry) for entry in entries)))
+    return Table(("", "unit", *files), rows, f"A law for each {column}; value ± standard error")
+
+
+def _shown(entry: CoefficientEntry | None) -> str | None:
+    if entry is None:
+        return None
+    error = "" if entry.standard_error is None else f" ± {entry.standard_error:.1g}"
+    return f"{entry.value:.4g}{error}"
 
 
 def addition_table(addition: Addition) -> Table:

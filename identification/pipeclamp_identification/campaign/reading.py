@@ -38,7 +38,7 @@ READERS = 4
 
 @dataclass(frozen=True)
 class Run:
-    """One usable run: what was set (None where not known), its samples and its steady cycles.
+    """One usable run: what was set (None where not known), its samples and its steady cycles; labels by column.
 
     Where a zero drifted, the drift is taken off the samples, but nobody knows where it stood: `mean_known` is False,
     and the mean force says nothing.
@@ -55,6 +55,7 @@ class Run:
     record: Record
     cycles: Cycles
     mean_known: bool = True
+    labels: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -198,7 +199,7 @@ def _observed(run: Run, by_cycle: CycleByCycle, shown: Fundamental) -> Observed:
         nominal_mm=run.amplitude_mm,
         temperature_C=run.temperature_C,
         further={"density_g_cm3": density, **run.conditions},
-        labels={"specimen": run.specimen or ""},
+        labels={"specimen": run.specimen or "", **run.labels},
         by_cycle=by_cycle,
         shown=shown,
     )
@@ -265,6 +266,7 @@ def _checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
         conditions=row.conditions,
         record=record,
         cycles=cycles,
+        labels=row.labels,
     )
 
 

@@ -36,6 +36,10 @@ MOST_SAMPLES = 10_000_000
 """More at one frequency don't fit into the memory of a small machine."""
 
 
+OF_ONE_SPECIMEN = 1_000_000
+"""More repeats than any plan has."""
+
+
 @dataclass(frozen=True)
 class TestPlan:
     """What the virtual rig runs and how well it measures.
@@ -56,6 +60,8 @@ class TestPlan:
         force_drift, displacement_drift: of the channels' zeros, N/s and mm/s, from each record's first sample on.
         force_gain_drift: of the force channel's gain, share per second, likewise.
         force_range, displacement_range: where the sensors end on either side, N and mm; 0 for nowhere.
+        specimens: so many, each run in every combination; 0 for one without a name.
+        specimen_scatter: rms share by which each specimen's stiffness, and its damping, differ from the law's.
         repeats: runs of each combination.
         seed: of the random numbers; the same seed gives the same campaign.
         drive: the displacement of every run, where it isn't made of these amplitudes, frequencies, cycles and tones.
@@ -81,6 +87,8 @@ class TestPlan:
     force_gain_drift: float = 0.0
     force_range: float = 0.0
     displacement_range: float = 0.0
+    specimens: int = 0
+    specimen_scatter: float = 0.0
     repeats: int = 1
     seed: int = 0
     drive: Drive | None = None
@@ -129,6 +137,7 @@ class TestPlan:
         quality = (
             "ramp_cycles", "force_noise", "displacement_noise", "force_step", "displacement_step", "distortion",
             "riding", "amplitude_error", "temperature_error", "force_range", "displacement_range",
+            "specimen_scatter",
         )  # fmt: skip
         for name in quality:
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0):
@@ -170,8 +179,25 @@ def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | Non
     """
     plan.check()
     _refuse_unstated(law.equations, conditions or {})
-    for frequency in plan.frequencies:
-        yield from _runs_at(law, plan, frequency, conditions or {})
+    for specimen in range(1, plan.specimens + 1) or (0,):
+        own = _of_specimen(law, plan, specimen) if specimen else law
+        for frequency in plan.frequencies:
+            yield from _runs_at(own, plan, frequency, conditions or {}, specimen)
+
+
+STIFFNESS, DAMPING = ("k10", "k30"), ("c0",)
+"""Parameters of base laws by which specimens differ."""
+
+
+def _of_specimen(law: Law, plan: TestPlan, specimen: int) -> Law:
+    """Give the law of one specimen: its stiffness and its damping are off by a share each."""
+    if not set(STIFFNESS + DAMPING) <= set(law.values):
+        raise UsageError(f"test plan: specimens differ in {', '.join(STIFFNESS + DAMPING)}, which this law hasn't got")
+    shares = 1 + plan.specimen_scatter * np.random.default_rng([plan.seed, specimen]).standard_normal(2)
+    values = dict(law.values)
+    for names, share in ((STIFFNESS, shares[0]), (DAMPING, shares[1])):
+        values |= {name: float(values[name] * share) for name in names}
+    return replace(law, values=values)
 
 
 def _refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> None:
@@ -183,11 +209,13 @@ def _refuse_unstated(equations: Equations, conditions: Mapping[str, float]) -> N
         raise UserError(f"the law depends on {', '.join(columns)}; state a value for each: --set {columns[0]}=...")
 
 
-def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str, float]) -> Iterator[WrittenRun]:
+def _runs_at(
+    law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str, float], specimen: int
+) -> Iterator[WrittenRun]:
     """Run all amplitudes and temperatures at one frequency: records of one length, marched together."""
     equations = law.equations
     pairs = list(itertools.product(plan.amplitudes, plan.temperatures, range(plan.repeats)))
-    random = [_random(plan, A, frequency, T, repeat) for A, T, repeat in pairs]
+    random = [_random(plan, A, frequency, T, repeat + OF_ONE_SPECIMEN * specimen) for A, T, repeat in pairs]
     A = np.array(
         [pair[0] * (1 + plan.amplitude_error * rng.standard_normal()) for pair, rng in zip(pairs, random, strict=True)]
     )
@@ -223,6 +251,7 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
     for index, (nominal, rng) in enumerate(zip(pairs, random, strict=True)):
         name = f"A{nominal[0]:g}_f{frequency:g}_T{nominal[1]:g}".replace(".", "p").replace("-", "m")
         name += f"_{nominal[2] + 1}" if plan.repeats > 1 else ""
+        name += f"_S{specimen}" if specimen else ""
         yield WrittenRun(
             {
                 "run": name,
@@ -230,6 +259,7 @@ def _runs_at(law: Law, plan: TestPlan, frequency: float, conditions: Mapping[str
                 "frequency_Hz": frequency,
                 "temperature_C": nominal[1],
                 **conditions,
+                **({"specimen": f"S{specimen}"} if specimen else {}),
                 "first_cycle": 0,
             },
             Record(

@@ -7,7 +7,7 @@ import difflib
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import MappingProxyType
@@ -69,6 +69,7 @@ class RunRow:
     """One row of runs.csv, [defaults] filled in; None where a value isn't known.
 
     A row has a record in `file` or, where that is blank, the metrics of its loop. `free`: its motion is no sine.
+    `labels` are further texts (operator, valve), by column.
     """
 
     row: int
@@ -83,6 +84,7 @@ class RunRow:
     conditions: Mapping[str, float]
     metrics: Mapping[str, Printed]
     free: bool = False
+    labels: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ def read_runs_table(folder: Path, description: CampaignDescription) -> RunsTable
     """Read and check the runs.csv of a campaign's folder.
 
     A blank cell takes the value of [defaults]; without one it is not known. A further column is a test
-    condition where all its cells are numbers, and a remark, which is passed over, where none is.
+    condition where all its cells are numbers, and a label, which may group runs, where none is.
 
     Args:
         folder: the campaign's folder.
@@ -268,6 +270,7 @@ def _run_row(
             )
         if not named[column]:
             raise UserError(f"{path}, row {row}, column {column!r}: is blank; expected a text")
+    known = (*TEXT_COLUMNS, *NUMBER_COLUMNS, *METRIC_COLUMNS)
     numbers = {column: _checked_number(path, row, column, named.get(column, "")) for column in NUMBER_COLUMNS}
     free = _is_free(path, row, named, without_record)
     return RunRow(
@@ -283,6 +286,9 @@ def _run_row(
         conditions=MappingProxyType({c: float(named[c]) if named[c] else math.nan for c in condition_columns}),
         metrics=MappingProxyType(_metrics(path, row, named) if without_record else {}),
         free=free,
+        labels=MappingProxyType(
+            {c: cell for c, cell in named.items() if c not in known and c not in condition_columns}
+        ),
     )
 
 

@@ -14,7 +14,7 @@ from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_r
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
 from pipeclamp_identification.campaign.plausibility import SURE, CycleByCycle, Fundamental
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.signals.levels import Level, number_levels
+from pipeclamp_identification.signals.levels import Level, group_names, number_levels
 from pipeclamp_models.base.units import CELSIUS
 
 DEAD_BELOW = 0.1
@@ -144,6 +144,7 @@ def _watched(runs: Sequence[Observed]) -> list[Watched]:
     }
     labels = {name: _label_of_each(levels, len(runs)) for name, levels in numbers.items()}
     texts = {name: [run.labels.get(name, "") for run in runs] for name in runs[0].labels}
+    texts = {name: own for name, own in texts.items() if group_names(own)}
     return [
         Watched(
             name=run.name,

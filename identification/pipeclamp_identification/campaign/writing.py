@@ -134,6 +134,7 @@ def joined_runs(campaigns: Sequence[Campaign]) -> Iterator[WrittenRun]:
                 "frequency_Hz": None if isinstance(run, FreeRun) else run.frequency_Hz,
                 "temperature_C": run.temperature_C,
                 "specimen": run.specimen,
+                **({} if isinstance(run, FreeRun) else run.labels),
                 "density_g_cm3": run.density_g_cm3,
                 **{column: run.conditions[column] for column in columns},
                 "first_cycle": run.first_cycle,

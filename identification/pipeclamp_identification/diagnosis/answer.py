@@ -14,6 +14,7 @@ from pipeclamp_identification.diagnosis.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing import explained_share
+from pipeclamp_identification.fitting.groups_answer import GroupsAnswer, groups_answer
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
 
@@ -119,6 +120,9 @@ class DiagnosisAnswer(AnswerModel):
     sensors: tuple[SensorFault, ...] = Field(
         description="gross faults of sensors, found before physics was asked, and what was done about them"
     )
+    groups: tuple[GroupsAnswer, ...] = Field(
+        description="specimens and other groups of runs that differ, told before physics; it is judged on what is left"
+    )
     ladder: tuple[RungAnswer, ...] = Field(description="what --auto did before this verdict")
     next_command: str = Field(description="the shell line to run next")
 
@@ -156,6 +160,7 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
         reasons=diagnosis.reasons,
         left_out=tuple(LeftOutRun(run=entry.run, reason=entry.reason) for entry in found.comparison.campaign.left_out),
         sensors=found.comparison.campaign.faults,
+        groups=groups_answer(found.groups),
         ladder=ladder,
         next_command=next_command,
     )

@@ -12,6 +12,7 @@ from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
+from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -81,6 +82,11 @@ class Diagnosed:
     def sensors(self) -> tuple[str, ...]:
         """Say which sensors failed or drift: that goes before any physics."""
         return tuple(fault.words for fault in self.comparison.campaign.faults)
+
+    @cached_property
+    def groups(self) -> tuple[Groups, ...]:
+        """Groups of runs that differ beside the law as it is described, or can't be told from conditions."""
+        return self.diagnosis.problem.groups_beside(self.diagnosis.described.result.law_force)
 
     def headline(self) -> str:
         """Give the verdict in words."""

@@ -23,16 +23,27 @@ SHORTEST = 2.0**-10
 
 @dataclass(frozen=True)
 class Whitened:
-    """Whitened residuals of a fit and their derivatives by the fitted parameters, shapes (R, m) and (R, m, P)."""
+    """Whitened residuals of a fit and their derivatives by the fitted parameters, shapes (R, m) and (R, m, P).
+
+    Factors of groups, where there are any, come after the law's parameters; `factors` are their values, shape (K,).
+    """
 
     residual: Array
     jacobian: Array
+    factors: Array
 
 
-def whitened(result: Fit, observations: WhitenedObservations) -> Whitened:
-    """Give the whitened residuals of a fit at its solution."""
-    slopes = observations.residual_slopes(result.law_force, result.places)
-    return Whitened(observations.residual(result.law_force), np.moveaxis(slopes, 0, -1))
+def whitened(result: Fit, observations: WhitenedObservations, factors: Array | None = None) -> Whitened:
+    """Give the whitened residuals of a fit at its solution; with factors of groups as given, or the likeliest ones."""
+    slopes = observations.in_units(observations.loops.plain_slopes(result.law_force, result.places))
+    residual = observations.against_noise(result.law_force)
+    if factors is None:
+        factors = observations.factors_beside(result.law_force)
+    if observations.factors is not None:
+        changes = observations.in_units(observations.factors.beside(result.law_force).directions)
+        residual = residual - np.tensordot(factors, changes, axes=1)
+        slopes = np.concatenate([slopes, -changes])
+    return Whitened(residual, np.moveaxis(slopes, 0, -1), factors)
 
 
 @dataclass(frozen=True)
@@ -72,9 +83,12 @@ class LeftOut:
         """
         seen = self.observations.loops.seen
         plain = self.observations.loops.plain_residual(self.result.law_force)
-        plain_slopes = np.moveaxis(
-            self.observations.loops.plain_slopes(self.result.law_force, self.result.places), 0, -1
-        )
+        slopes = self.observations.loops.plain_slopes(self.result.law_force, self.result.places)
+        if self.observations.factors is not None:
+            shown = self.observations.factors.beside(self.result.law_force)
+            plain = plain - shown.force(self.fitted.factors)
+            slopes = np.concatenate([slopes, -shown.directions])
+        plain_slopes = np.moveaxis(slopes, 0, -1)
         squares, mean_squares = np.empty(len(groups)), np.empty(len(groups))
         for group in range(int(groups.max()) + 1):
             own = groups == group
@@ -96,11 +110,17 @@ class LeftOut:
         scale = np.where(scale > 0, scale, 1.0)
         J = (jacobian[own] / scale).reshape(-1, len(scale))
         rest = (jacobian[~own] / scale).reshape(-1, len(scale))
-        prior = np.diag(self.result.precision / scale**2)
+        # a group's factors come from what is left of its runs
+        factors = self.observations.factors
+        precision, room = self.result.precision, self.result.room
+        if factors is not None:
+            precision = np.concatenate([precision, factors.precision])
+            room = np.concatenate([room, np.array([[-np.inf], [np.inf]]) + np.zeros(len(factors.spreads))], axis=1)
+        prior = np.diag(precision / scale**2)
         # A direction that this group alone determines can't be foretold without it, but by the priors.
         inverse = np.linalg.pinv(np.nan_to_num(rest.T @ rest) + prior, rcond=1e-10, hermitian=True)
         step = inverse @ np.nan_to_num(J.T @ self.fitted.residual[own].ravel())
-        return np.asarray(np.clip(step / scale, *self.result.room))
+        return np.asarray(np.clip(step / scale, *room))
 
     def _evaluated(self, step: Array, own: Rows, plain: Array) -> tuple[Array, Array]:
         """Give the whitened residuals and the plain ones of a group where its step leads, which the others agree with.
@@ -114,22 +134,42 @@ class LeftOut:
         most = self._cost_of_others(here, np.zeros_like(step), own)
         share = 1.0
         while share > SHORTEST:
-            there = self._law_force(share * step)
-            if self._cost_of_others(there, share * step, own) <= most:
+            moved = share * step
+            there = self._law_force(moved)
+            if self._cost_of_others(there, moved, own) <= most:
                 break
             share /= 2
-        change = self.coarse.residual(there) - self.coarse.residual(here)
+        change = self._residual(there, moved) - self._residual(here, np.zeros_like(step))
         plain_change = self.coarse.loops.plain_residual(there) - self.coarse.loops.plain_residual(here)
+        if self.coarse.factors is not None:
+            factors, size = self.fitted.factors, len(self.result.fitted)
+            plain_change -= self.coarse.factors.beside(there).force(factors + moved[size:])
+            plain_change += self.coarse.factors.beside(here).force(factors)
         return self.fitted.residual[own] + change[own], plain + plain_change[own]
 
     def _law_force(self, step: Array) -> LawForce:
         law = self.result.law
         values = np.array(law.vector(self.result.equations))
-        values[self.result.places] += step
+        values[self.result.places] += step[: len(self.result.fitted)]
         return force_of_equations(self.result.equations, values, (law.v_r, law.y_r), self.coarse.motion)
 
     def _cost_of_others(self, law_force: LawForce, step: Array, own: Rows) -> float:
         """Give the sum of squares of the other runs and of the priors, less the priors' at the fit."""
-        squares = float(np.sum(self.coarse.residual(law_force)[~own] ** 2))
-        from_mean = self.result.from_priors
-        return squares + float(np.sum(self.result.precision * ((from_mean + step) ** 2 - from_mean**2)))
+        squares = float(np.sum(self._residual(law_force, step)[~own] ** 2))
+        size = len(self.result.fitted)
+        from_mean, own_step = self.result.from_priors, step[:size]
+        squares += float(np.sum(self.result.precision * ((from_mean + own_step) ** 2 - from_mean**2)))
+        if self.coarse.factors is not None:
+            factors = self.fitted.factors
+            squares += float(np.sum(self.coarse.factors.precision * ((factors + step[size:]) ** 2 - factors**2)))
+        return squares
+
+    def _residual(self, law_force: LawForce, step: Array) -> Array:
+        """Give the whitened residuals of all runs for a law's force, factors of groups moved by a step."""
+        residual = self.coarse.against_noise(law_force)
+        if self.coarse.factors is None:
+            return residual
+        changes = self.coarse.in_units(self.coarse.factors.beside(law_force).directions)
+        return np.asarray(
+            residual - np.tensordot(self.fitted.factors + step[len(self.result.fitted) :], changes, axes=1)
+        )

@@ -81,7 +81,7 @@ def describe(judged: Judged, problem: Problem, campaign: Campaign, misfits: tupl
         campaign: the tests, for what isn't periodic in the records.
         misfits: the law's error on each sample.
     """
-    residual = problem.harmonics.plain_residual(judged.result.law_force)
+    residual = problem.plain_residual(judged.result.law_force)
     residual = np.where(problem.harmonics.seen, residual, 0.0)
     loop = _along_cycle(residual)
     shape = np.sqrt(np.mean(loop**2, axis=0))

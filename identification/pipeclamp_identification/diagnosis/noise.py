@@ -10,9 +10,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from pipeclamp_identification.fitting.group_factors import GroupFactors, Poolings
 from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows
 from pipeclamp_identification.loops.loops import Loops
@@ -256,10 +258,12 @@ class WhitenedObservations:
     Attributes:
         loops: the harmonics as they were measured.
         whitener: shape (R, m, m).
+        factors: random factors of groups, where they have any; the units then are those of noise and factors together.
     """
 
     loops: LoopObservations
     whitener: Array
+    factors: GroupFactors | None = None
 
     @property
     def motion(self) -> Motion:
@@ -271,14 +275,34 @@ class WhitenedObservations:
         """Half the range of the measured force, N, shape (R,)."""
         return self.loops.force_amplitude
 
+    def in_units(self, plain: Array) -> Array:
+        """Give harmonics in N, shape (P, R, m), whitened by the noise alone."""
+        return np.asarray(np.einsum("rij,prj->pri", self.whitener, plain))
+
+    def against_noise(self, law_force: LawForce) -> Array:
+        """Give measured less law, whitened by the noise alone, shape (R, m)."""
+        return np.asarray(np.einsum("rij,rj->ri", self.whitener, self.loops.plain_residual(law_force)))
+
+    @cached_property
+    def poolings(self) -> Poolings | None:
+        """The random factors in units of the noise."""
+        return None if self.factors is None else Poolings(self, self.factors)
+
+    def factors_beside(self, law_force: LawForce) -> Array:
+        """Give the likeliest factors of groups beside a law's force, shape (K,); none where there are none."""
+        if self.poolings is None:
+            return np.zeros(0)
+        return self.poolings.beside(law_force).estimate(self.against_noise(law_force))
+
     def residual(self, law_force: LawForce) -> Array:
         """Give measured less law, whitened, shape (R, m)."""
-        return np.asarray(np.einsum("rij,rj->ri", self.whitener, self.loops.plain_residual(law_force)))
+        residual = self.against_noise(law_force)
+        return residual if self.poolings is None else self.poolings.beside(law_force).without(residual)
 
     def residual_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
         """Give the derivatives of the residuals, shape (P, R, m)."""
-        plain = self.loops.plain_slopes(law_force, parameters)
-        return np.asarray(np.einsum("rij,prj->pri", self.whitener, plain))
+        slopes = self.in_units(self.loops.plain_slopes(law_force, parameters))
+        return slopes if self.poolings is None else self.poolings.beside(law_force).without(slopes)
 
     def compared(self, law_force: LawForce) -> int:
         """Give how many of the residuals are evidence; what wasn't measured counts with next to no weight."""

@@ -12,6 +12,8 @@ from joblib import Parallel, delayed, effective_n_jobs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import LeftOut, LeftOutScore, Whitened, whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
+from pipeclamp_identification.fitting.group_factors import GroupFactors
+from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.least_squares import Fit, fit
@@ -25,6 +27,7 @@ from pipeclamp_identification.fitting.observations import (
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.force import LawForce
 
 CLOSELY = 1e-5
 """Tolerance of a candidate's fit: a step that gains less is far below what any verdict asks."""
@@ -51,6 +54,7 @@ class Problem:
         further_groups: other groups that are left out to see how laws foretell them, by name.
         discrepancy: variance of each harmonic part that the laws' form is granted besides the noise, N2. Where the
             best law misses far more than noise, noise alone would let the quietest harmonics rule.
+        factors: random factors of groups that differ beside their conditions; None where none do.
     """
 
     loops: Loops
@@ -60,6 +64,7 @@ class Problem:
     groups: Rows
     further_groups: Mapping[str, Rows]
     discrepancy: float = 0.0
+    factors: GroupFactors | None = None
 
     @property
     def is_large(self) -> bool:
@@ -69,17 +74,31 @@ class Problem:
     @cached_property
     def observations(self) -> WhitenedObservations:
         """What laws are fitted to: whitened by noise and discrepancy."""
-        return WhitenedObservations(self.harmonics, self.noise.whitener(self.discrepancy))
+        return WhitenedObservations(self.harmonics, self.noise.whitener(self.discrepancy), self.factors)
 
     @cached_property
     def coarse(self) -> WhitenedObservations:
         """The same for rough fits: laws are evaluated at fewer points."""
-        return WhitenedObservations(coarser(self.loops, self.harmonics), self.noise.whitener(self.discrepancy))
+        return WhitenedObservations(
+            coarser(self.loops, self.harmonics), self.noise.whitener(self.discrepancy), self.factors
+        )
 
     @cached_property
     def against_noise(self) -> WhitenedObservations:
         """What lack of fit is told from: whitened by the noise alone."""
-        return WhitenedObservations(self.harmonics, self.noise.whitener())
+        return WhitenedObservations(self.harmonics, self.noise.whitener(), self.factors)
+
+    def plain_residual(self, law_force: LawForce) -> Array:
+        """Give measured less law in N, what factors of groups explain left aside, shape (R, m)."""
+        plain = self.harmonics.plain_residual(law_force)
+        if self.factors is None:
+            return plain
+        values = self.observations.factors_beside(law_force)
+        return np.asarray(plain - self.factors.beside(law_force).force(values))
+
+    def groups_beside(self, law_force: LawForce) -> tuple[Groups, ...]:
+        """Find the groups that differ beside a law."""
+        return find_groups(self.loops, self.harmonics, law_force)
 
     @cached_property
     def share_trends(self) -> Array:
@@ -136,15 +155,17 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     loops = per_cycle(loops) if ages or drifts(loops) else loops
     harmonics = loop_observations(loops, points_enough(loops))
     first = fit_structure(structure, loops, harmonics, start=start, tolerance=CLOSELY)
-    noise = noise_model(loops, harmonics.plain_residual(first.law_force))
+    factors = factors_of(first.groups, loops, harmonics)
+    residual = harmonics.plain_residual(first.law_force)
+    noise = noise_model(loops, residual if factors is None else residual - factors.beside(first.law_force).force())
     groups = condition_groups(loops)
-    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops))
+    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors)
     return problem, judge((), structure, [first.law.values], problem)
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:
     """Estimate noise and discrepancy with the best law so far: the better it is, the less physics hides in them."""
-    residual = problem.harmonics.plain_residual(best.law_force)
+    residual = problem.plain_residual(best.law_force)
     again = noise_model(problem.loops, residual)
     noise = replace(
         again,
@@ -153,7 +174,9 @@ def weighed_for(problem: Problem, best: Fit) -> Problem:
     )
     seen = problem.harmonics.seen
     excess = np.where(seen, residual**2 - noise.total_variance(), 0.0)
-    return replace(problem, noise=noise, discrepancy=max(float(excess.sum()) / np.count_nonzero(seen), 0.0))
+    factors = factors_of(problem.groups_beside(best.law_force), problem.loops, problem.harmonics)
+    discrepancy = max(float(excess.sum()) / np.count_nonzero(seen), 0.0)
+    return replace(problem, noise=noise, discrepancy=discrepancy, factors=factors)
 
 
 def judge(
@@ -178,10 +201,10 @@ def judge(
         tolerance = max(tolerance, FROM_NEAR)
     result = fit(structure, problem.observations, start=start, tolerance=tolerance)
     fitted = whitened(result, problem.observations)
-    against_noise = whitened(result, problem.against_noise) if problem.discrepancy else fitted
+    against_noise = whitened(result, problem.against_noise, fitted.factors) if problem.discrepancy else fitted
     left_out = LeftOut(result, problem.observations, problem.coarse, fitted)
     score = left_out.score(problem.groups)
-    plain = problem.harmonics.plain_residual(result.law_force)
+    plain = problem.plain_residual(result.law_force)
     lack = lack_of_fit(
         against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.noise_rms_N
     )

@@ -7,10 +7,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.fitting.group_factors import PooledObservations
+from pipeclamp_identification.fitting.groups import factors_of, find_groups
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows, coarser
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import Level, number_levels
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
@@ -91,12 +94,22 @@ def heldout_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: 
     groups = condition_groups(loops)
     # Steps from point to point take their time; a fold's fit may be told at fewer points than its error.
     fitted_to = coarser(loops, observations) if law.equations.states else observations
-    widened = fitted_to.with_discrepancy(force_of_law(law, fitted_to.motion))
+    as_it_is = force_of_law(law, fitted_to.motion)
+    factors = factors_of(find_groups(loops, fitted_to, as_it_is), loops, observations)
+    explained = 0.0 if factors is None else factors.beside(as_it_is).force()
+    widened = fitted_to.with_discrepancy(as_it_is, explained)
     error = force = 0.0
     for used, left_out in folds(groups, most):
-        refitted = fit(law.structure, widened.rows(used), start=law.values, tolerance=CLOSELY).law
+        rows = widened.rows(used)
+        own = None if factors is None else PooledObservations(rows, factors.rows(used))
+        refitted = fit(law.structure, own or rows, start=law.values, tolerance=CLOSELY)
         beyond = observations.rows(left_out)
-        misfit = beyond.mean_squares(force_of_law(refitted, beyond.motion))
+        foretold = force_of_law(refitted.law, beyond.motion)
+        shown: Array | float = 0.0
+        if own and factors:
+            # a group's factors come from its runs that are left
+            shown = factors.rows(left_out).beside(foretold).force(own.estimate(refitted.law_force))
+        misfit = beyond.mean_squares(foretold, shown)
         error += float(np.sum(misfit + loops.noise_rms_N[left_out] ** 2))
         force += float(np.sum(loops.force_rms_N[left_out] ** 2))
     return float(np.sqrt(error / force))

@@ -10,6 +10,9 @@ from typing import Literal
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign, LeftOut
+from pipeclamp_identification.fitting.group_factors import PooledObservations
+from pipeclamp_identification.fitting.groups import factors_of, find_groups, has_groups
+from pipeclamp_identification.fitting.groups_answer import groups_answer
 from pipeclamp_identification.fitting.least_squares import HELD, TOLERANCE, WISHED, Fit, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
@@ -26,7 +29,9 @@ from pipeclamp_models.law.file import (
     Correlation,
     Covariance,
     DataSource,
+    Estimate,
     FitQuality,
+    GroupEntry,
     HistoryStep,
     Interval,
     LawFile,
@@ -148,13 +153,64 @@ def fit_structure(
     # With elements that slip, the loop's area isn't the power's alone: only the elastic surfaces are a fair start then.
     fair = elastic_values(from_surfaces) if equations.states else from_surfaces
     begin = {**fair, **(start or {})}
+    if has_groups(loops) and set(equations.names) <= set(begin):
+        beside = _fit_beside_groups(
+            structure, loops, observations, unfitted(structure, observations, begin), begin, tell, tolerance
+        )
+        if beside is not None:
+            return beside
     rough = coarser(loops, observations) if equations.states else observations
     first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
+    beside = (
+        _fit_beside_groups(structure, loops, observations, first, begin, tell, tolerance) if has_groups(loops) else None
+    )
+    if beside is not None:
+        return beside
     if equations.states:
         near = fit(structure, rough.with_discrepancy(first.law_force), start=first.law.values, tolerance=ROUGHLY)
         first = unfitted(structure, observations, near.law.values)
     widened = observations.with_discrepancy(first.law_force)
-    return fit(structure, widened, start=first.law.values, tolerance=tolerance, progress=progress)
+    result = fit(structure, widened, start=first.law.values, tolerance=tolerance, progress=progress)
+    found = find_groups(loops, observations, result.law_force)
+    return replace(result, groups=found) if found else result
+
+
+def _fit_beside_groups(
+    structure: Structure,
+    loops: Loops,
+    observations: LoopObservations,
+    first: Fit,
+    begin: Mapping[str, float],
+    tell: Progress,
+    closely: float,
+) -> Fit | None:
+    """Fit a structure beside random factors of groups, and these again beside the fit; None where groups don't differ.
+
+    Args:
+        structure: what is fitted.
+        loops, observations: the tests.
+        first: a law that shows whether groups differ.
+        begin: where the fit begins: what groups do to a fit without them mustn't lead it astray.
+        tell: is told what is being done.
+        closely: tolerance of the last fit.
+    """
+    first = unfitted(structure, observations, first.law.values)
+    factors = factors_of(find_groups(loops, observations, first.law_force), loops, observations)
+    if factors is None:
+        return None
+    tell("fit beside the factors of groups")
+    result, start = first, begin
+    for tolerance in (ROUGHLY, closely):
+        widened = observations.with_discrepancy(result.law_force, factors.beside(result.law_force).force())
+        pooled = PooledObservations(widened, factors)
+        result = fit(structure, pooled, start=start, tolerance=tolerance, progress=tell)
+        found, start = find_groups(loops, observations, result.law_force), result.law.values
+        again = factors_of(found, loops, observations)
+        if again is None:
+            # beside a better law they don't differ
+            return None
+        factors = again
+    return replace(result, groups=found)
 
 
 def law_file(
@@ -248,11 +304,26 @@ def file_of_fit(
         range=dict(range),
         data=data,
         fit=quality,
+        groups=_group_entries(result) or None,
         history=(*history, step),
         software=software(),
         command=command,
         date=date,
     )
+
+
+def _group_entries(result: Fit) -> tuple[GroupEntry, ...]:
+    """Give the file's entries of groups of runs that differ."""
+    entries = []
+    for one in groups_answer([found for found in result.groups if found.differ]):
+        for group in one.groups:
+            factors = {
+                name: Estimate(value=rounded(estimate.value), standard_error=rounded(estimate.standard_error))
+                for name in ("stiffness_factor", "damping_factor", "mean_force_N")
+                if (estimate := getattr(group, name)) is not None
+            }
+            entries.append(GroupEntry(column=one.column, name=group.name, runs=group.runs, **factors))
+    return tuple(entries)
 
 
 def coefficient_entries(result: Fit) -> dict[str, CoefficientEntry]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_identification.fitting.priors import priors_of, spreads_of
 from pipeclamp_models.base.arrays import Array
@@ -64,6 +65,7 @@ class Fit:
         cost: half the sum of squared weighted residuals, without the priors'.
         spreads: standard deviations of the priors, by parameter; those that have none are not in it.
         room: from each fitted parameter down and up to its bounds, shape (2, fitted).
+        groups: columns of texts by which the runs differ beside the law, or may; what they do is no part of it.
     """
 
     law: Law
@@ -76,6 +78,7 @@ class Fit:
     cost: float
     spreads: Mapping[str, float]
     room: Array
+    groups: tuple[Groups, ...] = ()
 
     @property
     def places(self) -> npt.NDArray[np.intp]:

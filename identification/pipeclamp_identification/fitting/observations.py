@@ -173,6 +173,10 @@ class LoopObservations:
         slopes[:, law_force.adrift & (self.plain_residual(law_force)[:, 0] == 0.0), 0] = 0.0
         return np.asarray(slopes)
 
+    def in_units(self, plain: Array) -> Array:
+        """Give harmonics in N in units of their standard error."""
+        return np.asarray(plain / self.standard_error)
+
     def residual(self, law_force: LawForce) -> Array:
         """Give (measured - law)/standard error."""
         return np.asarray(self.plain_residual(law_force) / self.standard_error)
@@ -195,20 +199,21 @@ class LoopObservations:
             None if self.transforms is None else self.transforms[chosen],
         )
 
-    def mean_squares(self, law_force: LawForce) -> Array:
-        """Give the mean square of each loop's error, N2, shape (R,), by Parseval; scatter left aside."""
-        error = np.where(self.seen, self.plain_residual(law_force), 0.0)
+    def mean_squares(self, law_force: LawForce, explained: Array | float = 0.0) -> Array:
+        """Give the mean square of each loop's error, N2, shape (R,), by Parseval; scatter, and what is explained
+        besides (harmonics, N), left aside."""
+        error = np.where(self.seen, self.plain_residual(law_force) - explained, 0.0)
         return np.asarray(error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2)
 
-    def with_discrepancy(self, law_force: LawForce) -> LoopObservations:
+    def with_discrepancy(self, law_force: LawForce, explained: Array | float = 0.0) -> LoopObservations:
         """Widen the uncertainty by what a law leaves over beyond the noise, as if it were spread over all harmonics.
 
         Where the law misses something, noise alone would let the quietest runs and the quietest harmonics rule the
         fit. Spread evenly, a law that misses much is fitted for the smallest rms force, and one that misses nothing by
-        the noise.
+        the noise. What is explained besides the law, N, of the harmonics' shape, isn't missed.
         """
         used = np.isfinite(self.standard_error)
-        error = np.where(used, self.plain_residual(law_force), 0.0)
+        error = np.where(used, self.plain_residual(law_force) - explained, 0.0)
         noise = np.where(used, self.standard_error, 0.0) ** 2
         excess = max(float(np.sum(error**2 - noise)) / np.count_nonzero(used), 0.0)
         return replace(self, standard_error=np.sqrt(self.standard_error**2 + excess))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -77,6 +77,8 @@ class Loop:
     """(samples,) rad: where in the cycle each steady sample lies, in the order of time."""
     at_reversals: Bridged
     """The samples at reversals, which stand for the mean over their interval."""
+    labels: Mapping[str, str] = field(default_factory=dict)
+    """Texts that may group runs, by column of runs.csv; blank where there is none."""
 
     @property
     def cycle(self) -> float:
@@ -176,6 +178,7 @@ def loop_of(run: Run, condition_columns: Sequence[str], harmonics: int, displace
         force_per_cycle=_padded(fitted[1], harmonics),
         phases=own_phase,
         at_reversals=at_reversals,
+        labels={"specimen": run.specimen or "", **run.labels},
     )
 
 

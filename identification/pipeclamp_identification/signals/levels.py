@@ -79,6 +79,15 @@ def name_levels(names: Sequence[str | None]) -> tuple[Level, ...]:
     return (*levels, *_unknown(np.flatnonzero([not name for name in names])))
 
 
+def group_names(labels: Sequence[str]) -> list[str]:
+    """Give the groups that labels make, in alphabetical order; blanks are of none.
+
+    Labels that hardly repeat are remarks: none, unless two groups at least have two runs each.
+    """
+    counts = {name: labels.count(name) for name in sorted(set(labels) - {""})}
+    return list(counts) if sum(count > 1 for count in counts.values()) > 1 else []
+
+
 def _unknown(rows: Rows) -> tuple[Level, ...]:
     return (Level("not known", "", "", rows, known=False),) if len(rows) else ()
 

@@ -108,6 +108,10 @@ class MetricTests:
         )
         return FittedToMetrics(self.campaign, found)
 
+    def per(self, column: str) -> Mapping[str, MetricTests]:
+        """Refuse: a law for each group is fitted to records, see `Tests.per`."""
+        raise UserError(f"--per {column}: these tests are metrics without records; expected records of the loops")
+
     def compare(self, file: LawFile) -> MetricComparison:
         """Hold a law against the metrics, see `Tests.compare`."""
         return compare_metrics(file, self.campaign)

@@ -6,7 +6,7 @@ A diagnosis, and what only it needs, is imported where it is asked for: fits and
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.writing import as_metrics
 from pipeclamp_identification.workflow.tests import Refitted, silent
+from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, law_of
@@ -118,6 +119,22 @@ class RecordTests:
             progress=progress,
         )  # fmt: skip
         return FittedToRecords(self.sines, found)
+
+    def per(self, column: str) -> Mapping[str, RecordTests]:
+        """Give the tests of each group, see `Tests.per`."""
+        runs = self.sines.runs
+        columns = list(dict.fromkeys(name for run in runs for name in ("specimen", *run.labels)))
+        if column not in columns:
+            raise UserError(
+                f"--per: got {column!r}; {did_you_mean(column, columns)}runs.csv has {', '.join(columns)} with texts"
+            )
+        group = {run.name: (run.specimen or "") if column == "specimen" else run.labels[column] for run in runs}
+        if blank := [name for name, label in group.items() if not label]:
+            raise UserError(f"--per {column}: blank for run {', '.join(blank[:5])}; fill it in in runs.csv")
+        return {
+            name: RecordTests(replace(self.sines, runs=tuple(run for run in runs if group[run.name] == name)))
+            for name in sorted(set(group.values()))
+        }
 
     def compare(self, file: LawFile) -> Comparison:
         """Hold a law against the records, see `Tests.compare`."""

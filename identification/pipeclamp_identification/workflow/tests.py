@@ -170,6 +170,13 @@ class Tests(Protocol):
             UserError: the tests can't serve the law.
         """
 
+    def per(self, column: str) -> Mapping[str, Tests]:
+        """Give the tests of each group of a column of texts (specimen, valve, operator), by the group's name.
+
+        Raises:
+            UserError: there is no such column, or it doesn't group the runs.
+        """
+
     def compare(self, file: LawFile) -> Held:
         """Hold a law against the tests.
 

@@ -118,6 +118,27 @@ class FitQuality(Part):
     unsettled: Annotated[int, Field(ge=1)] | None = None
 
 
+class Estimate(Part):
+    """A value with its standard error."""
+
+    value: Finite
+    standard_error: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class GroupEntry(Part):
+    """A group of the runs that the law was identified from, which has factors of its own; they are no part of the law.
+
+    Stiffness and damping are factors on the law's, the mean force adds to it; what isn't there doesn't differ.
+    """
+
+    column: str
+    name: str
+    runs: Annotated[int, Field(ge=1)]
+    stiffness_factor: Estimate | None = None
+    damping_factor: Estimate | None = None
+    mean_force_N: Estimate | None = None
+
+
 class HistoryStep(Part):
     """One step of the law's way: what was added and what the error did."""
 
@@ -147,6 +168,7 @@ class LawFile(Part):
     range: dict[str, Interval]
     data: DataSource
     fit: FitQuality | None = None
+    groups: tuple[GroupEntry, ...] | None = None
     history: tuple[HistoryStep, ...] = ()
     software: str
     command: str

@@ -1,0 +1,399 @@
+"""Groups of runs that differ beside their conditions: which, by how much, in what; and runs that are of another group.
+
+What conditions may do goes first: a group's share is what is left beside them. So a condition that is constant inside
+each group (a density) explains what it can, and groups that were tested at conditions of their own can't be told from
+them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from pipeclamp_identification.fitting.group_factors import GroupFactors, Mixed, contrasts_of, mixed
+from pipeclamp_identification.fitting.observations import LoopObservations, Rows
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import group_names, number_levels
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.realise.force import LawForce
+
+Quantity = Literal["stiffness", "damping", "mean_force"]
+QUANTITIES: tuple[Quantity, ...] = ("stiffness", "damping", "mean_force")
+
+BY_CHANCE = 1e-3
+"""Groups that differ so much by chance, over all columns and quantities, less often than this do differ."""
+MATERIAL_SHARE = 5e-4
+"""Groups whose factors spread by less than this share (of the force, for mean forces) don't matter: few load cells are
+truer."""
+SAME = 0.05
+"""Conditions closer than this share of each other count as the same."""
+FEWEST_FREE = 4
+"""Runs that conditions and groups must leave free to show their scatter."""
+STRANGE = 5.0
+"""Standard deviations that a run must be off its own group, by the others' scatter, to be of another one."""
+AT_HOME = 1 / 3
+"""And no more than this share of that off the other one."""
+MOST_STRANGE = 0.1
+"""Share of the runs that may be strangers; more say that the column itself is in doubt."""
+
+
+@dataclass(frozen=True)
+class Stranger:
+    """A run that behaves like another group than the one that runs.csv puts it in."""
+
+    run: str
+    said: str
+    behaves_like: str
+
+
+@dataclass(frozen=True)
+class Groups:
+    """What a column of labels does.
+
+    Attributes:
+        column: its name; `alike` names columns that part the runs in the same way.
+        names: of the groups.
+        of_run: the group of each run, strangers in the one that they behave like, blank where there is none.
+        counts: runs of each group.
+        differ: quantities in which the groups differ beyond chance.
+        chances: that chance alone makes so much, by quantity.
+        shares: of stiffness and damping, and mean forces in N, of each group, by quantity that differs.
+        confounded: conditions that the groups can't be told from.
+        explained_by: conditions, constant inside each group, that explain a difference as well.
+        strangers: runs that are of another group.
+    """
+
+    column: str
+    alike: tuple[str, ...]
+    names: tuple[str, ...]
+    of_run: Mapping[str, str]
+    counts: tuple[int, ...]
+    differ: tuple[Quantity, ...]
+    chances: Mapping[Quantity, float]
+    shares: Mapping[Quantity, Mixed]
+    confounded: tuple[str, ...]
+    explained_by: tuple[str, ...]
+    strangers: tuple[Stranger, ...]
+
+    def factors(self, quantity: Quantity) -> tuple[Array, Array]:
+        """Give each group's factor (or mean force in N) and its standard error; 1 (or 0 N) where they don't differ."""
+        neutral = 0.0 if quantity == "mean_force" else 1.0
+        if quantity not in self.shares:
+            return np.full(len(self.names), neutral), np.zeros(len(self.names))
+        own = self.shares[quantity]
+        if quantity == "mean_force":
+            return own.values, own.errors
+        # a share of the measured force: measured is the law's times 1/(1 - share)
+        return 1 / (1 - own.values), own.errors / (1 - own.values) ** 2
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """Shares by run: rows of one run, its cycles say, together."""
+
+    names: tuple[str, ...]
+    rows: Rows
+    quantities: Mapping[Quantity, Array]
+    labels: Mapping[str, Sequence[str]]
+    size: float
+
+
+def find_groups(loops: Loops, observations: LoopObservations, law_force: LawForce) -> tuple[Groups, ...]:
+    """Find the columns of labels whose groups differ, or can't be told from conditions.
+
+    Args:
+        loops: the tests, one row a run, or one a run and cycle.
+        observations: the same as observations.
+        law_force: of the law beside which they are looked for.
+    """
+    if not has_groups(loops):
+        return ()
+    runs = _by_run(loops, observations, law_force)
+    parted: dict[tuple[int, ...], list[str]] = {}
+    for column, labels in runs.labels.items():
+        if group_names(list(labels)):
+            partition = tuple(np.unique(labels, return_inverse=True)[1].tolist())
+            parted.setdefault(partition, []).append(column)
+    found = []
+    for first, *alike in parted.values():
+        others = [labels for column, labels in runs.labels.items() if column not in (first, *alike)]
+        one = _groups_of(first, tuple(alike), runs, _Conditions(loops, runs), others, len(parted))
+        if one is not None and (one.differ or one.confounded or one.explained_by):
+            found.append(one)
+    return tuple(found)
+
+
+def has_groups(loops: Loops) -> bool:
+    """Tell whether any column of labels groups the tests."""
+    columns = loops.rows[0].labels
+    return any(group_names([row.labels.get(column, "") for row in loops.rows]) for column in columns)
+
+
+def factors_of(found: Sequence[Groups], loops: Loops, observations: LoopObservations) -> GroupFactors | None:
+    """Give the random factors of groups that differ, for a fit; None where none do."""
+    directions, spreads, values = [], [], []
+    changes = _changes(observations)
+    for one in found:
+        group = np.array([one.of_run[run] for run in loops.run])
+        for quantity in one.differ:
+            for contrast in contrasts_of(len(one.names)).T:
+                weight = sum(share * (group == name) for share, name in zip(contrast, one.names, strict=True))
+                directions.append(changes[quantity] * np.asarray(weight)[:, None])
+                spreads.append(one.shares[quantity].spread)
+                values.append(float(contrast @ one.shares[quantity].values))
+    if not directions:
+        return None
+    return GroupFactors(np.stack(directions), np.array(spreads), np.array(values))
+
+
+def _changes(observations: LoopObservations) -> dict[Quantity, Array]:
+    """Give what a share more of stiffness, of damping, and a newton of mean force do to the harmonics, shape (R, m)."""
+    changes = {quantity: np.zeros_like(observations.harmonics) for quantity in QUANTITIES}
+    harmonics = np.where(observations.seen, observations.harmonics, 0.0)
+    # with the motion a cosine, what loading and unloading share is in phase, the rest in quadrature
+    changes["stiffness"][:, 1::2] = harmonics[:, 1::2]
+    changes["damping"][:, 2::2] = harmonics[:, 2::2]
+    changes["mean_force"][:, 0] = observations.seen[:, 0]
+    return changes
+
+
+def _by_run(loops: Loops, observations: LoopObservations, law_force: LawForce) -> _Runs:
+    residual = observations.plain_residual(law_force)
+    if law_force.adrift.any():
+        # what a law leaves open is asked of the measured means themselves
+        residual[:, 0] = observations.harmonics[:, 0]
+    names = tuple(dict.fromkeys(loops.run))
+    place = {name: index for index, name in enumerate(names)}
+    rows = np.array([place[run] for run in loops.run])
+    counts = np.bincount(rows)
+    quantities = {}
+    changes = _changes(observations)
+    for quantity, change in changes.items():
+        size = np.sum(change**2, axis=1)
+        off = np.sum(np.where(observations.seen, residual, 0.0) * change, axis=1)
+        share = np.divide(off, size, out=np.full(len(size), np.nan), where=size > 0)
+        quantities[quantity] = np.bincount(rows, share) / counts
+    first = np.unique(rows, return_index=True)[1]
+    columns = loops.rows[0].labels
+    labels = {column: [loops.rows[row].labels[column] for row in first] for column in columns}
+    return _Runs(names, first, quantities, labels, float(np.median(observations.force_amplitude)))
+
+
+class _Conditions:
+    """What conditions may do to runs: a constant each level; a line where a condition is constant inside each group."""
+
+    def __init__(self, loops: Loops, runs: _Runs) -> None:
+        rows = runs.rows
+        self.main = {
+            "A": loops.amplitude_mm[rows],
+            "f": loops.frequency_Hz[rows],
+            "T": loops.temperature_K[rows],
+        }
+        self.further = {
+            name: values[rows] for name, values in {"density_g_cm3": loops.density_g_cm3, **loops.conditions}.items()
+        }
+        self.count = len(rows)
+
+    def own(self, labels: Sequence[str]) -> list[str]:
+        """Give the further conditions that are constant inside each group and differ between groups."""
+        names = np.array(labels)
+        found = []
+        for name, values in self.further.items():
+            if not np.all(np.isfinite(values)) or np.ptp(values) == 0:
+                continue
+            spans = [np.ptp(values[names == group]) for group in set(labels) - {""}]
+            if max(spans) <= 1e-9 * np.max(np.abs(values)):
+                found.append(name)
+        return found
+
+    def basis(self, lines: Sequence[str], leave: Sequence[str] = (), others: Sequence[Sequence[str]] = ()) -> Array:
+        """Give orthonormal functions, shape (R, p): lines in some conditions, constants in the levels of others."""
+        columns = [np.ones(self.count)]
+        for name, values in {**self.main, **self.further}.items():
+            if name in leave or not np.any(np.isfinite(values)):
+                continue
+            if name in lines:
+                columns.append((values - values.mean()) / values.std())
+                continue
+            relative = None if name == "T" else SAME
+            levels = number_levels(values, relative=relative, absolute=5.0 if name == "T" else np.inf)
+            columns += [_one_at(level.rows, self.count) for level in levels[1:]]
+        for labels in others:
+            columns += [np.array([float(label == name) for label in labels]) for name in group_names(list(labels))[1:]]
+        left, singular, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
+        return np.asarray(left[:, singular > 1e-8 * singular[0]])
+
+
+def _one_at(rows: Rows, count: int) -> Array:
+    column = np.zeros(count)
+    column[rows] = 1.0
+    return column
+
+
+def _groups_of(
+    column: str,
+    alike: tuple[str, ...],
+    runs: _Runs,
+    conditions: _Conditions,
+    others: Sequence[Sequence[str]],
+    tried: int,
+) -> Groups | None:
+    """Ask one column; None where there are too few runs to tell."""
+    labels = list(runs.labels[column])
+    names = group_names(labels)
+    lines = conditions.own(labels)
+    fixed = conditions.basis(lines, others=others)
+    member = _member(labels, names)
+    if _rank(member, fixed) < len(names) - 1 and _rank(member, conditions.basis(lines)) > _rank(member, fixed):
+        fixed = conditions.basis(lines)
+    if conditions.count - fixed.shape[1] - _rank(member, fixed) < FEWEST_FREE:
+        return None
+    limit = BY_CHANCE / (tried * len(QUANTITIES))
+    known = {quantity: values for quantity, values in runs.quantities.items() if _tells(values, fixed, labels, names)}
+    labels, strangers = _at_home(labels, names, known, fixed, runs.names, limit)
+    member = _member(labels, names)
+    chances = {quantity: _chance(values, fixed, member) for quantity, values in known.items()}
+    shares = {quantity: mixed(*_where_known(values, fixed, member)) for quantity, values in known.items()}
+    least = {"stiffness": MATERIAL_SHARE, "damping": MATERIAL_SHARE, "mean_force": MATERIAL_SHARE * runs.size}
+    differ = tuple(
+        quantity for quantity in known if chances[quantity] < limit and shares[quantity].spread > least[quantity]
+    )
+    rank = _rank(member, fixed)
+    confounded = tuple(
+        name
+        for name in ("A", "f", "T")
+        if rank < len(names) - 1 and _rank(member, conditions.basis(lines, (name,))) > rank
+    )
+    without = {name: conditions.basis([line for line in lines if line != name], (name,)) for name in lines}
+    explained_by = tuple(
+        name
+        for name, basis in without.items()
+        if any(
+            quantity not in differ
+            and _chance(values, basis, member) < limit
+            and mixed(*_where_known(values, basis, member)).spread > least[quantity]
+            for quantity, values in known.items()
+        )
+    )
+    return Groups(
+        column=column,
+        alike=alike,
+        names=tuple(names),
+        of_run=dict(zip(runs.names, labels, strict=True)),
+        counts=tuple(labels.count(name) for name in names),
+        differ=differ,
+        chances=chances,
+        shares={quantity: shares[quantity] for quantity in differ},
+        confounded=confounded,
+        explained_by=explained_by,
+        strangers=strangers if differ else (),
+    )
+
+
+def _tells(quantity: Array, fixed: Array, labels: Sequence[str], names: Sequence[str]) -> bool:
+    """Tell whether a quantity is known in runs enough, of every group: a law may leave mean forces open."""
+    known = np.isfinite(quantity)
+    groups = {label for label, there in zip(labels, known, strict=True) if there} - {""}
+    return groups == set(names) and np.count_nonzero(known) - fixed.shape[1] - len(names) + 1 >= FEWEST_FREE
+
+
+def _where_known(quantity: Array, fixed: Array, member: Array) -> tuple[Array, Array, Array]:
+    """Give a quantity, orthonormal functions of the conditions and groups for the runs that it is known of."""
+    known = np.isfinite(quantity)
+    if np.all(known):
+        return quantity, fixed, member
+    left, singular, _ = np.linalg.svd(fixed[known], full_matrices=False)
+    return quantity[known], left[:, singular > 1e-8 * singular[0]], member[known]
+
+
+def _member(labels: Sequence[str], names: Sequence[str]) -> Array:
+    return np.array([[float(label == name) for name in names] for label in labels])
+
+
+def _rank(member: Array, fixed: Array) -> int:
+    """Give how many differences between groups the conditions leave to be seen."""
+    own = member - fixed @ (fixed.T @ member)
+    return int(np.linalg.matrix_rank(own, tol=1e-6 * np.linalg.norm(member)))
+
+
+def _chance(quantity: Array, fixed: Array, member: Array) -> float:
+    """Give the chance that groups differ so much by the scatter of runs alone: the F test beside the conditions."""
+    # what has no groups does without it
+    from scipy.special import fdtrc
+
+    quantity, fixed, member = _where_known(quantity, fixed, member)
+    rest = quantity - fixed @ (fixed.T @ quantity)
+    own = member - fixed @ (fixed.T @ member)
+    left, singular, _ = np.linalg.svd(own, full_matrices=False)
+    left = left[:, singular > 1e-6 * np.linalg.norm(member)]
+    between = float(np.sum((left.T @ rest) ** 2))
+    free = len(rest) - fixed.shape[1] - left.shape[1]
+    if left.shape[1] == 0 or free < 1:
+        return 1.0
+    within = max(float(rest @ rest) - between, 1e-300)
+    return float(fdtrc(left.shape[1], free, between / left.shape[1] / (within / free)))
+
+
+def _at_home(
+    labels: list[str], names: Sequence[str], known: Mapping[Quantity, Array], fixed: Array, runs: Sequence[str],
+    limit: float,
+) -> tuple[list[str], tuple[Stranger, ...]]:  # fmt: skip
+    """Move runs that behave like another group there, the strangest first, as long as there are few."""
+    moved = list(labels)
+    for _ in range(max(1, int(MOST_STRANGE * len(labels)))):
+        strangest = _strangest(moved, names, known, fixed, limit)
+        if strangest is None:
+            break
+        row, home = strangest
+        moved[row] = home
+    else:
+        if _strangest(moved, names, known, fixed, limit) is not None:
+            return labels, ()
+    found = [Stranger(run, said, like) for run, said, like in zip(runs, labels, moved, strict=True) if said != like]
+    return moved, tuple(found)
+
+
+def _strangest(
+    labels: Sequence[str], names: Sequence[str], known: Mapping[Quantity, Array], fixed: Array, limit: float
+) -> tuple[int, str] | None:
+    """Give the run that is farthest off its own group and at home in another, and that group; None where none is."""
+    member = _member(labels, names)
+    basis = np.concatenate([fixed, member], axis=1)
+    left, singular, right = np.linalg.svd(basis, full_matrices=False)
+    kept = singular > 1e-8 * singular[0]
+    span = left[:, kept]
+    leverage = np.sum(span**2, axis=1)
+    square = np.zeros(len(labels))
+    elsewhere = np.zeros((len(labels), len(names)))
+    told = 0
+    for values in known.values():
+        if not np.all(np.isfinite(values)) or _chance(values, fixed, member) >= limit:
+            continue
+        told += 1
+        rest = values - span @ (span.T @ values)
+        # a run that is off pulls its own group along: what it would be off had it been left out
+        off = rest / np.maximum(1 - leverage, 1e-6)
+        scatter = 1.4826 * float(np.median(np.abs(rest))) / np.sqrt(np.median(1 - leverage))
+        solution = (right[kept].T / singular[kept]) @ (span.T @ values)
+        share = solution[fixed.shape[1] :]
+        scatter = max(scatter, 1e-12)
+        weight = np.sqrt(1 - leverage) / scatter
+        square += (off * weight) ** 2
+        for row, label in enumerate(labels):
+            if label:
+                step = share - share[names.index(label)]
+                elsewhere[row] += ((off[row] - step) * weight[row]) ** 2
+    if not told:
+        return None
+    for row in np.argsort(-square).tolist():
+        if square[row] < STRANGE**2:
+            return None
+        if not labels[row]:
+            continue
+        home = int(np.argmin(elsewhere[row]))
+        if elsewhere[row, home] <= AT_HOME**2 * square[row] and names[home] != labels[row]:
+            return row, names[home]
+    return None

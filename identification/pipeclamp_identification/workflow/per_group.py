@@ -1,0 +1,84 @@
+"""A law for each group of runs: each specimen's, each valve's."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from pipeclamp_identification.campaign.writing import PLAIN
+from pipeclamp_identification.fitting.identify import Method
+from pipeclamp_identification.workflow.tests import Identified, Tests, silent
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+
+FEWEST_RUNS = 4
+"""Fewer runs can't show how a law follows amplitude, frequency and temperature."""
+LONGEST = 60
+"""Letters of a file's name."""
+
+
+@dataclass(frozen=True)
+class GroupLaw:
+    """The law of one group: its name, the name of its file without ending, and what was found."""
+
+    group: str
+    stem: str
+    tests: Tests
+    found: Identified
+
+
+def identify_per(
+    tests: Tests,
+    column: str,
+    *,
+    base: str = "power",
+    effects: Sequence[str] = (),
+    frozen: Mapping[str, float] | None = None,
+    method: Method = "joint",
+    declared: Iterable[Declaration] = (),
+    progress: Progress = silent,
+) -> tuple[GroupLaw, ...]:
+    """Fit a law to each group of a column of texts by itself.
+
+    Args:
+        tests: all runs.
+        column: the column of runs.csv.
+        base, effects, frozen, method, declared, progress: as for `Tests.identify`.
+
+    Raises:
+        UserError: there is no such column, a group has too few runs, or can't serve the law; it is named.
+    """
+    groups, declared = tests.per(column), tuple(declared)
+    counts = {name: len(own.metrics().runs) for name, own in groups.items()}
+    if few := [f"{name} ({count})" for name, count in counts.items() if count < FEWEST_RUNS]:
+        raise UserError(
+            f"--per {column}: too few runs of {', '.join(few)}; expected at least {FEWEST_RUNS} of each: test more, or "
+            "take their rows out of runs.csv"
+        )
+    laws = []
+    for (name, own), stem in zip(groups.items(), stems(list(groups)), strict=True):
+        progress(f"{column} {name}")
+        try:
+            found = own.identify(
+                base=base, effects=effects, frozen=frozen, method=method, declared=declared, progress=progress
+            )
+        except UserError as error:
+            raise UserError(f"{column} {name!r}: {error}") from error
+        laws.append(GroupLaw(name, stem, own, found))
+    return tuple(laws)
+
+
+def stems(names: Sequence[str]) -> list[str]:
+    """Give names of files for texts, plain on every system: no two alike, whatever their case."""
+    taken: set[str] = set()
+    found = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:LONGEST] or "group"
+        stem = plain if PLAIN.fullmatch(plain) else f"{plain}_"
+        while stem.casefold() in taken:
+            stem += "_"
+        taken.add(stem.casefold())
+        found.append(stem)
+    return found
