@@ -84,6 +84,12 @@ def identify_per(
 
     Raises:
         UserError: there is no such column, or a group has too few runs, or can't determine the law.
+
+    >>> try:
+    ...     identify_per("clamp_a", "valve")
+    ... except UserError as error:
+    ...     print(error)
+    --per: got 'valve'; expected a column of texts in runs.csv, which has none
     """
     from pipeclamp_identification.workflow.per_group import identify_per as fitted
 

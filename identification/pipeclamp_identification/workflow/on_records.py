@@ -123,12 +123,14 @@ class RecordTests:
     def per(self, column: str) -> Mapping[str, RecordTests]:
         """Give the tests of each group, see `Tests.per`."""
         runs = self.sines.runs
-        columns = list(dict.fromkeys(name for run in runs for name in ("specimen", *run.labels)))
+        texts = {run.name: {"specimen": run.specimen or "", **run.labels} for run in runs}
+        columns = list(dict.fromkeys(name for own in texts.values() for name, text in own.items() if text))
         if column not in columns:
             raise UserError(
-                f"--per: got {column!r}; {did_you_mean(column, columns)}runs.csv has {', '.join(columns)} with texts"
+                f"--per: got {column!r}; {did_you_mean(column, columns)}expected a column of texts in runs.csv, which "
+                f"has {', '.join(columns) or 'none'}"
             )
-        group = {run.name: (run.specimen or "") if column == "specimen" else run.labels[column] for run in runs}
+        group = {run: own[column] for run, own in texts.items()}
         if blank := [name for name, label in group.items() if not label]:
             raise UserError(f"--per {column}: blank for run {', '.join(blank[:5])}; fill it in in runs.csv")
         return {
