@@ -83,11 +83,17 @@ def better_base(asked: Asked, progress: Progress) -> Structure | None:
 
 
 def _on(base: str, asked: Asked) -> Structure:
-    """Give the law on another base; an effect that is one of the base's terms is in it already."""
+    """Give the law on another base; an effect that is one of the base's terms is in it already.
+
+    Orders of a series are chosen without effects that have states: each of dozens of fits would step them.
+    """
     terms = find_base(base).terms
     effects = tuple(name for name in asked.structure.effects if name not in terms)
     other = replace(asked.structure, base=base, effects=effects)
-    return choose_series(asked.problem.loops, asked.problem.harmonics, other) if base == "series" else other
+    if base != "series":
+        return other
+    light = replace(other, effects=tuple(name for name in effects if not asked.structure.effect(name).states))
+    return replace(other, base=choose_series(asked.problem.loops, asked.problem.harmonics, light).base)
 
 
 def _starts(other: Structure, asked: Asked) -> list[Mapping[str, float]]:
