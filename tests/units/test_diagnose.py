@@ -15,8 +15,11 @@ from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
 from pipeclamp_identification.diagnosis.next_test import next_test
+from pipeclamp_identification.diagnosis.problem import prepare
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_identification.fitting.observations import SAMPLES, points_enough
+from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UsageError
@@ -48,6 +51,15 @@ def campaign(tmp_path_factory):
 def test_scatter_alone_is_complete(campaign):
     diagnosis = diagnose(Structure("power"), campaign())
     assert (diagnosis.verdict, diagnosis.effects) == ("complete", ())
+
+
+def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
+    """Noisy records of few samples: each is seen through its own sampling, at few points of the cycle."""
+    plan = rig.TestPlan((0.3, 0.8), (1.0, 3.0), (20.0,), rate=100.0, cycles=3, force_noise=10.0, seed=5)
+    loops = loops_of(campaign(plan=plan))
+    assert points_enough(loops) < SAMPLES
+    problem, law = prepare(Structure("power", ("loosening",)), loops)
+    assert len(law.fitted.residual) == len(problem.loops.run) == 3 * len(loops.run)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gzip
 import shutil
+import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +17,12 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.diagnosis.left_out import LeftOut, whitened
 from pipeclamp_identification.diagnosis.problem import prepare
 from pipeclamp_identification.fitting.group_factors import Poolings, mixed
-from pipeclamp_identification.fitting.groups import factors_of
+from pipeclamp_identification.fitting.groups import factors_of, find_groups, strangest_run
 from pipeclamp_identification.fitting.groups_answer import groups_answer
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import loop_observations
-from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.workflow.per_group import stems
 from pipeclamp_models.law.law import Structure
 
@@ -128,6 +130,31 @@ def test_a_run_of_another_specimen_is_told(tmp_path):
     (stranger,) = found.strangers
     name = pl.read_csv(bundled_campaign("clamp_a") / "runs.csv")["run"][place]
     assert (stranger.run, stranger.said, stranger.behaves_like) == (name, "S3", "S2")
+
+
+def test_columns_that_part_the_runs_alike_are_told_as_one(differing):
+    """Whatever the alphabetical order of their texts."""
+    result, loops, _ = differing
+    valve = {"S1": "z", "S2": "y", "S3": "x"}
+    rows = (replace(row, labels={**row.labels, "valve": valve[row.labels["specimen"]]}) for row in loops.rows)
+    (found,) = find_groups(Loops(tuple(rows), loops.force_average), loop_observations(loops), result.law_force)
+    assert (found.column, found.alike) == ("specimen", ("valve",))
+
+
+def test_runs_that_alone_are_at_their_conditions_are_no_strangers():
+    """Nothing tells their scatter; of the others one that is of another group is told all the same."""
+    said, alone, other = ["a", "b"] * 15, 18, 25
+    levels = np.concatenate([np.ones((30, 1)), np.eye(30)[:, :alone]], axis=1)
+    fixed = np.linalg.qr(levels)[0]
+    scatter = np.random.default_rng(2).standard_normal(30)
+    scatter[:alone] += np.arange(alone)
+    differ = np.array([float(name == "b") for name in said])
+    near, far = scatter + 3 * differ, scatter + 1000 * differ
+    far[other] -= 1000
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert strangest_run(said, ["a", "b"], {"stiffness": near}, fixed, 0.1) is None
+        assert strangest_run(said, ["a", "b"], {"stiffness": far}, fixed, 0.1) == (other, "a")
 
 
 def test_few_runs_pull_a_group_little_away():

@@ -107,9 +107,13 @@ def test_other_sources_have_another_folder(tmp_path):
 
 
 def test_folders_of_old_sources_go(folder, monkeypatch):
-    versions = [f"version_{index}" for index in range(kept_module.MOST_VERSIONS + 2)]
+    versions = [f"{index:016x}" for index in range(kept_module.MOST_VERSIONS + 2)]
+    others = [folder / name for name in ("somebody's", "else")]
+    for other in others:
+        other.mkdir(parents=True)
     for version in versions:
         monkeypatch.setattr(kept_module, "version_of", lambda package, version=version: version)
         kept("name", lambda: 1)
     assert versions[-1] in {entry.name for entry in folder.iterdir()}
-    assert len(list(folder.iterdir())) == kept_module.MOST_VERSIONS
+    assert len(list(folder.iterdir())) == kept_module.MOST_VERSIONS + len(others)
+    assert all(other.is_dir() for other in others)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import pickle
 import shutil
 from pathlib import Path
 
@@ -233,3 +234,9 @@ def test_the_drift_of_a_measured_damper_is_found(measured_data, tmp_path):
     )  # fmt: skip
     (fault,) = read_campaign(tmp_path / "drift").faults
     assert (fault.channel, fault.fault, len(fault.runs)) == ("force", "zero_drift", 6)
+
+
+def test_a_failure_goes_to_another_process_whole():
+    failure = SensorFailure("stands still", "force", "stuck", 3.0, "N")
+    copied = pickle.loads(pickle.dumps(failure))
+    assert (str(copied), vars(copied)) == (str(failure), vars(failure))

@@ -78,8 +78,9 @@ def spare(*inputs: str | Path, outputs: Sequence[Path | None]) -> None:
             twice.
     """
     written = [path for path in outputs if path]
+    resolved = [path.resolve() for path in written]
     for path in written:
-        if written.count(path) > 1:
+        if resolved.count(path.resolve()) > 1:
             raise UsageError(f"{path}: two answers would be written there; expected a file for each")
     there = {path.resolve(): path for path in written if path.exists()}
     if not there:

@@ -337,8 +337,8 @@ def _fault(
             else "the force stays, though it follows the amplitude from run to run"
         )
         words = (
-            f"the gain of the {channel} channel drifts: by {size:+.2%} (standard error {error:.1g}) {where}; {told}; "
-            f"{_done_words(done)}; to do: calibrate it, and repeat these runs"
+            f"the gain of the {channel} channel drifts: by {size:+.2%} (standard error {100 * error:.1g} %) "
+            f"{where}; {told}; {_done_words(done)}; to do: calibrate it, and repeat these runs"
         )
     return SensorFault(
         channel=channel, fault=kind, over="record", size=size, unit=unit, done=done, words=words,

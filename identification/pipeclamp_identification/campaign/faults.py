@@ -55,6 +55,10 @@ class SensorFailure(UnusableRecord):
         super().__init__(reason)
         self.channel, self.fault, self.size, self.unit = channel, fault, size, unit
 
+    def __reduce__(self) -> tuple[type[SensorFailure], tuple[str, Channel, FaultKind, float | None, str]]:
+        """Give how to make a copy: a campaign may go to another process."""
+        return SensorFailure, (str(self), self.channel, self.fault, self.size, self.unit)
+
 
 def faults_of_failures(failures: Sequence[tuple[str, SensorFailure]]) -> tuple[SensorFault, ...]:
     """Give the faults for which runs were left out, those alike together; failures with their run's name."""

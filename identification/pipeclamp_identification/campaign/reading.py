@@ -75,9 +75,8 @@ class Campaign:
     """The loop tests of one clamp: usable runs in runs.csv's order, those left out, and how records were smoothed.
 
     `remarks` say what sensors do wrong in runs that are used, and where records show other settings than runs.csv
-    states; those runs' settings are None. Of the
-    runs in `runs` the motion is a sine, of those in `free` it isn't. `faults` are those of sensors; where one could be
-    repaired, the records here are the repaired ones.
+    states; those runs' settings are None. Of the runs in `runs` the motion is a sine, of those in `free` it isn't.
+    `faults` are those of sensors; where one could be repaired, the records here are the repaired ones.
     """
 
     name: str

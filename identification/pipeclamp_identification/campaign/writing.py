@@ -58,7 +58,7 @@ def campaign_files(
         yield file, encoded(pl.DataFrame(samples), format)
         if progress:
             progress(run_name)
-    yield "runs.csv", encoded(pl.DataFrame(rows), "csv")
+    yield "runs.csv", encoded(pl.DataFrame(rows, infer_schema_length=None), "csv")
     yield "campaign.toml", description_text(name, notes).encode()
 
 

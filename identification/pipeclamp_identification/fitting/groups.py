@@ -115,7 +115,8 @@ def find_groups(loops: Loops, observations: LoopObservations, law_force: LawForc
     parted: dict[tuple[int, ...], list[str]] = {}
     for column, labels in runs.labels.items():
         if group_names(list(labels)):
-            partition = tuple(np.unique(labels, return_inverse=True)[1].tolist())
+            numbers = {label: number for number, label in enumerate(dict.fromkeys(labels))}
+            partition = tuple(numbers[label] for label in labels)
             parted.setdefault(partition, []).append(column)
     found = []
     for first, *alike in parted.values():
@@ -344,19 +345,19 @@ def _at_home(
     """Move runs that behave like another group there, the strangest first, as long as there are few."""
     moved = list(labels)
     for _ in range(max(1, int(MOST_STRANGE * len(labels)))):
-        strangest = _strangest(moved, names, known, fixed, limit)
+        strangest = strangest_run(moved, names, known, fixed, limit)
         if strangest is None:
             break
         row, home = strangest
         moved[row] = home
     else:
-        if _strangest(moved, names, known, fixed, limit) is not None:
+        if strangest_run(moved, names, known, fixed, limit) is not None:
             return labels, ()
     found = [Stranger(run, said, like) for run, said, like in zip(runs, labels, moved, strict=True) if said != like]
     return moved, tuple(found)
 
 
-def _strangest(
+def strangest_run(
     labels: Sequence[str], names: Sequence[str], known: Mapping[Quantity, Array], fixed: Array, limit: float
 ) -> tuple[int, str] | None:
     """Give the run that is farthest off its own group and at home in another, and that group; None where none is."""
@@ -365,7 +366,9 @@ def _strangest(
     left, singular, right = np.linalg.svd(basis, full_matrices=False)
     kept = singular > 1e-8 * singular[0]
     span = left[:, kept]
-    leverage = np.sum(span**2, axis=1)
+    leverage = np.minimum(np.sum(span**2, axis=1), 1.0)
+    # a run that alone is at its conditions shows no scatter
+    shows = leverage < 1 - 1e-6
     square = np.zeros(len(labels))
     elsewhere = np.zeros((len(labels), len(names)))
     told = 0
@@ -376,7 +379,7 @@ def _strangest(
         rest = values - span @ (span.T @ values)
         # a run that is off pulls its own group along: what it would be off had it been left out
         off = rest / np.maximum(1 - leverage, 1e-6)
-        scatter = 1.4826 * float(np.median(np.abs(rest))) / np.sqrt(np.median(1 - leverage))
+        scatter = 1.4826 * float(np.median(np.abs(rest[shows])) / np.sqrt(np.median(1 - leverage[shows])))
         solution = (right[kept].T / singular[kept]) @ (span.T @ values)
         share = solution[fixed.shape[1] :]
         scatter = max(scatter, 1e-12)

@@ -136,7 +136,7 @@ def fit_structure(
         UserError: the data can't serve the structure.
     """
     equations = structure.equations
-    if ages(equations):
+    if ages(equations) and any(len(cycles) > 1 for cycles in loops.cycles):
         loops = per_cycle(loops)
         observations = None
     observations = observations or loop_observations(loops)

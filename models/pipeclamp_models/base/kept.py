@@ -9,6 +9,7 @@ import hashlib
 import importlib.metadata
 import json
 import os
+import re
 import shutil
 from collections.abc import Callable
 from functools import cache
@@ -24,6 +25,8 @@ FOLDER_VARIABLE = "PIPECLAMP_CACHE"
 """Environment variable that names another folder; nothing is kept where it is empty."""
 MOST_VERSIONS = 3
 """Versions of the sources whose folders stay."""
+VERSION = "[0-9a-f]{16}"
+"""The names of such folders."""
 
 
 def kept(name: str, make: Callable[[], Any]) -> Any:
@@ -82,8 +85,9 @@ def _write(path: Path, content: str) -> None:
     try:
         if not path.parent.is_dir():
             path.parent.mkdir(parents=True, exist_ok=True)
-            versions = sorted(path.parents[1].iterdir(), key=lambda folder: folder.stat().st_mtime)
-            for old in versions[:-MOST_VERSIONS]:
+            # the folder may hold what isn't ours
+            folders = [folder for folder in path.parents[1].iterdir() if re.fullmatch(VERSION, folder.name)]
+            for old in sorted(folders, key=lambda folder: folder.stat().st_mtime)[:-MOST_VERSIONS]:
                 shutil.rmtree(old, ignore_errors=True)
         write_whole(path, f"{_digest(content)}\n{content}")
     except (OSError, UserError):

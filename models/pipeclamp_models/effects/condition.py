@@ -1,4 +1,4 @@
-"""A further test condition u: stiffness, damping and slip force times exp(p u + q u^2), each with its own p and q."""
+"""A further test condition u: stiffness, damping and slip force times exp(p u + q u^2), each its own; and a force."""
 
 import re
 
