@@ -41,6 +41,17 @@ PAIRS = (
     ("inertia", "asymmetry"), ("density", "damping_temperature"), ("end_stop", "viscous"),
 )  # fmt: skip
 """Two effects at once; none of them imitates the other."""
+SEVERAL = (
+    ("memory", "damping_temperature", "asymmetry"), ("end_stop", "viscous", "contact_growth"),
+    ("relaxation", "asymmetry", "damping_temperature"), ("hardening", "quadratic_damping", "loosening"),
+    ("gap", "contact_growth", "directional_damping"), ("density", "memory", "inertia", "asymmetry"),
+    ("condition", "end_stop", "offset", "contact_growth"),
+    ("relaxation", "hardening", "directional_damping", "density"),
+    ("memory", "damping_temperature", "inertia", "asymmetry", "loosening"),
+    ("hardening", "relaxation", "condition", "directional_damping", "delay"),
+    ("end_stop", "density", "viscous", "contact_growth", "asymmetry"),
+)  # fmt: skip
+"""Three to five effects at once; none of them imitates another."""
 SCATTER = (0.002, 0.004)
 """Run-to-run scatter of stiffness and damping in rough cases."""
 COLOURED = 0.3
@@ -53,7 +64,7 @@ class Case:
     """One row of the experiment.
 
     Attributes:
-        kind: "effect", "none", "two", "unlisted" or "narrow".
+        kind: "effect", "none", "two", "several", "unlisted" or "narrow".
         hidden: kinds of physics in the truth.
         form: "clean" or "rough".
         strength: a key of STRENGTHS, in narrow plans of SHARES, "" where nothing is hidden.
@@ -105,6 +116,9 @@ def all_cases() -> list[Case]:
         for number, (hidden, strength, design) in enumerate(itertools.product(UNLISTED, STRENGTHS, DESIGNS)):
             noise = ("low", "high")[(number + number // 2 + number // 6) % 2]
             cases.append(Case("unlisted", (hidden,), form, strength, noise, design))
+        for number, (several, design) in enumerate(itertools.product(SEVERAL, DESIGNS)):
+            strength = ("middle", "strong")[(number + number // 2) % 2]
+            cases.append(Case("several", several, form, strength, ("low", "high")[number // 2 % 2], design))
     return cases
 
 

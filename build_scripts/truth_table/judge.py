@@ -238,8 +238,9 @@ def counted(case: Case, steps: Sequence[Noted], added: Sequence[str]) -> str:
     "right", "ambiguous3" (truth among at most three), "ambiguous" (among more), "ambiguous_wrong", "wrong" (another
     effect, with confidence), "unknown", "complete" (missed), and, where nothing is hidden, "right" or "false_alarm".
     "other_part": another effect, which was said to take a part and to prove nothing.
-    Of two effects: "right" when both were added and nothing else; "wrong" or "other_part" when something else was;
-    "ambiguous3" when it ends with the second among at most three; "one" when it ends otherwise.
+    Of two effects or more: "right" when all were added and nothing else; "wrong" when another cause was named;
+    "other_part" when another part was added; "ambiguous3" when it ends with a further one among at most three;
+    "some" when it ends otherwise.
     """
     first = steps[0]
     if case.kind == "none":
@@ -248,8 +249,8 @@ def counted(case: Case, steps: Sequence[Noted], added: Sequence[str]) -> str:
         if first.kind == "part":
             return "right"
         return {"unknown": "right", "missing": "wrong", "complete": "complete"}.get(first.verdict, "ambiguous_wrong")
-    if case.kind == "two":
-        return _two(case, steps, {effect_id(name) for name in added})
+    if case.kind in ("two", "several"):
+        return _many(case, steps, {effect_id(name) for name in added})
     if first.verdict == "missing":
         return "right" if set(first.effects) <= case.truth else _other(first)
     if first.verdict == "ambiguous":
@@ -267,13 +268,18 @@ def _ambiguous(step: Noted, truth: frozenset[str]) -> str:
     return "ambiguous3" if len(step.effects) <= 3 else "ambiguous"
 
 
-def _two(case: Case, steps: Sequence[Noted], found: set[str]) -> str:
+def _many(case: Case, steps: Sequence[Noted], found: set[str]) -> str:
     last = steps[-1]
+    if any(
+        step.verdict == "missing" and step.kind == "cause" and not set(step.effects) <= case.truth for step in steps
+    ):
+        return "wrong"
     if found - case.truth:
-        others = [step for step in steps if step.verdict == "missing" and not set(step.effects) <= case.truth]
-        return "other_part" if others and all(step.kind == "part" for step in others) else "wrong"
+        # of several that take much the same part the first was added
+        parts = {step.effects[0] for step in steps if step.kind == "part"}
+        return "other_part" if found - case.truth <= parts else "wrong"
     if found == case.truth:
         return "right"
     if last.verdict == "ambiguous":
         return _ambiguous(last, case.truth - found)
-    return "one" if found else last.verdict
+    return "some" if found else last.verdict

@@ -42,7 +42,7 @@ def case(kind, *hidden):
         ("unlisted", ("mains_hum",), "missing", ("gap",), ["gap"], "wrong"),
         ("unlisted", ("mains_hum",), "complete", (), [], "complete"),
         ("two", ("gap", "viscous"), "complete", (), ["viscous", "gap"], "right"),
-        ("two", ("gap", "viscous"), "complete", (), ["viscous"], "one"),
+        ("two", ("gap", "viscous"), "complete", (), ["viscous"], "some"),
         ("two", ("gap", "viscous"), "complete", (), ["viscous", "delay"], "wrong"),
         ("two", ("gap", "viscous"), "ambiguous", ("gap", "memory"), ["viscous"], "ambiguous3"),
     ],
@@ -60,6 +60,8 @@ def test_how_a_case_came_out(kind, hidden, verdict, effects, added, expected):
         ("effect", ("gap",), "memory", ["memory"], "other_part"),
         ("unlisted", ("mains_hum",), "gap", ["gap"], "right"),
         ("two", ("gap", "viscous"), "delay", ["viscous", "delay"], "other_part"),
+        ("several", ("gap", "viscous", "memory"), "delay", ["viscous", "delay"], "other_part"),
+        ("several", ("gap", "viscous", "memory"), "gap", ["viscous", "gap"], "some"),
     ],
 )
 def test_a_part_claims_less_than_a_cause(kind, hidden, named, added, expected):
