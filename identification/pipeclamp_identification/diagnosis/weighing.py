@@ -31,6 +31,8 @@ from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
 DRAWS = 2000
+BEYOND_COMPARISON = 1e200
+"""Squares that count as infinite, but none of them as nothing."""
 
 
 @dataclass(frozen=True)
@@ -287,6 +289,7 @@ def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judg
     if not others:
         return []
     squares: Array = np.stack([each.squares_by_run(problem.loops) for each in (best, *others)], axis=1)
+    squares = np.minimum(squares, BEYOND_COMPARISON)
     count = len(squares)
     wins = np.bincount(np.argmin(_draws(count) @ squares, axis=1), minlength=1 + len(others)) / DRAWS
     near = []

@@ -1,6 +1,7 @@
 """Oil damper with relief valve: a spring in series with a dashpot |w|^a up to a relief force, beyond it less steep.
 
 Up to F_oil the dashpot holds F_oil |w/v_oil|^a_oil, beyond it goes on straight with a share p_oil of its slope there.
+What thins the oil, as warmth does, makes the dashpot weaker, and leaves the valve as it is.
 What the spring's force lacks to the one that the dashpot would hold at the step's speed falls as exp(-rate), at a rate
 that the midpoint rule takes from within the step. So the force never overshoots, however stiff the oil, and a step is
 exact for a_oil = p_oil = 1. With 512 steps a cycle the force is within 0.1 % (rms) while the spring gives by more than
@@ -9,7 +10,7 @@ exact for a_oil = p_oil = 1. With 512 steps a cycle the force is within 0.1 % (r
 
 import sympy as sp
 
-from pipeclamp_models.equations.effect import Effect, Parameter, Stage, State
+from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Stage, State
 from pipeclamp_models.equations.literature import AKCELYAN, DIXON, KASAI
 from pipeclamp_models.equations.symbols import (
     A_highest,
@@ -25,6 +26,7 @@ from pipeclamp_models.equations.symbols import (
 )
 
 k_o, F_o, v_o, a_o, p_o, q = sp.symbols("k_oil F_oil v_oil a_oil p_oil q_oil", real=True)
+thickness = sp.Symbol("mu_oil", real=True)
 speed, held, at_first, midway = sp.symbols("u_oil held_oil rate_oil rate_oil_midway", real=True)
 move = y - y_previous
 
@@ -35,6 +37,10 @@ REACHED = sp.Rational(1, 10**9)
 
 LEAST = 0.01
 """Share of the stroke by which the spring gives at least under the whole force: if less, there is a dashpot alone."""
+
+
+v_relief = v_o * thickness ** (-1 / a_o)
+"""Speed of the dashpot at the relief force."""
 
 
 def within(value: sp.Expr) -> sp.Expr:
@@ -50,12 +56,12 @@ def power(value: sp.Expr, exponent: sp.Expr, smallest: sp.Expr) -> sp.Expr:
 def speed_under(force: sp.Expr) -> sp.Expr:
     """Give the dashpot's speed, mm/s."""
     load = force / F_o
-    return v_o * (power(load, 1 / a_o, SMALLEST) + (load - within(load)) / (p_o * a_o))
+    return v_relief * (power(load, 1 / a_o, SMALLEST) + (load - within(load)) / (p_o * a_o))
 
 
 def force_at(velocity: sp.Expr) -> sp.Expr:
     """Give the dashpot's force, N."""
-    flow = velocity / v_o
+    flow = velocity / v_relief
     return F_o * (power(flow, a_o, SMALLEST ** (1 / a_o)) + p_o * a_o * (flow - within(flow)))
 
 
@@ -64,7 +70,7 @@ def rate(force: sp.Expr) -> sp.Expr:
     left = held - force
     gone = sp.Abs(left) <= REACHED * F_o
     whole = sp.Piecewise((1, gone), (left, True))
-    return k_o * sp.Piecewise((h * v_o / F_o, gone), ((move - h * speed_under(force)) / whole, True))
+    return k_o * sp.Piecewise((h * v_relief / F_o, gone), ((move - h * speed_under(force)) / whole, True))
 
 
 def after(falls: sp.Expr) -> sp.Expr:
@@ -110,6 +116,7 @@ EFFECT = Effect(
             neutral=1.0,
         ),
     ),
+    coefficients=(Coefficient(thickness, "-", "damping", sp.Integer(1)),),
     force=q,
     stages=(
         Stage(speed, "mm/s", "mean speed of the step", sp.Piecewise((move / h, h > 0), (0, True))),
