@@ -179,6 +179,7 @@ def law_with_further_conditions(law_with_memory: LawFile) -> LawFile:
     """Give a law that follows density, a further column of the test table, and load cycles."""
     further = {"k_rho": 4.0, "c_rho": 2.0, "l_N": -0.2, "N_l": 8.0, "z_u_current_A1": 0.4, "z_u_current_A2": 0.0}
     further |= {"k_u_current_A1": 0.1, "k_u_current_A2": 0.0, "c_u_current_A1": 0.5, "c_u_current_A2": -0.05}
+    further |= {"F_u_current_A1": 0.0}
     given = {name: CoefficientEntry(value=value, unit="", state="given") for name, value in further.items()}
     ranges = {"rho": (2.0, 2.6, "g/cm3"), "current_A": (-1.0, 2.0, "in its name"), "N": (0.5, 200.0, "cycles")}
     return law_with_memory.model_copy(

@@ -2,6 +2,7 @@
 
 import string
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,14 +62,17 @@ def test_an_expression_has_numpys_values(text):
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(expressions)
 def test_an_expression_has_derivatives_that_numpy_can_work_out(text):
-    from pipeclamp_models.realise.arrays import _compile, _nonzero_slopes
+    from pipeclamp_models.realise.array_source import _nonzero_slopes, _source
+    from pipeclamp_models.realise.arrays import NUMPY
 
     try:
         expression = parse_expression(text, NAMES, "force")
     except UserError:
         return
     _, slopes = _nonzero_slopes([expression], list(NAMES.values()))
-    compiled = _compile(list(NAMES.values()), slopes)
+    defined: dict[str, Any] = {}
+    exec(_source(list(NAMES.values()), slopes), dict(NUMPY), defined)
+    (compiled,) = defined.values()
     with np.errstate(all="ignore"):
         values = compiled(*(POINTS[name] for name in NAMES))
     assert all(np.asarray(value).dtype.kind in "fi" for value in values)

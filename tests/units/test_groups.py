@@ -118,7 +118,7 @@ def test_a_condition_that_is_the_specimens_own_goes_first(tmp_path):
     )  # fmt: skip
     (found,) = _fitted(folder)[0].groups
     assert found.explained_by == ("density_g_cm3",)
-    assert "left to the effect density" in groups_answer((found,))[0].words[-1]
+    assert "left to the effect that follows it" in groups_answer((found,))[0].words[-1]
 
 
 def test_a_run_of_another_specimen_is_told(tmp_path):

@@ -180,7 +180,9 @@ def print_table(table: Table, width: int | None = None) -> None:
     shown = RichTable(title=table.caption or None, title_justify="left", title_style="italic")
     for index, head in enumerate(table.header):
         numeric = any(isinstance(row[index], float) for row in table.rows)
-        shown.add_column(head, justify="right" if numeric else "left", overflow="fold")
+        # a name is typed as it stands, so it stays on one line
+        name = index == 0 and all(" " not in cell(row[0]) for row in table.rows)
+        shown.add_column(head, justify="right" if numeric else "left", overflow="fold", no_wrap=name)
     for row in table.rows:
         shown.add_row(*(Text(cell(value)) for value in row))
     console().print(shown, highlight=False, width=width)

@@ -30,6 +30,8 @@ NOISY = 0.6
 FEWEST_PILED, PILED_OVER_NEXT, NEXT_VALUES = 8, 5, 4
 # as many runs as must share an extreme value, and by how much their amplitudes must differ, to be no chance
 FEWEST_AT_END, AMPLITUDES_APART = 3, 1.05
+# values that differ by less than this share of half the range are one
+ROUNDING = 1e-9
 # a range of fewer quanta than this meets the same value twice by chance
 FEWEST_QUANTA = 500
 
@@ -82,9 +84,9 @@ def _piles_up(samples: Array, at: Flags) -> bool:
     count = np.count_nonzero(at)
     if count < FEWEST_PILED:
         return False
-    values, counts = np.unique(samples, return_counts=True)
-    own = int(np.searchsorted(values, samples[at][0]))
-    beside = counts[1 : 1 + NEXT_VALUES] if own == 0 else counts[-1 - NEXT_VALUES : -1]
+    # a periodic record without noise meets each of its values once a cycle, but for rounding
+    _, counts = np.unique(np.round(samples / (ROUNDING * np.ptp(samples) / 2)), return_counts=True)
+    beside = counts[1 : 1 + NEXT_VALUES] if samples[at][0] == np.min(samples) else counts[-1 - NEXT_VALUES : -1]
     return bool(count > PILED_OVER_NEXT * np.max(beside, initial=1))
 
 
@@ -161,7 +163,7 @@ def quantum_of(samples: Array) -> float:
     half_range = float(np.ptp(samples)) / 2
     steps = np.diff(np.unique(samples))
     # two readings of one value may differ by rounding where a factor was applied
-    return float(np.min(steps[steps > 1e-9 * half_range], initial=half_range))
+    return float(np.min(steps[steps > ROUNDING * half_range], initial=half_range))
 
 
 def _quantised_share(samples: Array) -> float:

@@ -19,6 +19,9 @@ from pipeclamp_models.realise.force import LawForce, force_of_equations
 
 SHORTEST = 2.0**-10
 """Share of a step below which it isn't shortened further."""
+DISAGREE_LIKELIHOOD = 2 * np.log(100.0)
+"""The others disagree with a step that leaves them a hundredth of their likelihood: a direction in which they hardly
+change is one that they can't tell, and what the group knows of it mustn't stay."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,7 @@ class LeftOut:
         while share > SHORTEST:
             moved = share * step
             there = self._law_force(moved)
-            if self._cost_of_others(there, moved, own) <= most:
+            if self._cost_of_others(there, moved, own) <= most + DISAGREE_LIKELIHOOD:
                 break
             share /= 2
         change = self._residual(there, moved) - self._residual(here, np.zeros_like(step))

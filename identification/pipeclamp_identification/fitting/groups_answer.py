@@ -129,7 +129,7 @@ def _words(one: Groups) -> tuple[str, ...]:
         )
     words += [
         f"the runs differ by {kinds}; {name}, one value for each, explains it as well and goes first: left to the "
-        f"effect {'density' if name == 'density_g_cm3' else f'condition:{name}'}"
+        "effect that follows it"
         for name in one.explained_by
     ]
     return tuple(words)

@@ -37,6 +37,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
 )
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.law import Structure, with_effect
 
 ON_THE_WAY = 4
@@ -62,7 +63,8 @@ class MetricDiagnosis:
         candidates: the best of the effects that were fitted, and all that gain more than scatter often does, best
             first.
         richest: the law with all that the metrics support, which the scatter is told from.
-        chances: chance that scatter alone makes what a candidate gains, once for each effect tried, by its name.
+        chances: chance that scatter alone makes what a candidate gains, once for each effect tried (with its imitators),
+            by its name.
         screened_out: effects that were fitted and gain next to nothing.
         hidden: effects that metrics can't show here, with the reason: neither found nor refuted.
         observations: the metrics, in units of their scatter.
@@ -143,7 +145,7 @@ def diagnose_metrics(
     law, richest = again(law), again(richest)
     candidates = sorted((again(judged) for judged in fitted), key=lambda judged: judged.score)
     apart = {entry.name for entry in seen if not entry.imitated}
-    tried = max(sum(judged.effects[0] in apart and not judged.objections for judged in candidates), 1)
+    tried = _tries([judged for judged in candidates if judged.effects[0] in apart and not judged.objections])
     chances = {judged.effects[0]: min(1.0, tried * chance(law, judged, scatter)) for judged in candidates}
     hidden = {entry.name: entry.hidden for entry in looks if entry.hidden}
     hidden |= {entry.name: IMITATED for entry in seen if entry.imitated and chances[entry.name] > REAL_CHANCE}
@@ -169,6 +171,16 @@ def diagnose_metrics(
         verdict, effects, law, tuple(shown), richest, chances, screened_out, hidden, observations, scatter,
         heldout, rests_on, tested_once, reasons,
     )  # fmt: skip
+
+
+def _tries(candidates: Sequence[MetricJudged]) -> int:
+    """Count the candidates, an effect and those that imitate it as one: what makes one gain makes the others."""
+    counted: list[Effect] = []
+    for judged in candidates:
+        effect = judged.structure.effect(judged.effects[0])
+        if not any(effect.id in other.imitated_by or other.id in effect.imitated_by for other in counted):
+            counted.append(effect)
+    return max(len(counted), 1)
 
 
 def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array:
