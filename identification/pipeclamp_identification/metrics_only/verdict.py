@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -41,7 +41,8 @@ from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.law import Structure, with_effect
 
 ON_THE_WAY = 4
-"""Of the effects that promise most, so many are fitted for each further step to the richest law."""
+"""Of the effects that promise most, so many that don't imitate each other are fitted for each further step to the
+richest law."""
 LONGEST = 3
 """Effects that are added on the way to the richest law, at most."""
 COARSE_SAMPLES = 64
@@ -63,8 +64,8 @@ class MetricDiagnosis:
         candidates: the best of the effects that were fitted, and all that gain more than scatter often does, best
             first.
         richest: the law with all that the metrics support, which the scatter is told from.
-        chances: chance that scatter alone makes what a candidate gains, once for each effect tried (with its imitators),
-            by its name.
+        chances: chance that scatter alone makes what a candidate gains, once for each effect tried, its imitators
+            included, by its name.
         screened_out: effects that were fitted and gain next to nothing.
         hidden: effects that metrics can't show here, with the reason: neither found nor refuted.
         observations: the metrics, in units of their scatter.
@@ -145,7 +146,8 @@ def diagnose_metrics(
     law, richest = again(law), again(richest)
     candidates = sorted((again(judged) for judged in fitted), key=lambda judged: judged.score)
     apart = {entry.name for entry in seen if not entry.imitated}
-    tried = _tries([judged for judged in candidates if judged.effects[0] in apart and not judged.objections])
+    sound = (judged for judged in candidates if judged.effects[0] in apart and not judged.objections)
+    tried = max(len(_unlike(judged.structure.effect(judged.effects[0]) for judged in sound)), 1)
     chances = {judged.effects[0]: min(1.0, tried * chance(law, judged, scatter)) for judged in candidates}
     hidden = {entry.name: entry.hidden for entry in looks if entry.hidden}
     hidden |= {entry.name: IMITATED for entry in seen if entry.imitated and chances[entry.name] > REAL_CHANCE}
@@ -173,14 +175,13 @@ def diagnose_metrics(
     )  # fmt: skip
 
 
-def _tries(candidates: Sequence[MetricJudged]) -> int:
-    """Count the candidates, an effect and those that imitate it as one: what makes one gain makes the others."""
-    counted: list[Effect] = []
-    for judged in candidates:
-        effect = judged.structure.effect(judged.effects[0])
-        if not any(effect.id in other.imitated_by or other.id in effect.imitated_by for other in counted):
-            counted.append(effect)
-    return max(len(counted), 1)
+def _unlike(effects: Iterable[Effect]) -> list[str]:
+    """Give the names of effects, in order, that imitate none before: what makes one gain makes its imitators gain."""
+    chosen: list[Effect] = []
+    for effect in effects:
+        if not any(effect.id in other.imitated_by or other.id in effect.imitated_by for other in chosen):
+            chosen.append(effect)
+    return [effect.name for effect in chosen]
 
 
 def _smooth(campaign: MetricCampaign, observations: MetricObservations) -> Array:
@@ -239,7 +240,9 @@ def _richest(
         richest = best
         left = [name for name in names if name not in richest.effects]
         seen = [entry for entry in _looks(richest, left, observations, tell) if not entry.hidden]
-        chosen = sorted(seen, key=lambda entry: -entry.promise)[:ON_THE_WAY]
+        seen.sort(key=lambda entry: -entry.promise)
+        unlike = _unlike([with_effect(richest.structure, entry.name).effect(entry.name) for entry in seen])
+        chosen = [entry for entry in seen if entry.name in unlike][:ON_THE_WAY]
         fitted = [_with(richest, entry, observations, tell) for entry in chosen]
     return richest
 
