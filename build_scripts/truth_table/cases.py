@@ -100,6 +100,11 @@ class Case:
         """The ids that a diagnosis should name."""
         return frozenset(effect_id(kind) for kind in self.hidden if kind in EFFECTS)
 
+    def known_as(self, name: str) -> str:
+        """Give the id that an effect's id counts as: rough forms may be another effect as much as their own."""
+        kinds = (kind for kind in self.hidden if self.form == "rough" and KINDS[kind].rough_is == name)
+        return next(map(effect_id, kinds), name)
+
 
 def all_cases() -> list[Case]:
     """Give every case, in a fixed order."""

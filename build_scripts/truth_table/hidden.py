@@ -39,12 +39,14 @@ class Kind:
         start: a small size to begin the search for its strength with.
         most: largest reasonable size.
         needs: "" or what the campaign must vary for it: "density", "condition", "cycles".
+        rough_is: another effect that its rough form is as much as its own: two relaxation times are a spread of them.
     """
 
     part: Callable[[Motion, BaseLaw, bool, float, Shape], Part]
     start: float = 0.01
     most: float = 0.5
     needs: str = ""
+    rough_is: str = ""
 
 
 def typical(base: BaseLaw) -> float:
@@ -309,7 +311,7 @@ EFFECTS: dict[str, Kind] = {
     "end_stop": Kind(end_stop, most=3.0),
     "gap": Kind(gap, most=0.12),
     "play": Kind(play, most=0.12),
-    "relaxation": Kind(relaxation, most=0.8),
+    "relaxation": Kind(relaxation, most=0.8, rough_is="relaxation_spread"),
     "damping_temperature": Kind(damping_temperature, start=0.05),
     "contact_growth": Kind(contact_growth),
     "stiffness_frequency": Kind(stiffness_frequency, most=0.3),

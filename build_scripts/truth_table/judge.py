@@ -250,11 +250,11 @@ def counted(case: Case, steps: Sequence[Noted], added: Sequence[str]) -> str:
             return "right"
         return {"unknown": "right", "missing": "wrong", "complete": "complete"}.get(first.verdict, "ambiguous_wrong")
     if case.kind in ("two", "several"):
-        return _many(case, steps, {effect_id(name) for name in added})
+        return _many(case, steps, {case.known_as(effect_id(name)) for name in added})
     if first.verdict == "missing":
-        return "right" if set(first.effects) <= case.truth else _other(first)
+        return "right" if _named(case, first) <= case.truth else _other(first)
     if first.verdict == "ambiguous":
-        return _ambiguous(first, case.truth)
+        return _ambiguous(_named(case, first), case.truth)
     return first.verdict
 
 
@@ -262,24 +262,28 @@ def _other(step: Noted) -> str:
     return "other_part" if step.kind == "part" else "wrong"
 
 
-def _ambiguous(step: Noted, truth: frozenset[str]) -> str:
-    if not truth & set(step.effects):
+def _named(case: Case, step: Noted) -> set[str]:
+    return set(map(case.known_as, step.effects))
+
+
+def _ambiguous(named: set[str], truth: frozenset[str]) -> str:
+    if not truth & named:
         return "ambiguous_wrong"
-    return "ambiguous3" if len(step.effects) <= 3 else "ambiguous"
+    return "ambiguous3" if len(named) <= 3 else "ambiguous"
 
 
 def _many(case: Case, steps: Sequence[Noted], found: set[str]) -> str:
     last = steps[-1]
     if any(
-        step.verdict == "missing" and step.kind == "cause" and not set(step.effects) <= case.truth for step in steps
+        step.verdict == "missing" and step.kind == "cause" and not _named(case, step) <= case.truth for step in steps
     ):
         return "wrong"
     if found - case.truth:
         # of several that take much the same part the first was added
-        parts = {step.effects[0] for step in steps if step.kind == "part"}
+        parts = {case.known_as(step.effects[0]) for step in steps if step.kind == "part"}
         return "other_part" if found - case.truth <= parts else "wrong"
     if found == case.truth:
         return "right"
     if last.verdict == "ambiguous":
-        return _ambiguous(last, case.truth - found)
+        return _ambiguous(_named(case, last), case.truth - found)
     return "some" if found else last.verdict

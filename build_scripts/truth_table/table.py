@@ -113,8 +113,13 @@ def reached(rows: Sequence[Row]) -> list[dict[str, Any]]:
 
 
 def sound(rows: Sequence[Row]) -> bool:
-    """Tell whether a small share is as it should be: nothing named wrongly, no alarm, nothing failed, most found."""
-    bad = sum(row["counted"] in ("wrong", "false_alarm", "failed") for row in rows)
+    """Tell whether a small share is as it should be: nothing named wrongly, nothing failed, most found.
+
+    Of rough campaigns in which nothing is hidden one in twenty may end `unknown`: one in a share is none too many.
+    """
+    bad = sum(row["counted"] in ("wrong", "failed") for row in rows)
+    alarms = [row for row in rows if row["counted"] == "false_alarm"]
+    bad += sum(row["form"] == "clean" or row["steps"][0]["verdict"] != "unknown" for row in alarms)
     few = [row for row in rows if strong_enough(row) and row["kind"] != "several"]
     good = sum(row["counted"] in ("right", "ambiguous3") for row in few)
     return bad == 0 and good >= 0.8 * len(few)
