@@ -142,11 +142,13 @@ def opened_law(name_or_path: str) -> LawFile:
 @contextmanager
 def told(title: str) -> Iterator[Tell]:
     """Show what is being done, with the time it takes; on a terminal only, so that logs stay clean."""
+    if not errors().is_terminal:
+        yield lambda what: None
+        return
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    shown = Progress(*columns, console=errors(), transient=True, disable=not errors().is_terminal)
-    with shown as progress:
+    with Progress(*columns, console=errors(), transient=True) as progress:
         task = progress.add_task(title)
         yield lambda what: progress.update(task, description=f"{title}: {what}")
 

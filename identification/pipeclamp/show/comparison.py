@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeclamp.show.table import Table
+from pipeclamp.show.table import SINGLE_CYCLES, Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.answer import comparison_answer
 from pipeclamp_identification.comparison.breakdown import (
@@ -19,7 +19,6 @@ RUNS_PRINTED = 8
 MEASURED = ("amplitude_mm", "frequency_Hz", "temperature_C")
 """Conditions that are shown with their value in each run, not with their level."""
 _MEAN_TAKEN = "An element never slips, so that the force is known up to a constant, and the measured mean is taken"
-SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
 
 
 def how_much(comparison: Comparison) -> list[str]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from pipeclamp.show.comparison import SINGLE_CYCLES
-from pipeclamp.show.table import Table
+from pipeclamp.show.table import SINGLE_CYCLES, Table
 from pipeclamp_identification.fitting.groups_answer import per_group_words
 from pipeclamp_identification.metrics_only.law import METHOD
-from pipeclamp_identification.workflow.change import Addition
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.workflow.change import Addition
 
 
 def coefficient_table(file: LawFile) -> Table:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+SINGLE_CYCLES = "each run holds one cycle, so that no scatter from cycle to cycle can be known"
+"""What stands where a scatter would."""
+
 
 @dataclass(frozen=True)
 class Table:

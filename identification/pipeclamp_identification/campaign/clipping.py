@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -67,6 +68,8 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
             )  # fmt: skip
         for extreme in (np.max(samples), np.min(samples)):
             at = samples == extreme
+            if np.count_nonzero(at) < FEWEST_ALIKE:
+                continue
             first, alike = _longest_row(at)
             flat = alike >= FEWEST_ALIKE and alike > 2 + FLATTER_THAN_SINE * per_cycle * _quantised_share(samples)
             if not (flat or _piles_up(samples, at)) or (
@@ -107,34 +110,45 @@ class Extremes:
     """How far a channel of a run goes.
 
     Attributes:
-        high, low: the largest and the smallest value of the steady samples.
-        held: whether neighbouring samples agree in them.
-        quanta: steps between its values that its range holds.
+        samples: the steady ones.
         amplitude: of the force's fundamental, which says how different runs are.
     """
 
-    high: float
-    low: float
-    held: tuple[bool, bool]
-    quanta: float
+    samples: Array
     amplitude: float
+
+    @cached_property
+    def high(self) -> float:
+        """The largest value."""
+        return float(np.max(self.samples))
+
+    @cached_property
+    def low(self) -> float:
+        """The smallest value."""
+        return float(np.min(self.samples))
+
+    def holds(self, end: float) -> bool:
+        """Tell whether neighbouring samples agree in an extreme value."""
+        return _longest_row(self.samples == end)[1] > 1
+
+    @property
+    def quanta(self) -> float:
+        """Steps between its values that its range holds."""
+        return (self.high - self.low) / quantum_of(self.samples) if self.high > self.low else 0.0
 
 
 def extremes_of(record: Record, cycles: Cycles, channel: Channel, amplitude: float) -> Extremes:
     """Give how far a channel of a run goes; `amplitude` is that of the run's fundamental."""
-    samples = getattr(record, COLUMNS[channel])[cycles.steady]
-    high, low = float(np.max(samples)), float(np.min(samples))
-    held = (_longest_row(samples == high)[1] > 1, _longest_row(samples == low)[1] > 1)
-    return Extremes(high, low, held, (high - low) / quantum_of(samples) if high > low else 0.0, amplitude)
+    return Extremes(getattr(record, COLUMNS[channel])[cycles.steady], amplitude)
 
 
 def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
     """Give the runs of different amplitude that reach one and the same extreme value, beyond which no run goes."""
     found: dict[str, float] = {}
-    for side, sign in ((0, 1.0), (1, -1.0)):
+    for sign in (1.0, -1.0):
         ends = {run: (one.high if sign > 0 else one.low) for run, one in runs.items()}
         farthest = max(ends.values(), key=lambda end: sign * end, default=0.0)
-        there = [run for run, end in ends.items() if end == farthest and runs[run].held[side]]
+        there = [run for run, end in ends.items() if end == farthest and runs[run].holds(end)]
         sizes = [runs[run].amplitude for run in there]
         fine = [run for run in there if runs[run].quanta >= FEWEST_QUANTA]
         if len(fine) >= FEWEST_AT_END and max(sizes) > AMPLITUDES_APART * min(sizes):
@@ -152,7 +166,7 @@ def _longest_row(alike: Flags) -> tuple[int, int]:
 
 def _longest_still(samples: Array) -> tuple[int, float]:
     """Give the length of the longest row of one and the same value, and the value."""
-    changes = np.flatnonzero(np.diff(samples) != 0.0) + 1
+    changes = np.flatnonzero(samples[1:] != samples[:-1]) + 1
     edges = np.concatenate([[0], changes, [len(samples)]])
     longest = int(np.argmax(np.diff(edges)))
     return int(edges[longest + 1] - edges[longest]), float(samples[edges[longest]])

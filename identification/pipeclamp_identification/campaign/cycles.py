@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate, unit_phasor
+from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
 # neighbouring cycles of a ramp differ by more than this share of the amplitude, in amplitude or in mean
@@ -158,9 +159,7 @@ def _coarse_frequency(time: Array, y: Array, interval: float) -> float:
         grid = np.linspace(0.0, time[-1], len(time))
         samples, step = np.interp(grid, time, y), float(grid[1])
     count = len(samples)
-    window = np.hanning(count)
-    centred = samples - np.mean(samples)
-    level = np.abs(np.fft.rfft(window * centred))
+    level = hann_spectrum(samples)
     peak = int(np.argmax(level[1:])) + 1
     if peak < 4:
         return _best_sine(time, y)

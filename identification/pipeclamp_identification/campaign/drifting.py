@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, F
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.between_cycles import between_cycles
-from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_models.base.arrays import Array
 
 FALSE_ALARM_CHANCE = 1e-3
 """A campaign without faults raises an alarm of a kind less often than this by scatter alone."""
@@ -100,7 +101,7 @@ class Watched:
     conditions: Mapping[str, str]
     by_cycle: CycleByCycle
 
-    @property
+    @cached_property
     def amplitudes(self) -> tuple[float, float]:
         """Of displacement and force, mm and N."""
         known = self.by_cycle
@@ -181,27 +182,26 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
     return found
 
 
-def _slope(values: Array | ComplexArray) -> complex:
+def _line(values: Array) -> tuple[float, float]:
+    """Give the slope of a line through values, per step, and the sum of squares that it leaves over."""
     along = np.arange(len(values)) - (len(values) - 1) / 2
-    return complex(along @ values / (along @ along))
+    slope = float(along @ values / (along @ along))
+    rest = values - values.mean() - slope * along
+    return slope, float(rest @ rest)
 
 
 def _changes(series: Sequence[Array]) -> list[Change]:
     """Give the change of each run's series from its first cycle to its last by a line; its scatter is partly pooled."""
-    slopes = [_slope(values).real for values in series]
-    rests, freedoms = [], []
-    for values, slope in zip(series, slopes, strict=True):
-        along = np.arange(len(values)) - (len(values) - 1) / 2
-        rests.append(float(np.sum((values - np.mean(values) - slope * along) ** 2)))
-        freedoms.append(len(values) - 2)
-    pooled = float(np.median(np.array(rests) / np.array(freedoms)))
+    lines = [_line(values) for values in series]
+    pooled = float(np.median([rest / (len(values) - 2) for values, (_, rest) in zip(series, lines, strict=True)]))
     shared = POOLED_FREEDOMS if len(series) > 1 else 0.0
     changes = []
-    for values, slope, rest, free in zip(series, slopes, rests, freedoms, strict=True):
+    for values, (slope, rest) in zip(series, lines, strict=True):
         count = len(values)
-        variance = (rest + shared * pooled) / (free + shared)
+        freedoms = count - 2 + shared
+        variance = (rest + shared * pooled) / freedoms
         spread = count * (count**2 - 1) / 12
-        changes.append(Change(slope * (count - 1), (count - 1) * math.sqrt(variance / spread), free + shared))
+        changes.append(Change(slope * (count - 1), (count - 1) * math.sqrt(variance / spread), freedoms))
     return changes
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class CycleByCycle:
     displacement: ComplexArray
     force: ComplexArray
 
-    @property
+    @cached_property
     def stiffness(self) -> ComplexArray:
         """F1/Y1 of each cycle in N/mm; the imaginary part is positive where energy is dissipated."""
         return self.force[:, 1] / self.displacement[:, 1]

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array
 
 LOWEST, HIGHEST = 2, 60
@@ -88,16 +89,15 @@ def find_smoothing(records: Sequence[tuple[Record, Cycles]]) -> Smoothing:
 def _between_harmonics(samples: Array, cycles: Cycles) -> Array:
     """Give the log of the noise's power halfway between the motion's harmonics, NaN where sampling ends, (orders,)."""
     steady = samples[cycles.steady]
-    window = np.hanning(len(steady))
-    power = np.abs(np.fft.rfft((steady - steady.mean()) * window)) ** 2
+    power = hann_spectrum(steady) ** 2
     orders = np.arange(LOWEST, HIGHEST) + 0.5
     level = np.full(len(orders), np.nan)
     # A window over c cycles puts harmonic n at line n c and blurs it over two lines either side.
     reach = max(int(cycles.count / 2 - 2), 0)
     middle = np.round(orders * cycles.count).astype(np.intp)
-    for place, line in enumerate(middle):
-        if line + reach < 0.95 * len(power):
-            level[place] = np.log(np.mean(power[line - reach : line + reach + 1]) + np.finfo(float).tiny)
+    sampled = middle + reach < 0.95 * len(power)
+    between = power[middle[sampled, None] + np.arange(-reach, reach + 1)]
+    level[sampled] = np.log(np.mean(between, axis=1) + np.finfo(float).tiny)
     return level
 
 

@@ -13,6 +13,7 @@ from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import HALVES_CHANCE, LINE_NOISE_RATIO, LINE_STANDARD_ERRORS
 from pipeclamp_identification.fitting.misfit import RunMisfit
 from pipeclamp_identification.loops.loops import on_grid
+from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array
 
 POINTS = 360
@@ -180,7 +181,7 @@ def pooled_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...], candidates:
         time = run.record.time_s[run.cycles.steady]
         length = time[-1] - time[0]
         error = misfit.measured - misfit.computed
-        spectrum = np.abs(np.fft.rfft((error - error.mean()) * np.hanning(len(error)))) ** 2
+        spectrum = hann_spectrum(error) ** 2
         width = 1.0 / (length * (1 + 1 / (len(error) - 1)))
         drive = run.cycles.frequency_Hz
         place = candidates / width

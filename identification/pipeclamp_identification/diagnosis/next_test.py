@@ -317,7 +317,7 @@ def _of(name: str, diagnosis: Diagnosis) -> Judged:
 def _further_levels(rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> dict[str, Array]:
     """Give the levels of each further condition that a rival follows: as tested; of load cycles those yet to come."""
     tested = diagnosis.problem.observations.motion.slow
-    followed = {str(signal) for rival in rivals for signal in rival.judged.result.equations.slow_signals}
+    followed = {signal for rival in rivals for signal in rival.judged.result.equations.slow_signals}
     levels = {}
     for name in sorted(followed - {"A", "f", "T"}):
         values = tested[name]

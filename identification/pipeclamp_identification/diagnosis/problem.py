@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObserva
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
-from pipeclamp_identification.fitting.identify import fit_structure
+from pipeclamp_identification.fitting.identify import ages, fit_structure
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.fitting.observations import (
     LoopObservations,
@@ -151,8 +151,7 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
         loops: the tests.
         start: values to start from, by name, where they are known.
     """
-    ages = "N" in {str(symbol) for symbol in structure.equations.slow_signals}
-    loops = per_cycle(loops) if ages or drifts(loops) else loops
+    loops = per_cycle(loops) if ages(structure.equations) or drifts(loops) else loops
     harmonics = loop_observations(loops, points_enough(loops))
     first = fit_structure(structure, loops, harmonics, start=start, tolerance=CLOSELY)
     factors = factors_of(first.groups, loops, harmonics)
@@ -273,13 +272,13 @@ def _price_of_free_means(result: Fit, problem: Problem) -> Array:
     But a law that could have any mean foretells none: the means count as random, of the size that they turn out to
     have, and the logarithm of that size over the noise is the price, as it is in any likelihood.
     """
-    adrift = result.law_force.adrift & (problem.harmonics.plain_residual(result.law_force)[:, 0] == 0.0)
-    price = np.zeros(len(adrift))
-    if adrift.any():
+    open_means = problem.harmonics.open_means(result.law_force)
+    price = np.zeros(len(open_means))
+    if open_means.any():
         off = problem.harmonics.harmonics[:, 0] - result.law_force.force.mean(axis=1)
         noise = problem.noise.variance[:, 0]
-        size = float(np.mean(off[adrift] ** 2))
-        price[adrift] = (np.log1p(size / noise) + off**2 / (size + noise))[adrift]
+        size = float(np.mean(off[open_means] ** 2))
+        price[open_means] = (np.log1p(size / noise) + off**2 / (size + noise))[open_means]
     return price
 
 

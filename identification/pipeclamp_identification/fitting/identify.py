@@ -42,6 +42,7 @@ from pipeclamp_models.law.file import (
 from pipeclamp_models.law.law import Equations, Structure
 from pipeclamp_models.law.outline import ParameterOutline
 from pipeclamp_models.law.range import intervals_of, rounded
+from pipeclamp_models.realise.force import LawForce
 
 Method = Literal["joint", "surfaces"]
 
@@ -154,18 +155,17 @@ def fit_structure(
     fair = elastic_values(from_surfaces) if equations.states else from_surfaces
     begin = {**fair, **(start or {})}
     if has_groups(loops) and set(equations.names) <= set(begin):
-        beside = _fit_beside_groups(
-            structure, loops, observations, unfitted(structure, observations, begin), begin, tell, tolerance
-        )
+        as_begun = unfitted(structure, observations, begin).law_force
+        beside = _fit_beside_groups(structure, loops, observations, as_begun, begin, tell, tolerance)
         if beside is not None:
             return beside
     rough = coarser(loops, observations) if equations.states else observations
     first = fit(structure, rough, start=begin, tolerance=ROUGHLY, progress=progress)
-    beside = (
-        _fit_beside_groups(structure, loops, observations, first, begin, tell, tolerance) if has_groups(loops) else None
-    )
-    if beside is not None:
-        return beside
+    if has_groups(loops):
+        found_near = unfitted(structure, observations, first.law.values) if equations.states else first
+        beside = _fit_beside_groups(structure, loops, observations, found_near.law_force, begin, tell, tolerance)
+        if beside is not None:
+            return beside
     if equations.states:
         near = fit(structure, rough.with_discrepancy(first.law_force), start=first.law.values, tolerance=ROUGHLY)
         first = unfitted(structure, observations, near.law.values)
@@ -179,7 +179,7 @@ def _fit_beside_groups(
     structure: Structure,
     loops: Loops,
     observations: LoopObservations,
-    first: Fit,
+    law_force: LawForce,
     begin: Mapping[str, float],
     tell: Progress,
     closely: float,
@@ -189,22 +189,22 @@ def _fit_beside_groups(
     Args:
         structure: what is fitted.
         loops, observations: the tests.
-        first: a law that shows whether groups differ.
+        law_force: of a law that shows whether groups differ.
         begin: where the fit begins: what groups do to a fit without them mustn't lead it astray.
         tell: is told what is being done.
         closely: tolerance of the last fit.
     """
-    first = unfitted(structure, observations, first.law.values)
-    factors = factors_of(find_groups(loops, observations, first.law_force), loops, observations)
+    factors = factors_of(find_groups(loops, observations, law_force), loops, observations)
     if factors is None:
         return None
     tell("fit beside the factors of groups")
-    result, start = first, begin
+    start = begin
     for tolerance in (ROUGHLY, closely):
-        widened = observations.with_discrepancy(result.law_force, factors.beside(result.law_force).force())
+        widened = observations.with_discrepancy(law_force, factors.beside(law_force).force())
         pooled = PooledObservations(widened, factors)
         result = fit(structure, pooled, start=start, tolerance=tolerance, progress=tell)
-        found, start = find_groups(loops, observations, result.law_force), result.law.values
+        law_force, start = result.law_force, result.law.values
+        found = find_groups(loops, observations, law_force)
         again = factors_of(found, loops, observations)
         if again is None:
             # beside a better law they don't differ

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -42,12 +44,12 @@ class RunMisfit:
     computed: Array
     noise_rms_N: float
 
-    @property
+    @cached_property
     def squared_error(self) -> float:
         """Sum of squared errors, N2."""
         return float(np.sum((self.measured - self.computed) ** 2))
 
-    @property
+    @cached_property
     def squared_force(self) -> float:
         """Sum of squared measured forces, N2."""
         return float(np.sum(self.measured**2))
@@ -123,14 +125,14 @@ def _run_misfit(run: Run, loops: Loops, index: int, force: Array) -> RunMisfit:
     """Interpolate a run's computed loops, one for all cycles or one a cycle, shape (1 or cycles, n), to its samples."""
     cycles = run.cycles
     measured = run.record.force_N[cycles.steady]
-    phase = loops.phases[index] % (2 * np.pi)
-    n = force.shape[1]
-    place = phase * (n / (2 * np.pi))
-    left = np.floor(place).astype(np.intp) % n
-    share = place - np.floor(place)
-    cycle = np.repeat(np.arange(cycles.count), np.diff(cycles.bounds))
-    row = np.minimum(cycle, len(force) - 1)
-    computed = (1 - share) * force[row, left] + share * force[row, (left + 1) % n]
+    turns = loops.phases[index] / (2 * np.pi)
+    phase = 2 * np.pi * (turns - np.floor(turns))
+    theta = 2 * np.pi * np.arange(force.shape[1] + 1) / force.shape[1]
+    closed = np.concatenate([force, force[:, :1]], axis=1)
+    bounds = cycles.bounds - cycles.bounds[0] if len(force) > 1 else [0, len(phase)]
+    computed = np.concatenate(
+        [np.interp(phase[slice(*ends)], theta, own) for own, ends in zip(closed, pairwise(bounds), strict=True)]
+    )
     at_reversals = loops.at_reversals[index]
     error = measured - computed
     computed[at_reversals.sample] = measured[at_reversals.sample] - at_reversals.between(error[at_reversals.places])

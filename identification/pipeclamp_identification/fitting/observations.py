@@ -167,10 +167,16 @@ class LoopObservations:
         residual[:, 0] -= np.clip(residual[:, 0], -law_force.held, law_force.held)
         return np.asarray(residual)
 
+    def open_means(self, law_force: LawForce) -> npt.NDArray[np.bool_]:
+        """Tell in which rows a state that is adrift can hold the measured mean force, shape (R,)."""
+        if not law_force.adrift.any():
+            return law_force.adrift
+        return np.asarray(law_force.adrift & (self.plain_residual(law_force)[:, 0] == 0.0))
+
     def plain_slopes(self, law_force: LawForce, parameters: Rows) -> Array:
         """Give the derivatives of the plain residuals; the transform is linear."""
         slopes = -known_jacobian(law_force).through(self.transformed, parameters)
-        slopes[:, law_force.adrift & (self.plain_residual(law_force)[:, 0] == 0.0), 0] = 0.0
+        slopes[:, self.open_means(law_force), 0] = 0.0
         return np.asarray(slopes)
 
     def in_units(self, plain: Array) -> Array:

@@ -71,9 +71,10 @@ def noise_by_phase(phase: Array, residual: Array) -> tuple[float, Array]:
     before = spacing[1:] / (spacing[1:] + spacing[:-1])
     off = residual[1:-1] - before * residual[:-2] - (1 - before) * residual[2:]
     off /= np.sqrt(1 + before**2 + (1 - before) ** 2)
-    typical = float(np.median(np.abs(off))) / 0.6745
+    size = np.abs(off)
+    typical = float(np.median(size)) / 0.6745
     # quantised readings of equal phase may agree exactly more often than not
-    usual = np.abs(off) <= JUMP_STANDARD_DEVIATIONS * typical if typical > 0.0 else np.ones(len(off), dtype=np.bool_)
+    usual = size <= JUMP_STANDARD_DEVIATIONS * typical if typical > 0.0 else np.ones(len(off), dtype=np.bool_)
     squares = off[usual] ** 2
     power = np.bincount(phase_bin(phase[1:-1][usual]), squares, PHASE_BINS)
     whole = float(np.sum(power))

@@ -123,7 +123,7 @@ def compare_metrics(file: LawFile, campaign: MetricCampaign) -> MetricComparison
     """
     law = law_of(file)
     observations = metric_observations(campaign)
-    refuse_unknown_conditions(sorted(map(str, law.equations.slow_signals)), observations.motion)
+    refuse_unknown_conditions(sorted(law.equations.slow_signals), observations.motion)
     logs = observations.logs(force_of_law(law, observations.motion).force)
     if not np.all(np.isfinite(logs)):
         run = campaign.runs[int(np.flatnonzero(~np.isfinite(logs).all(axis=1))[0])].name

@@ -92,15 +92,19 @@ def _means(samples: Array, width: int) -> Array:
 def _fitted(phase: Array, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
     """Fit each cycle's harmonics.
 
-    The powers of exp(i phase) come from repeated multiplication; the normal equations of all harmonics need only
-    the sums of exp(i k phase), k = 0..2 count, because a product of two harmonics is a sum of two others.
+    The powers of exp(i phase) come from multiplying those that are known by the highest of them; the normal equations
+    of all harmonics need only the sums of exp(i k phase), k = 0..2 count, because a product of two harmonics is a sum
+    of two others.
     """
     starts = bounds[:-1]
     unit = unit_phasor(phase)
     powers = np.empty((2 * count, len(phase)), dtype=np.complex128)
     powers[0] = unit
-    for n in range(1, 2 * count):
-        np.multiply(powers[n - 1], unit, out=powers[n])
+    known = 1
+    while known < len(powers):
+        more = min(known, len(powers) - known)
+        np.multiply(powers[:more], powers[known - 1], out=powers[known : known + more])
+        known += more
     sums = np.empty((len(starts), 2 * count + 1), dtype=np.complex128)
     sums[:, 0] = np.diff(np.append(starts, len(phase)))
     sums[:, 1:] = np.add.reduceat(powers, starts, axis=1).T

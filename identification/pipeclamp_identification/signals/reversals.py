@@ -98,7 +98,7 @@ def bridged(displacement: ComplexArray, phase: Array, per_cycle: float, count: i
 
 
 def _within_a_turn(angle: Array) -> Array:
-    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
+    return np.asarray(angle - 2 * np.pi * np.rint(angle / (2 * np.pi)))
 
 
 def _phases_of_reversals(displacement: ComplexArray) -> Array:
