@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pipeclamp.api.comparison import Comparison, compare
     from pipeclamp.api.diagnosis import Diagnosis, diagnose
     from pipeclamp.api.fmu import build_fmu, build_pipe
+    from pipeclamp.api.importing import Import, import_files
     from pipeclamp.api.law import Law, open_law
     from pipeclamp.api.laws import add, identify, identify_per, remove
     from pipeclamp.api.system import Cosimulation, cosim
@@ -26,14 +27,15 @@ if TYPE_CHECKING:
     from pipeclamp_models.base.errors import UserError
 
 __all__ = [
-    "Comparison", "Cosimulation", "Diagnosis", "Law", "Tests", "UserError", "add", "build_fmu", "build_pipe", "compare",
-    "cosim", "diagnose", "identify", "identify_per", "open_law", "read_campaign", "remove",
+    "Comparison", "Cosimulation", "Diagnosis", "Import", "Law", "Tests", "UserError", "add", "build_fmu", "build_pipe",
+    "compare", "cosim", "diagnose", "identify", "identify_per", "import_files", "open_law", "read_campaign", "remove",
 ]  # fmt: skip
 
 _HOMES = {
     "Comparison": "pipeclamp.api.comparison",
     "Cosimulation": "pipeclamp.api.system",
     "Diagnosis": "pipeclamp.api.diagnosis",
+    "Import": "pipeclamp.api.importing",
     "Law": "pipeclamp.api.law",
     "Tests": "pipeclamp.api.tests",
     "UserError": "pipeclamp_models.base.errors",
@@ -45,6 +47,7 @@ _HOMES = {
     "diagnose": "pipeclamp.api.diagnosis",
     "identify": "pipeclamp.api.laws",
     "identify_per": "pipeclamp.api.laws",
+    "import_files": "pipeclamp.api.importing",
     "open_law": "pipeclamp.api.law",
     "read_campaign": "pipeclamp.api.tests",
     "remove": "pipeclamp.api.laws",

@@ -18,6 +18,7 @@ from typer.core import TyperGroup
 
 from pipeclamp.cli import campaigns as cli_campaigns
 from pipeclamp.cli import catalogue as cli_catalogue
+from pipeclamp.cli import importing as cli_importing
 from pipeclamp.cli import simulation as cli_simulation
 from pipeclamp.cli.terminal import (
     MARKED,
@@ -79,6 +80,7 @@ app = typer.Typer(
 )
 app.add_typer(cli_campaigns.app)
 app.add_typer(cli_catalogue.app)
+app.add_typer(cli_importing.app)
 app.add_typer(cli_simulation.app)
 
 
@@ -398,7 +400,7 @@ def schema(
     name: Annotated[
         str,
         typer.Argument(
-            metavar="[law|metrics|comparison|system-comparison|diagnosis|effects]", help="Of what is written."
+            metavar="[law|metrics|comparison|system-comparison|diagnosis|import|effects]", help="Of what is written."
         ),
     ] = "law",
 ) -> None:

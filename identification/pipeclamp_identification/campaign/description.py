@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictStr, model_validator
 
+from pipeclamp_identification.campaign.imported import Imported
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
 
@@ -76,6 +77,7 @@ class CampaignDescription(Table):
     notes: StrictStr = ""
     defaults: dict[str, Number | StrictStr] = Field(default_factory=dict)
     columns: ColumnSources = ColumnSources()
+    imported: Imported | None = None
 
 
 def read_description(folder: Path) -> CampaignDescription:
@@ -98,9 +100,9 @@ def read_description(folder: Path) -> CampaignDescription:
 
 def description_text(name: str, notes: str) -> str:
     """Give the text of a campaign.toml with a name and notes."""
-    return "".join(f"{key} = {_toml_text(text)}\n" for key, text in (("name", name), ("notes", notes)))
+    return "".join(f"{key} = {toml_text(text)}\n" for key, text in (("name", name), ("notes", notes)))
 
 
-def _toml_text(text: str) -> str:
+def toml_text(text: str) -> str:
     """Give a TOML basic string: a JSON string, but for one control character that JSON lets pass."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -30,7 +30,7 @@ def half_cycles(y: Array, least: Array) -> HalfCycles:
         y: displacement, shape (n,).
         least: way back, in its unit, from which on a turn counts at each sample, above 0, same shape.
     """
-    turns = _turning_points(y, least)
+    turns = turning_points(y, least)
     half = np.searchsorted(turns, np.arange(len(y)), side="right").clip(1, len(turns) - 1)
     begin, end = y[turns[half - 1]], y[turns[half]]
     way = np.where(end == begin, 1.0, end - begin)
@@ -38,7 +38,7 @@ def half_cycles(y: Array, least: Array) -> HalfCycles:
     return HalfCycles(np.degrees(np.arccos(1 - 2 * share)), end > begin)
 
 
-def _turning_points(y: Array, least: Array) -> IntArray:
+def turning_points(y: Array, least: Array) -> IntArray:
     """Give the samples at which the motion turns, the first and the last one among them."""
     found, extreme, direction = [0], 0, 0
     values = y.tolist()

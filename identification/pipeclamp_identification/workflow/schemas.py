@@ -10,6 +10,7 @@ from pydantic import TypeAdapter
 from pipeclamp_identification.attribution.answer import SystemComparisonAnswer
 from pipeclamp_identification.comparison.answer import ComparisonAnswer
 from pipeclamp_identification.diagnosis.answer import DiagnosisAnswer
+from pipeclamp_identification.importing.answer import ImportAnswer
 from pipeclamp_identification.loops.answer import MetricsAnswer
 from pipeclamp_identification.metrics_only.comparison_answer import MetricComparisonAnswer
 from pipeclamp_identification.metrics_only.diagnosis_answer import MetricDiagnosisAnswer
@@ -23,6 +24,7 @@ WRITTEN: dict[str, tuple[Any, str]] = {
     "metrics": (MetricsAnswer | MetricRowsAnswer, "metrics --json"),
     "comparison": (ComparisonAnswer | MetricComparisonAnswer, "compare --json of a law"),
     "system-comparison": (SystemComparisonAnswer, "compare --json of a coupled system"),
+    "import": (ImportAnswer, "import --json"),
     "effects": (CatalogueAnswer, "effects --json"),
     "diagnosis": (DiagnosisAnswer | MetricDiagnosisAnswer, "diagnose --json"),
 }

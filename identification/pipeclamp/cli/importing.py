@@ -1,0 +1,108 @@
+"""The command line's part for importing; nothing is computed here."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeclamp.cli.campaigns import RecordFormat
+from pipeclamp.cli.terminal import JsonOption, ReportOption, console, errors, print_table, show, spare, told
+from pipeclamp_models.base.errors import UserError
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.importing.answer import Found
+    from pipeclamp_identification.importing.columns import Mapped, Stated
+
+app = typer.Typer()
+
+
+@app.command("import", epilog='Example: pipeclamp import exports -o clamp_7 --pattern "T{temperature_C}"')
+def import_command(
+    files: Annotated[list[Path], typer.Argument(metavar="FILES...", help="Test machines' files, or folders of them.")],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="CAMPAIGN", help="A new folder, or one that was imported before."),
+    ],
+    columns: Annotated[
+        str,
+        typer.Option(
+            metavar="OURS=CHANNEL,...",
+            help="Which channel is what, where names and units don't tell: 'time=Zeit [ms],force=-Last [kN]'; a minus "
+            "turns a sign, [unit] states one, segment=... parts runs, current_A=... is a further condition.",
+        ),
+    ] = "",
+    pattern: Annotated[
+        str,
+        typer.Option(
+            metavar="A{amplitude_mm}_T{temperature_C}", help="What the files' names state; units by the fields' names."
+        ),
+    ] = "",
+    conditions: Annotated[
+        Path | None,
+        typer.Option(metavar="TABLE.csv", help="What was set: a row a file, its name in column file."),
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(metavar="Hz", help="Samples per second, where no channel is time.")
+    ] = None,
+    name: Annotated[str, typer.Option(help="Name of the campaign; its folder's by default.")] = "",
+    notes: Annotated[str, typer.Option(help="Notes on the campaign.")] = "",
+    format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.parquet,
+    dry_run: Annotated[bool, typer.Option("--dry-run", metavar="", help="Show it, and write nothing.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", metavar="", help="Don't ask whether the columns are right.")] = False,
+    json: JsonOption = None,
+    report: ReportOption = None,
+) -> None:
+    """Test machines' files to a campaign: channels and units found, runs cut out and checked; later files join it."""
+    from pipeclamp.pages.imported import import_page
+    from pipeclamp.show.imported import import_view
+    from pipeclamp_identification.fitting.identify import software
+    from pipeclamp_identification.importing.stated import stated_options
+    from pipeclamp_identification.importing.whole import import_whole
+    from pipeclamp_models.base.files import write_whole
+
+    spare(*files, outputs=(json, report))
+    asked = sys.stdin.isatty() and sys.stdout.isatty()
+    options = stated_options(columns, pattern, conditions, rate, _ask if asked else None)
+    with told("import") as tell:
+        found = import_whole(
+            files, output, options, page=import_page, confirm=_confirmed if asked and not yes else None,
+            dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value, progress=tell,
+        )  # fmt: skip
+    for entry in found.campaign.left_out:
+        errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+    for words in found.notes():
+        errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
+    if report:
+        write_whole(report, import_page(found))
+    show(import_view(found), json)
+
+
+def _ask(where: str, mapped: Mapped) -> Sequence[Stated]:
+    """Ask at the terminal what names and units leave open."""
+    from pipeclamp_identification.importing.columns import parse_columns
+
+    stated: list[Stated] = []
+    for question in mapped.questions:
+        console().print(f"{where}: {question.why}", markup=False, highlight=False)
+        for number, choice in enumerate(question.choices, 1):
+            console().print(f"  {number}  {choice}", markup=False, highlight=False)
+        answer = typer.prompt("Which one? A number, or OURS=CHANNEL [unit]")
+        if answer.isdigit() and 0 < int(answer) <= len(question.choices):
+            answer = question.choices[int(answer) - 1]
+        stated += parse_columns(answer)
+    return stated
+
+
+def _confirmed(found: Found) -> bool:
+    """Show which channel is what, and ask whether that is right."""
+    from pipeclamp.show.imported import columns_table
+
+    print_table(columns_table(found.plan.files))
+    try:
+        return typer.confirm("Are these channels and units right?", default=True)
+    except typer.Abort as stop:
+        raise UserError("nothing was written: the import wasn't confirmed") from stop

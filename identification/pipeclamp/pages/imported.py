@@ -1,0 +1,100 @@
+"""The page of an import: which channel is what, each run's loop and cycles, what was cut and why."""
+
+from __future__ import annotations
+
+import numpy as np
+import plotly.graph_objects as go
+
+from pipeclamp.pages.page import GRID, MEASURED, SERIES, Section, render, styled
+from pipeclamp.pages.pictures import LoopPanel, loops_picture
+from pipeclamp.show.imported import columns_table, cut_table, import_lines, imported_runs_table
+from pipeclamp_identification.campaign.reading import Run
+from pipeclamp_identification.importing.answer import Found
+from pipeclamp_identification.importing.plan import Overview
+
+POINTS = 240
+"""Points of a cycle that are drawn."""
+CYCLES = 4
+"""Cycles of a run that are drawn."""
+PANELS = 24
+"""Loops in a picture."""
+MOST_LOOPS = 480
+LONGEST_NAME = 24
+"""Characters of a run's name above its loop."""
+MOST_OVERVIEWS = 40
+KEPT, CUT = SERIES[0], SERIES[1]
+
+
+def import_page(found: Found) -> str:
+    """Give the page of an import as HTML."""
+    return render(f"Import of {found.campaign.name}", str(found.folder.name), import_sections(found))
+
+
+def import_sections(found: Found) -> list[Section]:
+    """Give the sections of an import's page."""
+    answer = found.answer()
+    notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.campaign.left_out)]
+    sections = [
+        Section("What was imported", [*import_lines(found, answer), *notes], [columns_table(found.imported.files)]),
+        *_overviews(found.plan.overviews),
+        *_loops(found.campaign.runs),
+        Section("All runs", (), [imported_runs_table(answer)]),
+    ]
+    if answer.cut:
+        sections.append(
+            Section("What was cut", ["Samples are lines of the file where it is a text."], [cut_table(answer)])
+        )
+    return sections
+
+
+def _loops(runs: tuple[Run, ...]) -> list[Section]:
+    if not runs:
+        return []
+    shown = runs[:MOST_LOOPS]
+    pictures = [
+        loops_picture(
+            [_panel(run) for run in shown[begin : begin + PANELS]],
+            f"Runs {begin + 1} to {min(begin + PANELS, len(shown))}",
+        )
+        for begin in range(0, len(shown), PANELS)
+    ]
+    words = [f"Up to {CYCLES} steady cycles of each run, as measured."]
+    if len(runs) > len(shown):
+        words.append(f"Drawn are {len(shown)} of {len(runs)} runs.")
+    return [Section("Loops", words, (), pictures)]
+
+
+def _panel(run: Run) -> LoopPanel:
+    first, last = int(run.cycles.bounds[0]), int(run.cycles.bounds[min(CYCLES, run.cycles.count)])
+    count = min(CYCLES, run.cycles.count)
+    places = np.unique(np.linspace(first, last - 1, min(POINTS * count, last - first)).astype(np.intp))
+    name = run.name if len(run.name) <= LONGEST_NAME else f"{run.name[:LONGEST_NAME]}…"
+    y = np.round(run.record.displacement_mm[places], 6)
+    return LoopPanel(f"{name} ({run.cycles.count} cycles)", y, run.record.force_N[places], None)
+
+
+def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:
+    cut = [one for one in overviews if one.cut or len(one.runs) > 1][:MOST_OVERVIEWS]
+    if not cut:
+        return []
+    words = ["Files of which parts are in no run, or that hold several: blue is a run, orange is cut."]
+    return [Section("Where the runs lie", words, (), [_overview_picture(one) for one in cut])]
+
+
+def _overview_picture(overview: Overview) -> go.Figure:
+    """Draw a table's displacement over time, its runs and what was cut marked."""
+    time = np.repeat(overview.time, 2)
+    figure = go.Figure(
+        go.Scatter(
+            x=time, y=overview.displacement.ravel(), mode="lines", line={"color": MEASURED, "width": 1}, name="y"
+        )
+    )
+    for spans, colour, level in ((overview.runs, KEPT, 0.98), (overview.cut, CUT, 0.02)):
+        for name, first, last in spans:
+            figure.add_vrect(x0=first, x1=last, fillcolor=colour, opacity=0.18, line_width=0, layer="below")
+            figure.add_annotation(
+                x=(first + last) / 2, y=level, yref="paper", text=name, showarrow=False, textangle=0,
+                font={"size": 10, "color": colour},
+            )  # fmt: skip
+    figure.update_xaxes(title_text="t / s", gridcolor=GRID).update_yaxes(title_text="y / mm")
+    return styled(figure, overview.title, height=260).update_layout(showlegend=False)

@@ -1,0 +1,96 @@
+"""What an import found, told: which channel is what, every run, what was cut and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.campaign.imported import ImportedColumn, ImportedFile
+from pipeclamp_identification.importing.answer import Found, ImportAnswer
+
+MOST_NAMED = 3
+
+
+def columns_table(files: tuple[ImportedFile, ...]) -> Table:
+    """Give which channel became which column, and by which factor; files that agree stand together."""
+    alike: dict[tuple[tuple[str, ImportedColumn], ...], list[str]] = {}
+    for file in files:
+        alike.setdefault(tuple(file.columns.items()), []).append(file.file)
+    rows = [
+        (ours, column.channel, _factor(column), "stated" if column.stated else "by name and unit", _named(names))
+        for columns, names in alike.items()
+        for ours, column in columns
+    ]
+    return Table(("column", "channel", "turned by", "known", "files"), rows)
+
+
+def _factor(column: ImportedColumn) -> str:
+    return f"x {column.factor:.6g}" + (f" {column.offset:+.6g}" if column.offset else "")
+
+
+def _named(names: list[str]) -> str:
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return ", ".join(names[:MOST_NAMED]) + more
+
+
+def imported_runs_table(answer: ImportAnswer, *, new_only: bool = False) -> Table:
+    """Give every run with what was measured of it, and what was done to it."""
+    rows = [
+        (
+            run.run, run.file, run.amplitude_mm, run.frequency_Hz, run.temperature_C,
+            None if run.cycles is None else str(run.cycles), "; ".join(run.done) or "nothing",
+        )
+        for run in answer.runs
+        if run.new or not new_only
+    ]  # fmt: skip
+    return Table(("run", "file", "A / mm", "f / Hz", "T / °C", "cycles", "done to it"), rows)
+
+
+def cut_table(answer: ImportAnswer) -> Table:
+    """Give what is in no run, and why."""
+    rows = [
+        (f"{one.file}, {one.table}" if one.table else one.file, f"{one.first} to {one.last}", one.why)
+        for one in answer.cut
+    ]
+    return Table(("file", "samples", "cut because"), rows)
+
+
+def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
+    """Say what was written, and what to know of it."""
+    new = sum(run.new for run in answer.runs)
+    done = "" if found.written else " (nothing is written)"
+    if not answer.new_files:
+        head = (
+            f"{found.folder}: nothing to do, these {len(answer.known_files)} files are there already; options count "
+            "for new files alone"
+        )
+    else:
+        head = f"{found.folder}: {new} runs of {len(answer.new_files)} files{_known(answer)}{done}"
+    lines = [head]
+    if answer.cut:
+        why: Mapping[str, int] = {one.why: sum(other.why == one.why for other in answer.cut) for one in answer.cut}
+        lines.append(
+            f"{len(answer.cut)} parts are in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4])
+        )
+    if answer.pattern:
+        lines.append(f'the files\' names look as if they state settings; to take them: --pattern "{answer.pattern}"')
+    unknown = [run.run for run in answer.runs if run.temperature_C is None]
+    if unknown:
+        lines.append(
+            f"no temperature is known of {len(unknown)} of {len(answer.runs)} runs: state it in runs.csv, or by "
+            "--pattern or --conditions when importing"
+        )
+    return lines
+
+
+def _known(answer: ImportAnswer) -> str:
+    count = len(answer.known_files)
+    return f", {count} more files were there already" if count else ""
+
+
+def import_view(found: Found) -> View:
+    """Give an import's answer, tables and lines."""
+    answer = found.answer()
+    tables = [columns_table(found.plan.files), imported_runs_table(answer, new_only=True)] if found.plan.files else []
+    return View(answer, tables, import_lines(found, answer))

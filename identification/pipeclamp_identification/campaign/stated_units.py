@@ -1,0 +1,176 @@
+"""Units that a name states, "Load [kN]" or "Weg/mm", and what turns them into ours; by pint."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.units import CELSIUS
+
+if TYPE_CHECKING:
+    import pint
+
+Quantity = str
+"""time, displacement, force or temperature; any other word has no unit of its own here."""
+
+OURS: Mapping[Quantity, str] = {"time": "s", "displacement": "mm", "force": "N", "temperature": "degC"}
+QUANTITY_OF: Mapping[str, Quantity] = {f"{quantity}_{unit}": quantity for quantity, unit in OURS.items()} | {
+    "temperature_C": "temperature"
+}
+"""What each column of a record holds."""
+SETTINGS: Mapping[str, str] = {"amplitude": "mm", "frequency": "Hz", "temperature": "degC", "density": "g/cm^3"}
+"""Units in which conditions of a run are stated."""
+
+SPELLINGS: Mapping[str, str] = {
+    "sec": "s", "secs": "s", "sek": "s", "seconds": "s", "sekunden": "s", "msec": "ms", "minutes": "min", "hr": "h",
+    "mm": "mm", "millimeter": "mm", "inch": "in", "inches": "in", "zoll": "in", '"': "in", "mil": "thou",
+    "mils": "thou", "micron": "um", "microns": "um", "kn": "kN", "newton": "N", "kp": "kgf", "kilopond": "kgf",
+    "lbf": "lbf", "lbs": "lbf", "klbf": "kip", "kips": "kip", "tonf": "1000 kgf",
+    "celsius": "degC", "deg c": "degC", "deg. c": "degC", "grad c": "degC", "° c": "degC", "degc": "degC",
+    "fahrenheit": "degF", "deg f": "degF", "deg. f": "degF", "° f": "degF", "degf": "degF", "kelvin": "K",
+    "°c": "degC", "°f": "degF", "°k": "K", "deg k": "K",
+}  # fmt: skip
+"""How machines spell units that pint knows by another name; in any case."""
+MEANT: Mapping[Quantity, Mapping[str, str]] = {
+    "force": {"kg": "kgf", "g": "gf", "lb": "lbf", "t": "1000 kgf", "to": "1000 kgf", "klb": "kip"},
+    "temperature": {"c": "degC", "f": "degF", "k": "K", "°": "degC"},
+    "time": {"S": "s", "m": "min"},
+    "displacement": {"M": "m"},
+}
+"""What a unit of something else means where a force, a temperature, ... is stated in it."""
+BARE: Mapping[str, Quantity] = {
+    **dict.fromkeys(("s", "sec", "ms", "msec", "us", "µs", "min", "h", "sek"), "time"),
+    **dict.fromkeys(("mm", "m", "cm", "um", "µm", "in", "inch", "zoll", "mil", "mils", "ft"), "displacement"),
+    **dict.fromkeys(("n", "kn", "mn", "dan", "lbf", "lb", "lbs", "kip", "kips", "kgf", "kp", "kg"), "force"),
+    **dict.fromkeys(("c", "k", "f", "degc", "degf", "°c", "°f"), "temperature"),
+}
+"""Units that stand at the end of a name without brackets, in lower case, and what they are of."""
+SAME = 2e-3
+"""A factor agrees with a unit where it differs by no more than its rounding does: 9.81 for 9.80665 is 3e-4 off."""
+
+BRACKETED = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$", re.DOTALL)
+SLASHED = re.compile(r"^(.*\S)\s*/\s*([^\s/]+)\s*$", re.DOTALL)
+TRAILING = re.compile(r"^(.*\S)(?:\s*,\s*|\s+in\s+|[\s_]+)([^\s_,]+)\s*$", re.DOTALL)
+NUMBERED = re.compile(r"^([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*(.*)$", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """How a number in another unit becomes one in ours: factor * theirs + offset."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def words(self) -> str:
+        """Give it as a person writes it."""
+        return f"x {self.factor:.6g}" + (f" {self.offset:+.6g}" if self.offset else "")
+
+
+def unit_in_name(name: str) -> tuple[str, str]:
+    """Part a column's name into what it names and the unit that it states, "" where it states none.
+
+    "Load [kN]", "Axial Force (kN)", "Weg/mm", "Zeit, s", "LVDT in" and "force_N" state one; "Load (cell 1)" doesn't.
+    """
+    text = unicodedata.normalize("NFKC", name).replace("μ", "µ").strip()
+    if found := BRACKETED.match(text):
+        inside = (found[2] if found[2] is not None else found[3]).strip()
+        return (found[1].strip(), inside) if inside and is_unit(inside) else (text, "")
+    if (found := SLASHED.match(text)) and (found[2].casefold() in BARE or is_unit(found[2])):
+        return found[1].strip(), found[2]
+    if (found := TRAILING.match(text)) and found[2].casefold() in BARE:
+        return found[1].removesuffix(" in").rstrip(" ,"), found[2]
+    return text, ""
+
+
+def is_unit(text: str) -> bool:
+    """Tell whether a text is the name of a unit, or a number of them."""
+    return any(_conversion_to(unit, text, quantity) for quantity, unit in OURS.items()) or _known(text)
+
+
+def quantity_of_unit(text: str) -> Quantity | None:
+    """Give what is measured in a unit: time, displacement, force or temperature; None for anything else."""
+    if (plain := BARE.get(text.strip().casefold())) is not None:
+        return plain
+    return next((quantity for quantity, unit in OURS.items() if _conversion_to(unit, text, quantity)), None)
+
+
+def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
+    """Give what turns numbers in a unit into ours.
+
+    Args:
+        quantity: time, displacement, force or temperature.
+        unit: as it was stated; "0.2 kN" where 1 stands for 0.2 kN.
+        target: our unit of it, where it isn't that of a record's column.
+
+    Raises:
+        UserError: it is no unit of this quantity.
+    """
+    ours = target or OURS[quantity]
+    found = _conversion_to(ours, unit, quantity)
+    if found is None:
+        raise UserError(
+            f"{unit!r} is no unit of {quantity}; expected one that turns into {ours}, such as {_some(ours)}"
+        )
+    return found
+
+
+def _some(ours: str) -> str:
+    return {"s": "s, ms or min", "mm": "mm, m, um or in", "N": "N, kN, lbf or kgf", "degC": "degC, K or degF"}.get(
+        ours, ours
+    )
+
+
+@cache
+def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | None:
+    """Give the conversion of a unit; None where it is of something else, or none at all."""
+    numbered = NUMBERED.match(unit.strip())
+    number, text = (float(numbered[1]), numbered[2]) if numbered else (1.0, unit.strip())
+    text = unicodedata.normalize("NFKC", text).replace("μ", "µ").strip()
+    if not text or not number:
+        return None
+    meant = MEANT.get(quantity, {})
+    spelled = meant.get(text, meant.get(text.casefold(), SPELLINGS.get(text.casefold(), text)))
+    if spelled == "K" and ours == "degC":
+        return Conversion(number, -CELSIUS)
+    if not re.fullmatch(r"[\w°µ^*/%.\- ·²³]{1,24}", spelled):
+        return None
+    # what is plain needs no library of units
+    if spelled == ours:
+        return Conversion(number)
+    try:
+        registry = _registry()
+        zero = registry.Quantity(0.0, registry.parse_units(spelled)) if ours == "degC" else None
+        one = registry.Quantity(1.0, registry.parse_units(spelled)) if ours == "degC" else registry.Quantity(spelled)
+        offset = float(zero.to(ours).magnitude) if zero is not None else 0.0
+        return Conversion(_rounded(number * (float(one.to(ours).magnitude) - offset)), _rounded(offset))
+    except Exception:  # pint raises what its parser's parts raise: of anything that isn't a unit of this kind
+        return None
+
+
+def _rounded(value: float) -> float:
+    """Give a factor without the digits that its way through differences made."""
+    return float(f"{value:.13g}")
+
+
+@cache
+def _known(text: str) -> bool:
+    """Tell whether pint knows the text as a unit of whatever."""
+    if text in ("-", "%", "1") or not re.fullmatch(r"[\w°µ^*/.\-·²³]{1,24}", text) or text[0].isdigit():
+        return text in ("-", "%", "1")
+    try:
+        _registry().parse_units(SPELLINGS.get(text.casefold(), text))
+    except Exception:  # as above
+        return False
+    return True
+
+
+@cache
+def _registry() -> pint.UnitRegistry[float]:
+    import pint
+
+    return pint.UnitRegistry()

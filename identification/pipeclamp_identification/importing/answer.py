@@ -1,0 +1,120 @@
+"""What `import` answers: runs with what was measured, what was cut, and what to know of the campaign."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import Field
+
+from pipeclamp_identification.campaign.imported import Imported
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.importing.plan import Plan
+from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+
+
+class ImportedRunAnswer(AnswerModel):
+    """A run of the campaign, and what of it was measured."""
+
+    run: str
+    file: str = Field(description="that it comes from")
+    amplitude_mm: float | None = Field(description="of the displacement's fundamental; null for a free motion")
+    frequency_Hz: float | None
+    temperature_C: float | None
+    cycles: int | None = Field(description="whole ones that are steady")
+    new: bool = Field(description="whether this call imported it")
+    done: tuple[str, ...] = Field(description="to its samples")
+
+
+class ImportedCutAnswer(AnswerModel):
+    """Samples of a file that are in no run."""
+
+    file: str
+    table: str
+    first: int
+    last: int
+    why: str
+
+
+class ImportAnswer(AnswerModel):
+    """What files became."""
+
+    campaign: str = Field(description="its folder")
+    written: bool
+    new_files: tuple[str, ...]
+    known_files: tuple[str, ...] = Field(description="that the campaign held already")
+    columns: dict[str, dict[str, str]] = Field(description="channel and factor of each column, by file")
+    runs: tuple[ImportedRunAnswer, ...]
+    cut: tuple[ImportedCutAnswer, ...]
+    left_out: tuple[LeftOutRun, ...]
+    pattern: str = Field(description="that the names of files seem to follow; empty where none was found")
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Found:
+    """What an import found: the plan, the campaign as it is read, and what campaign.toml says of it.
+
+    Attributes:
+        folder: of the campaign.
+        plan: of what was new.
+        campaign: with what it held before.
+        imported: campaign.toml's table of that name.
+        written: whether anything was.
+    """
+
+    folder: Path
+    plan: Plan
+    campaign: Campaign
+    imported: Imported
+    written: bool
+
+    def notes(self) -> tuple[str, ...]:
+        """Give what to know of the campaign, of its channels and units first."""
+        delay = (self.imported.delay.words,) if self.imported.delay else ()
+        smoothing = filter(None, (self.campaign.smoothing.words(),))
+        return (*self.plan.notes, *delay, *self.campaign.remarks, *smoothing)
+
+    def answer(self) -> ImportAnswer:
+        """Give it as data."""
+        new = {run.name for run in self.plan.runs}
+        cycles = {run.name: run for run in self.campaign.runs}
+        free = {run.name: run for run in self.campaign.free}
+        rows = []
+        for source in self.imported.runs:
+            sine, other = cycles.get(source.run), free.get(source.run)
+            known = sine or other
+            planned = next((run for run in self.plan.runs if run.name == source.run), None)
+            measured = planned.measured if planned else None
+            rows.append(
+                ImportedRunAnswer(
+                    run=source.run,
+                    file=source.file,
+                    amplitude_mm=measured[0] if measured else sine.amplitude_mm if sine else None,
+                    frequency_Hz=sine.cycles.frequency_Hz if sine else measured[1] if measured else None,
+                    temperature_C=known.temperature_C if known else None,
+                    cycles=sine.cycles.count if sine else None,
+                    new=source.run in new,
+                    done=source.done,
+                )
+            )
+        return ImportAnswer(
+            campaign=str(self.folder),
+            written=self.written,
+            new_files=tuple(one.file for one in self.plan.files),
+            known_files=self.plan.known,
+            columns={
+                one.file: {name: f"{column.channel} x {column.factor:.6g}" for name, column in one.columns.items()}
+                for one in self.imported.files
+            },
+            runs=tuple(rows),
+            cut=tuple(
+                ImportedCutAnswer(
+                    file=one.file, table=one.table, first=one.samples[0], last=one.samples[1], why=one.why
+                )
+                for one in self.imported.cut
+            ),
+            left_out=tuple(LeftOutRun(run=one.run, reason=one.reason) for one in self.campaign.left_out),
+            pattern=self.plan.pattern,
+            notes=self.notes(),
+        )

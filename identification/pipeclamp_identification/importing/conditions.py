@@ -1,0 +1,213 @@
+"""What was set in a run, from names of files by a pattern, or from a table."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
+from pipeclamp_identification.campaign.stated_units import SETTINGS, conversion
+from pipeclamp_identification.importing.decoding import decoded
+from pipeclamp_identification.importing.raw import Damaged
+from pipeclamp_models.base.errors import UsageError, UserError
+
+Settings = dict[str, float | str]
+"""Columns of runs.csv and what they hold."""
+
+NUMBER = r"[-+]?\d+(?:[.,p]\d+)?"
+"""A number in a file's name: 0.5, 0,5 or, where points aren't wanted, 0p5."""
+FIELD = re.compile(r"\{([A-Za-z_]\w*)\}")
+TEXTS = ("specimen", "run")
+GUESSED = {
+    "mm": "amplitude_mm", "um": "amplitude_um", "hz": "frequency_Hz", "c": "temperature_C", "degc": "temperature_C",
+    "k": "temperature_K", "grad": "temperature_C",
+}  # fmt: skip
+"""Units behind numbers in names of files, and what was set in them."""
+LETTERS = {
+    "a": "amplitude_mm", "amp": "amplitude_mm", "f": "frequency_Hz", "freq": "frequency_Hz", "t": "temperature_C",
+    "temp": "temperature_C",
+}  # fmt: skip
+"""Letters before numbers in names of files."""
+
+
+class Pattern:
+    """How the names of files state what was set: "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}".
+
+    A field's unit is in its name: {temperature_K} and {amplitude_um} are turned into ours. {specimen} is a text, and so
+    is any field without a known unit whose text is no number. The pattern may stand anywhere in the name.
+    """
+
+    def __init__(self, text: str) -> None:
+        fields = FIELD.findall(text)
+        if not fields:
+            raise UsageError(f"--pattern: got {text!r}; expected fields in braces, for example 'A{{amplitude_mm}}_f'")
+        for field in fields:
+            if fields.count(field) > 1:
+                raise UsageError(f"--pattern: field {field!r} stands there twice; expected it once")
+        self.text = text
+        self.fields = tuple(fields)
+        self.columns = {field: _column_of(field) for field in fields}
+        names = [column for column, _, _ in self.columns.values()]
+        for name in names:
+            if names.count(name) > 1:
+                raise UsageError(f"--pattern: two fields state {name}; expected one")
+        parts = FIELD.split(text)
+        expression = "".join(
+            re.escape(part) if place % 2 == 0 else f"(?P<{part}>{self._expression(part)})"
+            for place, part in enumerate(parts)
+        )
+        self._expression_of_name = re.compile(expression)
+
+    def _expression(self, field: str) -> str:
+        if field in TEXTS:
+            return r"[^_\s]+"
+        column, _, _ = self.columns[field]
+        if column not in NUMBER_COLUMNS:
+            return rf"{NUMBER}|[^_\s]+?"
+        return NUMBER if column == "temperature_C" else NUMBER.removeprefix("[-+]?")
+
+    def settings(self, stem: str) -> Settings | None:
+        """Give what a file's name states; None where it doesn't follow the pattern."""
+        found = self._expression_of_name.search(stem)
+        if not found:
+            return None
+        settings: Settings = {}
+        for field, text in found.groupdict().items():
+            column, factor, offset = self.columns[field]
+            number = _number_in(text)
+            if field in TEXTS or number is None:
+                settings[column] = text
+            else:
+                settings[column] = _rounded(factor * number + offset)
+        return settings
+
+
+def _column_of(field: str) -> tuple[str, float, float]:
+    """Give the column of runs.csv that a field fills, and what turns its numbers into the column's unit."""
+    if field in (*NUMBER_COLUMNS, *TEXTS):
+        return field, 1.0, 0.0
+    quantity, _, unit = field.partition("_")
+    if quantity in SETTINGS and unit:
+        column = next(name for name in NUMBER_COLUMNS if name.startswith(quantity))
+        try:
+            found = conversion(quantity, unit.replace("_", "/"), SETTINGS[quantity])
+        except UserError as error:
+            raise UsageError(f"--pattern, {{{field}}}: {error}") from error
+        return column, found.factor, found.offset
+    if meant := meant_column(field):
+        raise UsageError(
+            f"--pattern: field {field!r} is not known; expected {meant!r}, or its quantity in another unit"
+        )
+    return field, 1.0, 0.0
+
+
+def _number_in(text: str) -> float | None:
+    if not re.fullmatch(NUMBER, text):
+        return None
+    return float(text.replace(",", ".").replace("p", "."))
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.10g}")
+
+
+def guessed_pattern(stems: Sequence[str]) -> str:
+    """Propose a pattern that all names of files follow, "" for none.
+
+    Numbers are looked for behind letters (A0.5) and before units (3Hz).
+    """
+    if not stems:
+        return ""
+    skeletons = Counter(re.sub(NUMBER, "#", stem) for stem in stems)
+    if len(skeletons) > 1:
+        return ""
+    numbers = list(zip(*(re.findall(NUMBER, stem) for stem in stems), strict=False))
+    pieces = re.split(NUMBER, stems[0])
+    fields: list[str] = []
+    for place in range(len(numbers)):
+        before = re.search(r"([A-Za-z]*)[_=]?$", pieces[place])
+        after = re.match(r"[ _]?(degC|[A-Za-z]+)", pieces[place + 1])
+        named = GUESSED.get(after[1].casefold(), "") if after else ""
+        named = named or (LETTERS.get(before[1].casefold(), "") if before else "")
+        fields.append("" if named in fields else named)
+    if not any(fields):
+        return ""
+    first = next(place for place, field in enumerate(fields) if field)
+    last = max(place for place, field in enumerate(fields) if field)
+    if not all(fields[first : last + 1]):
+        return ""
+    begin = re.search(r"[A-Za-z]*[_=]?$", pieces[first])
+    end = re.match(r"[ _]?[A-Za-z]*", pieces[last + 1])
+    middle = "".join(
+        f"{{{fields[place]}}}" + (pieces[place + 1] if place < last else "") for place in range(first, last + 1)
+    )
+    return (begin[0] if begin else "") + middle + (end[0] if end else "")
+
+
+def read_conditions(path: Path) -> dict[str, Settings]:
+    """Read a table of what was set: a row a file, its name in column `file` (or a run's, in `run`).
+
+    Returns:
+        columns of runs.csv by name of file or run.
+
+    Raises:
+        UserError: it can't be read, has no such column, a column of another unit, or a name twice.
+    """
+    try:
+        text, _ = decoded(path.read_bytes())
+    except OSError as error:
+        raise UserError(f"{path}: can't be read ({error.strerror}); expected a table of what was set") from error
+    except Damaged as error:
+        raise UserError(f"{path}: {error}; expected a table of what was set") from error
+    first = text.split("\n", 1)[0]
+    delimiter = max("\t;,", key=first.count)
+    rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO(text), delimiter=delimiter) if any(row)]
+    if len(rows) < 2:
+        raise UserError(f"{path}: has no row below its header; expected a row a file")
+    header = rows[0]
+    key = next((name for name in ("file", "run") if name in header), None)
+    if key is None:
+        raise UserError(
+            f"{path}: has no column 'file'; it has {', '.join(map(repr, header))}; expected the files' names"
+        )
+    for name in header:
+        if header.count(name) > 1:
+            raise UserError(f"{path}: column {name!r} stands there twice; expected it once")
+        if name != key and (meant := meant_column(name)):
+            raise UserError(f"{path}: column {name!r} is not known; expected {meant!r}; convert and rename it")
+    found: dict[str, Settings] = {}
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(header):
+            raise UserError(f"{path}, row {number}: has {len(row)} cells; expected {len(header)} as in the header")
+        named = dict(zip(header, row, strict=True))
+        name = Path(named.pop(key)).name
+        if name in found:
+            raise UserError(f"{path}, row {number}: {name!r} stands there twice; expected each {key} once")
+        found[name] = {column: _cell(path, number, column, cell, delimiter) for column, cell in named.items() if cell}
+    return found
+
+
+def _cell(path: Path, row: int, column: str, cell: str, delimiter: str) -> float | str:
+    plain = cell.replace(",", ".") if delimiter != "," else cell
+    try:
+        value = float(plain)
+    except ValueError:
+        if column in NUMBER_COLUMNS:
+            raise UserError(f"{path}, row {row}, column {column!r}: got {cell!r}; expected a number") from None
+        return cell
+    if not math.isfinite(value):
+        raise UserError(f"{path}, row {row}, column {column!r}: got {cell!r}; expected a finite number")
+    return value
+
+
+def settings_for(table: Mapping[str, Settings], file: str, run: str) -> Settings:
+    """Give what a table says of a run: by its own name, else by its file's, with or without ending."""
+    for name in (run, file, Path(file).stem):
+        if name in table:
+            return dict(table[name])
+    return {}

@@ -1,0 +1,115 @@
+"""What a test machine's file holds, before anybody knows which channel is what."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+
+MOST_SAMPLES = 2_000_000_000
+"""Numbers that a file may claim to hold: 16 GB; what claims more is damaged."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel: its name and unit as the file states them (no unit: ""), and its samples, nan where blank."""
+
+    name: str
+    unit: str
+    values: Array
+
+    @property
+    def heading(self) -> str:
+        """Name and unit in one, as a user states the channel."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+@dataclass(frozen=True)
+class RawTable:
+    """Channels of one length.
+
+    Attributes:
+        name: of the table within its file: a sheet, a group, a block; "" where there is but one.
+        channels: in the file's order.
+        first_row: row of the file that holds the first samples, where it has rows; 1 elsewhere.
+        told: how it was read, for people.
+    """
+
+    name: str
+    channels: tuple[Channel, ...]
+    first_row: int = 1
+    told: tuple[str, ...] = ()
+
+    @property
+    def length(self) -> int:
+        """Samples of each channel."""
+        return len(self.channels[0].values) if self.channels else 0
+
+
+class Damaged(Exception):  # noqa: N818 - it says what the file is
+    """A file that isn't what its format says, with the reason and what was expected."""
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of files.
+
+    Attributes:
+        name: for people.
+        suffixes: of its files, in lower case, with the dot.
+        begins: tells by the first bytes of a file whether it is of this format.
+        read: gives the tables of a file; it may raise anything, which is told as damage.
+        module: that must be installed, and the package that brings it, where it is an extra.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    begins: Callable[[bytes], bool]
+    read: Callable[[Path], Sequence[RawTable]]
+    module: str = ""
+    package: str = ""
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+
+def refuse_size(what: str, count: float, holds: int, times: float = 1.0) -> None:
+    """Refuse a count of samples that a file of so many bytes can't hold.
+
+    Args:
+        what: holds them.
+        count: claimed.
+        holds: bytes of the file.
+        times: how many samples a byte may hold, more than one where the format compresses.
+
+    Raises:
+        Damaged: it claims more.
+    """
+    if count < 0 or count > min(MOST_SAMPLES, max(holds, 1) * times):
+        raise Damaged(f"{what} claims {count:g} samples, more than a file of {holds} bytes holds")
+
+
+def table_of(name: str, columns: Sequence[tuple[str, str, object]], told: Sequence[str] = ()) -> list[RawTable]:
+    """Give a table for each length that channels have, longest first; what isn't numbers in one row is left aside.
+
+    Args:
+        name: of the table.
+        columns: name, unit and samples of each channel.
+        told: how it was read.
+    """
+    by_length: dict[int, list[Channel]] = {}
+    for column, unit, values in columns:
+        samples = np.squeeze(np.asarray(values))
+        if samples.ndim == 0:
+            samples = samples.reshape(1)
+        if samples.ndim == 1 and samples.dtype.kind in "fiub" and len(samples):
+            by_length.setdefault(len(samples), []).append(Channel(column, unit, samples.astype(np.float64)))
+    lengths = sorted(by_length, reverse=True)
+    return [
+        RawTable(
+            name if len(lengths) == 1 else f"{name} {length} samples".strip(), tuple(by_length[length]), 1, tuple(told)
+        )
+        for length in lengths
+    ]

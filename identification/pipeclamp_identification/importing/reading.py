@@ -1,0 +1,163 @@
+"""Files to tables, whatever their format; what isn't whole is told in one sentence."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import pkgutil
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+
+from pipeclamp_identification.importing import formats
+from pipeclamp_identification.importing.raw import Damaged, Format, RawTable
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.tables import pl
+
+HEAD = 512
+"""Bytes by which a format is told."""
+MOST_TOLD = 160
+"""Characters of a foreign library's message that a user sees."""
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """A file as it was read: its tables, and what tells it from any other."""
+
+    path: Path
+    sha256: str
+    format: str
+    tables: tuple[RawTable, ...]
+
+    @property
+    def name(self) -> str:
+        """The file's name, without its folders."""
+        return self.path.name
+
+    @property
+    def stem(self) -> str:
+        """The file's name without what tells its format."""
+        plain = self.path.name.removesuffix(".gz")
+        return Path(plain).stem or plain
+
+
+@cache
+def known_formats() -> tuple[Format, ...]:
+    """Give every format that there is a module of, text last: it has no mark of its own."""
+    names = sorted(module.name for module in pkgutil.iter_modules(formats.__path__))
+    found: list[Format] = [import_module(f"{formats.__name__}.{name}").FORMAT for name in names]
+    return tuple(sorted(found, key=lambda one: one.name == TEXT))
+
+
+TEXT = "delimited text"
+
+
+def files_in(given: Sequence[Path]) -> tuple[Path, ...]:
+    """Give the files that are named: those of a folder, too, by the endings of known formats, in order of their names.
+
+    Raises:
+        UserError: there is no such file, it is none that holds data, or it is named twice.
+    """
+    endings = {ending for one in known_formats() for ending in one.suffixes}
+    found: list[Path] = []
+    for path in given:
+        if path.is_dir():
+            inside = sorted(one for one in path.iterdir() if one.suffix.lower() in endings and one.is_file())
+            if not inside:
+                raise UserError(
+                    f"{path}: holds no file that can be read; expected endings such as .csv, .xlsx or .tdms"
+                )
+            found += inside
+        elif path.is_file():
+            found.append(path)
+        else:
+            why = "is no file with data (a device or pipe)" if path.exists() else "no such file"
+            raise UserError(f"{path}: {why}; expected a test machine's file, or a folder of them")
+    seen: dict[Path, Path] = {}
+    for path in found:
+        if (other := seen.setdefault(path.resolve(), path)) is not path:
+            raise UserError(f"{path}: is named twice (as {other}); expected each file once")
+    return tuple(found)
+
+
+def read_file(path: Path) -> SourceFile:
+    """Read a test machine's file.
+
+    Raises:
+        UserError: it can't be read, is damaged, is of a format whose package isn't installed, or of none that is known.
+    """
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(HEAD)
+            digest = hashlib.file_digest(stream, "sha256") if not stream.seek(0) else None
+    except OSError as error:
+        raise UserError(f"{path}: can't be read ({error.strerror})") from error
+    if not head or digest is None:
+        raise UserError(f"{path}: is empty (0 bytes); export or copy it again")
+    found = _format_of(path, head)
+    if found.module and find_spec(found.module) is None:
+        raise UserError(
+            f"{path}: {found.name} is read by the package {found.package}, which isn't installed; "
+            "expected it: pip install 'pipeclamp[import]'"
+        )
+    try:
+        with _quietly():
+            tables = tuple(table for table in found.read(path) if table.length)
+    except Damaged as error:
+        raise UserError(f"{path}: {error}") from error
+    except (Exception, pl.exceptions.PanicException) as error:  # foreign readers raise anything of a damaged file
+        raise UserError(
+            f"{path}: is no whole {found.name} file ({_first_line(error)}); export or copy it again"
+        ) from error
+    if not tables:
+        raise UserError(f"{path}: holds no channel of numbers; expected {found.name} with time, displacement and force")
+    return SourceFile(path, digest.hexdigest(), found.name, tables)
+
+
+def _format_of(path: Path, head: bytes) -> Format:
+    """Tell a file's format by what it begins with; an ending that says another format is refused where that is sure."""
+    for one in known_formats():
+        if one.begins(head):
+            return one
+    named = next((one for one in known_formats() if path.suffix.lower() in one.suffixes), None)
+    text = known_formats()[-1]
+    # LabVIEW and others call tables of text .xls
+    if named not in (None, text) and not _is_text(head):
+        raise UserError(f"{path}: is no {named.name} file, by its first bytes; export or copy it again")
+    if not _is_text(head):
+        raise UserError(f"{path}: is of no known format; expected {', '.join(one.name for one in known_formats())}")
+    return text
+
+
+def _is_text(head: bytes) -> bool:
+    """Tell whether bytes may be text: no control characters but those of lines, tabs and UTF-16's zeros."""
+    if head.startswith((b"\xff\xfe", b"\xfe\xff", b"\x1f\x8b")):
+        return True
+    controls = sum(byte < 32 and byte not in (0, 9, 10, 12, 13, 26) for byte in head)
+    zeros = head.count(0)
+    return controls == 0 and (zeros == 0 or 0.3 < zeros / len(head) < 0.6)
+
+
+def _first_line(error: BaseException) -> str:
+    """Give the first line of a foreign message, cut, without control characters."""
+    line = (str(error).strip().splitlines() or [""])[0] or type(error).__name__
+    line = "".join(one if one.isprintable() else " " for one in line)
+    return line if len(line) <= MOST_TOLD else f"{line[:MOST_TOLD]}..."
+
+
+@contextmanager
+def _quietly() -> Iterator[None]:
+    """Keep foreign readers from writing warnings and logs between our lines."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logging.disable(before)

@@ -1,0 +1,133 @@
+"""What raw records need before they are cut: even stamps of time, no spikes. Each step says what it did."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_models.base.arrays import Array
+
+SPIKE = 12.0
+"""Standard deviations, by the median of the absolute ones, that a spike lies off the line between its neighbours."""
+OF_RANGE = 0.1
+"""And the share of the channel's range between its 1st and 99th percent: what is smaller is left to the fit."""
+APART = 0.3
+"""A spike's neighbours differ by less than this share of it: a step isn't one, the samples behind it stay there."""
+MOST_SPIKES = 0.002
+"""Share of the samples; a channel with more of them isn't spiky but noisy, and stays as it is."""
+EVEN = 0.25
+"""Share of a step by which stamps of time may miss an even grid and be left as they are."""
+UNEVEN = 1.6
+"""Largest over usual step from which on a record is put on an even grid."""
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """A record after a repair, and words on what was done."""
+
+    record: Record
+    told: tuple[str, ...] = ()
+
+
+def evened(record: Record) -> Repaired:
+    """Put samples on an even grid of time, where their stamps aren't.
+
+    Stamps that were rounded (the same one several times over, then a jump of it) are counted out evenly, which changes
+    no sample. Samples that were taken unevenly are put on a grid of the usual step by straight lines.
+
+    Args:
+        record: one run; its time mustn't go back.
+    """
+    time = record.time_s
+    if len(time) < 3:
+        return Repaired(record)
+    step = np.diff(time)
+    positive = step[step > 0]
+    if not len(positive):
+        return Repaired(record)
+    mean = float(time[-1] - time[0]) / (len(time) - 1)
+    off = time - np.linspace(time[0], time[-1], len(time))
+    if np.max(np.abs(off)) <= EVEN * mean:
+        return Repaired(record)
+    quantum = float(np.min(positive))
+    rounded = np.all(np.abs(step / quantum - np.round(step / quantum)) < 1e-3) and np.max(np.abs(off)) <= 1.5 * quantum
+    if rounded and quantum > 1.5 * mean:
+        even = np.linspace(time[0], time[-1], len(time))
+        words = f"stamps of time rounded to {quantum:.3g} s: counted out evenly, {mean:.4g} s apart"
+        return Repaired(replace(record, time_s=even), (words,))
+    usual = float(np.median(positive))
+    if float(np.max(step)) <= UNEVEN * usual:
+        return Repaired(record)
+    # of samples with one stamp the first counts
+    kept = np.concatenate([[True], step > 0])
+    count = max(round((time[-1] - time[0]) / usual), 1) + 1
+    if count > 4 * len(time):
+        return Repaired(record)
+    grid = np.linspace(time[0], time[-1], count)
+    channels = {
+        name: np.interp(grid, time[kept], values[kept])
+        for name, values in vars(record).items()
+        if name != "time_s" and values is not None
+    }
+    words = (
+        f"uneven steps of time, {float(np.min(positive)):.3g} to {float(np.max(step)):.3g} s: put on a grid of "
+        f"{float(grid[1] - grid[0]):.4g} s by straight lines ({len(time)} samples became {count})"
+    )
+    return Repaired(Record(time_s=grid, **channels), (words,))
+
+
+def without_spikes(record: Record) -> Repaired:
+    """Take single samples that stand far off their neighbours out of a record, by Hampel's filter; lines replace them.
+
+    Hampel (J. Am. Stat. Assoc. 69, 1974): a sample lies many times the median absolute deviation off what is usual.
+    Usual is here the line between its neighbours, so that the slope of a fast motion counts for nothing.
+    """
+    told, changed = [], {}
+    for name, values in vars(record).items():
+        if name == "time_s" or values is None:
+            continue
+        found = _spikes(values)
+        count = int(np.count_nonzero(found))
+        if not count:
+            continue
+        places = np.arange(len(values))
+        changed[name] = np.where(found, np.interp(places, places[~found], values[~found]), values)
+        worst = float(np.max(np.abs(values - changed[name])))
+        at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
+        more = f" and {count - 3} more" if count > 3 else ""
+        told.append(
+            f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more}; up to {worst:.3g}): replaced by "
+            "straight lines between their neighbours"
+        )
+    return Repaired(replace(record, **changed), tuple(told)) if changed else Repaired(record)
+
+
+def _spikes(values: Array) -> npt.NDArray[np.bool_]:
+    none = np.zeros(len(values), dtype=np.bool_)
+    if len(values) < 12 or not np.all(np.isfinite(values)):
+        return none
+    low, high = np.percentile(values, [1, 99])
+    found = none.copy()
+    # of one sample, or of two in a row
+    for width in (1, 2):
+        before, after = values[: -width - 1], values[width + 1 :]
+        inside = values[1:-width] if width == 1 else (values[1:-2] + values[2:-1]) / 2
+        off = np.abs(inside - (before + after) / 2)
+        usual = 1.4826 * float(np.median(off))
+        least = max(SPIKE * usual, OF_RANGE * float(high - low))
+        alike = True if width == 1 else np.abs(values[1:-2] - values[2:-1]) < APART * off
+        at = np.flatnonzero((off > least) & (np.abs(after - before) < APART * off) & alike) + 1
+        for step in range(width):
+            found[at + step] = True
+    return found if np.count_nonzero(found) <= max(MOST_SPIKES * len(values), 3) else none
+
+
+def usual_rate(time: Array) -> float:
+    """Give the samples per second that a record usually has; nan where it can't be told."""
+    step = np.diff(time)
+    step = step[step > 0]
+    return 1.0 / float(np.median(step)) if len(step) else math.nan

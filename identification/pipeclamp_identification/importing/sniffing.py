@@ -1,0 +1,182 @@
+"""How a text holds its table: what parts its cells, its decimals, where the numbers begin, what names and units are."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipeclamp_identification.campaign.stated_units import is_unit, unit_in_name
+from pipeclamp_identification.importing.raw import Damaged
+
+DELIMITERS = ("\t", ";", ",", "|", " ")
+"""The blank, any number of them, comes last: it stands beside others, too."""
+WORDS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
+PLACES = 40
+"""Parts of the file that lines are looked at in."""
+LINES_A_PLACE = 5
+FEWEST_COLUMNS = 2
+CLEAR = 0.6
+"""Share of the lines that a way to part cells must make rows of numbers of."""
+LONGEST_HEADER = 20_000
+POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
+COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
+STAMP = re.compile(
+    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]+)?\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?(?:Z|[-+]\d\d:?\d\d)?$"
+)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text holds its table.
+
+    Attributes:
+        delimiter: between cells; " " stands for any number of blanks.
+        decimal: "." or ",".
+        width: cells in a row.
+        first: index of the first line of numbers.
+        names, units: of the columns; units "" where none is stated in a row of their own.
+    """
+
+    delimiter: str
+    decimal: str
+    width: int
+    first: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+    def words(self) -> str:
+        """Say how the table is held."""
+        decimals = "decimal comma" if self.decimal == "," else "decimal point"
+        header = f", {self.first} lines before the numbers" if self.first else ", no header"
+        return f"cells parted by {WORDS[self.delimiter]}, {decimals}{header}"
+
+
+def cells_of(line: str, delimiter: str) -> list[str]:
+    """Give the cells of a line, without blanks and quotes around them."""
+    if delimiter == " ":
+        return line.split()
+    if '"' in line:
+        try:
+            cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        except csv.Error:
+            cells = line.split(delimiter)
+    else:
+        cells = line.split(delimiter)
+    return [cell.strip() for cell in cells]
+
+
+def is_number(cell: str, decimal: str) -> bool:
+    """Tell whether a cell is a number, or a stamp of time."""
+    return bool((COMMA if decimal == "," else POINT).match(cell) or STAMP.match(cell))
+
+
+def layout_of(lines: Sequence[str]) -> Layout:
+    """Find how lines hold a table.
+
+    Raises:
+        Damaged: no way to part them makes a table of numbers.
+    """
+    filled = [index for index, line in enumerate(lines) if line.strip()]
+    if not filled:
+        raise Damaged("is empty; expected a table of numbers")
+    # short rows at the end of a file that was cut, and the header, are few among many places
+    begins = [filled[len(filled) * place // PLACES] for place in range(PLACES)] if len(filled) > 300 else [0]
+    sample = (
+        [lines[index] for begin in begins for index in range(begin, min(begin + LINES_A_PLACE, len(lines)))]
+        if len(begins) > 1
+        else [lines[index] for index in filled]
+    )
+    sample = [line for line in sample if line.strip()]
+    ways = [(delimiter, decimal) for delimiter in DELIMITERS for decimal in (".", ",")]
+    scored = [(*_score(sample, *way), way) for way in ways if not (way[0] == "," and way[1] == ",")]
+    share, width, (delimiter, decimal) = max(scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[2][0])))
+    if share == 0.0:
+        raise Damaged("holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks")
+    first = _first_line(lines, delimiter, decimal, width)
+    width = len(_trimmed(cells_of(lines[first], delimiter)))
+    names, units = _names_and_units(lines[:first], delimiter, width)
+    return Layout(delimiter, decimal, width, first, names, units)
+
+
+def _trimmed(cells: list[str]) -> list[str]:
+    """Give cells without the blank one that a delimiter at the line's end makes."""
+    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+
+
+def _score(sample: Sequence[str], delimiter: str, decimal: str) -> tuple[float, int]:
+    """Give the share of cells that are numbers where a line has at least two, over all lines, and the usual width."""
+    rows = [_trimmed(cells_of(line, delimiter)) for line in sample]
+    shares, widths = [], []
+    for row in rows:
+        numbers = sum(is_number(cell, decimal) for cell in row)
+        if numbers >= FEWEST_COLUMNS:
+            shares.append(numbers / len([cell for cell in row if cell]))
+            widths.append(len(row))
+    if not widths:
+        return 0.0, 0
+    width = max(set(widths), key=widths.count)
+    kept = [share for share, own in zip(shares, widths, strict=True) if own == width]
+    # a header may be longer than a short table; what must be clear is which way makes the best rows
+    return sum(kept) / len(kept) * (0.5 + 0.5 * len(kept) / len(rows)), width
+
+
+def _first_line(lines: Sequence[str], delimiter: str, decimal: str, width: int) -> int:
+    """Find the first line of the table: numbers, as wide as most."""
+    for index, line in enumerate(lines[:LONGEST_HEADER]):
+        row = _trimmed(cells_of(line, delimiter))
+        numbers = sum(is_number(cell, decimal) for cell in row)
+        if len(row) == width and numbers >= FEWEST_COLUMNS and numbers >= CLEAR * len([cell for cell in row if cell]):
+            return index
+    raise Damaged(f"has no line of {width} cells with numbers among its first {LONGEST_HEADER}")
+
+
+def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Find the rows of names and of units right above the numbers."""
+    blank = ("",) * width
+    above = [line for line in header if line.strip()][-3:]
+    if not above:
+        return tuple(f"column {place}" for place in range(1, width + 1)), blank
+    rows = [row for row in (_header_row(line, delimiter, width) for line in above) if row]
+    if not rows:
+        last = cells_of(above[-1], delimiter)
+        if delimiter == "," and len(last) > 1:
+            raise Damaged(
+                f"has {len(last)} names above {width} columns of numbers; expected as many; decimal commas between "
+                "commas can't be told from them: export with points, or with semicolons between columns"
+            )
+        return tuple(f"column {place}" for place in range(1, width + 1)), blank
+    if len(rows) > 1 and _are_units(rows[-1]):
+        return _unique(rows[-2]), tuple(_bare(cell) for cell in rows[-1])
+    return _unique(rows[-1]), blank
+
+
+def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:
+    """Give the cells of a row of names; None where there aren't as many as columns."""
+    row = cells_of(line, delimiter)
+    if len(row) > width and not any(row[width:]):
+        row = row[:width]
+    if len(row) != width and delimiter == " ":
+        # names of several words, two blanks or a tab between them; or a comment's sign before them
+        row = [cell.strip() for cell in re.split(r"\t|\s{2,}|;", line.strip())]
+        if len(row) != width:
+            row = line.lstrip("#%!* \t").split()
+    return row if len(row) == width and any(row) else None
+
+
+def _bare(cell: str) -> str:
+    """Give a unit without brackets around it."""
+    inside = re.fullmatch(r"[\[(]\s*(.*?)\s*[\])]", cell)
+    return inside[1] if inside else cell
+
+
+def _are_units(row: Sequence[str]) -> bool:
+    """Tell whether a row's cells are units: all that are filled, and at least one that is more than a dash."""
+    filled = [_bare(cell) for cell in row if cell and cell not in ("-", "--", "[]", "()", "[-]", "(-)")]
+    return bool(filled) and all(is_unit(cell) and not unit_in_name(cell)[1] for cell in filled)
+
+
+def _unique(names: Sequence[str]) -> tuple[str, ...]:
+    """Give names of which none is blank."""
+    return tuple(name.lstrip("#%").strip() or f"column {place}" for place, name in enumerate(names, 1))

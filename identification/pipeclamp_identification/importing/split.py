@@ -1,0 +1,203 @@
+"""One table with many runs becomes many: by gaps in time, a counter, rests, and steps of amplitude or frequency."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.signals.half_cycles import turning_points
+from pipeclamp_models.base.arrays import Array, IntArray
+
+GAP_STEPS = 20
+"""A gap in time is one of so many usual steps at least."""
+GAP_CYCLES = 0.25
+"""And of so much of a cycle: shorter ones are bridged when the record is read."""
+NOISE, SHARE = 8.0, 0.004
+"""A turn counts from so many rms of the noise on, and from this share of the whole range."""
+SAME_LEVEL = 0.04
+"""Cycles whose amplitude and period differ by less from those before them are at one level."""
+REMEMBERED = 9
+"""Half cycles before, whose median is the level: a control loop that creeps makes no step."""
+FEWEST_CYCLES = 3.0
+"""Cycles from which on a level is one, and no part of a ramp."""
+AT_EDGE = 0.75
+"""Cycles at the end of a piece that belong to the level beside them: a record may begin anywhere in a cycle."""
+MOSTLY_STEADY = 0.5
+"""A piece of which less stands at levels isn't cut by them: its motion is of another kind."""
+AT_REST = 0.1
+"""Share of the neighbouring amplitude within which the machine rests."""
+RESTING = 2.0
+"""Cycles without a turn that make a rest."""
+CREEPS = 0.5
+"""Levels that change by more than this share of `SAME_LEVEL` from end to end creep; most of them do in a sweep."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Samples first to last - 1 of a table: a run, or what was cut, and why."""
+
+    first: int
+    last: int
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """How a table was cut: its runs, and what is left of it."""
+
+    runs: tuple[Part, ...]
+    left: tuple[Part, ...]
+
+
+def split(time: Array, displacement: Array, segment: Array | None = None) -> Cut:
+    """Split a table into runs.
+
+    Args:
+        time: s, shape (n,); it may go back where a machine's clock began anew.
+        displacement: mm, shape (n,).
+        segment: a number that stays the same within a run, shape (n,), where there is one.
+    """
+    turns = _turns(displacement)
+    half = float(np.median(np.abs(np.diff(time[turns])))) if len(turns) > 3 else math.inf
+    bounds = _bounds(time, 2 * half)
+    if segment is not None:
+        changes = np.flatnonzero((np.diff(segment) != 0.0) & ~np.isnan(np.diff(segment))) + 1
+        # a counter of cycles tells no runs apart
+        if len(changes) < max(len(turns) / 6, 1):
+            bounds = np.unique(np.concatenate([bounds, changes]))
+    runs: list[Part] = []
+    left: list[Part] = []
+    for first, last in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        found, rest = _levels(time[first:last], displacement[first:last])
+        runs += [Part(first + part.first, first + part.last, part.why) for part in found]
+        left += [Part(first + part.first, first + part.last, part.why) for part in rest]
+    return Cut(tuple(runs), tuple(left))
+
+
+def _bounds(time: Array, period: float) -> IntArray:
+    """Give where pieces begin, and the end: where time goes back or stands still for long."""
+    step = np.diff(time)
+    usual = float(np.median(step[step > 0])) if np.any(step > 0) else 0.0
+    least = max(GAP_STEPS * usual, GAP_CYCLES * period if math.isfinite(period) else 0.0)
+    cuts = np.flatnonzero((step < 0) | (step > least)) + 1
+    return np.concatenate([[0], cuts, [len(time)]]).astype(np.intp)
+
+
+def _turns(y: Array) -> IntArray:
+    """Give the turning points of a motion, noise aside."""
+    if len(y) < 5:
+        return np.array([0, max(len(y) - 1, 0)], dtype=np.intp)
+    noise = float(np.median(np.abs(np.diff(y, 4)))) / 0.6745 / math.sqrt(70)
+    least = max(NOISE * noise, SHARE * float(np.ptp(y)))
+    return turning_points(y, np.full(len(y), least))
+
+
+def _levels(time: Array, y: Array) -> tuple[list[Part], list[Part]]:
+    """Give the levels of a piece as runs, and what lies between them."""
+    whole = [Part(0, len(y))]
+    turns = _turns(y)
+    if len(turns) < 6:
+        return whole, []
+    ranges = np.abs(np.diff(y[turns]))
+    middles = np.array([_crossing(time, y, a, b) for a, b in itertools.pairwise(turns.tolist())])
+    amplitude = (ranges[:-2] + 2 * ranges[1:-1] + ranges[2:]) / 8
+    period = middles[2:] - middles[:-2]
+    stretches = _stretches(np.log(np.maximum(amplitude, 1e-300)), np.log(np.maximum(period, 1e-300)))
+    # window k goes from turn k to turn k + 3: three half cycles
+    kept = [(begin, end) for begin, end in stretches if (end - begin + 2) / 2 >= FEWEST_CYCLES]
+    covered = sum(int(turns[end + 2] - turns[begin]) for begin, end in kept)
+    if covered < MOSTLY_STEADY * _moving(turns, ranges) or not kept or _sweeps(amplitude, period, kept):
+        return whole, []
+    ends = [[int(turns[begin]), int(turns[end + 2])] for begin, end in kept]
+    for before, after in itertools.pairwise(ends):
+        if after[0] < before[1]:
+            before[1] = after[0] = (after[0] + before[1]) // 2
+    levels = [
+        _Level(first, last, float(np.median(period[begin:end])))
+        for (first, last), (begin, end) in zip(ends, kept, strict=True)
+    ]
+    return _cut_at(levels, turns, time, y)
+
+
+@dataclass(frozen=True)
+class _Level:
+    first: int
+    last: int
+    period: float
+
+
+def _sweeps(amplitude: Array, period: Array, stretches: Sequence[tuple[int, int]]) -> bool:
+    """Tell whether what looks like many levels is one slow change."""
+    creeping = 0
+    for begin, end in stretches:
+        ends = min(3, end - begin)
+        for values in (np.log(amplitude[begin:end]), np.log(period[begin:end])):
+            if abs(np.median(values[-ends:]) - np.median(values[:ends])) > CREEPS * SAME_LEVEL:
+                creeping += 1
+                break
+    return len(stretches) > 2 and 2 * creeping > len(stretches)
+
+
+def _moving(turns: IntArray, ranges: Array) -> int:
+    """Count the samples of half cycles that are no rest."""
+    lengths = np.diff(turns)
+    return int(np.sum(lengths[ranges > AT_REST * np.max(ranges)]))
+
+
+def _crossing(time: Array, y: Array, first: int, last: int) -> float:
+    """Give when a half cycle passes the middle of its way."""
+    middle = (y[first] + y[last]) / 2
+    above = (y[first : last + 1] - middle) * (1.0 if y[last] > y[first] else -1.0) >= 0
+    at = first + int(np.argmax(above))
+    before, after = y[max(at - 1, 0)], y[at]
+    share = (middle - before) / (after - before) if after != before else 0.0
+    return float(time[max(at - 1, 0)] + share * (time[at] - time[max(at - 1, 0)]))
+
+
+def _stretches(amplitude: Array, period: Array) -> list[tuple[int, int]]:
+    """Give rows of half cycles whose amplitude and period stay, as (first, one after the last)."""
+    found, begin = [], 0
+    for place in range(1, len(amplitude) + 1):
+        since = max(begin, place - REMEMBERED)
+        if place < len(amplitude) and (
+            abs(amplitude[place] - np.median(amplitude[since:place])) < SAME_LEVEL
+            and abs(period[place] - np.median(period[since:place])) < SAME_LEVEL
+        ):
+            continue
+        found.append((begin, place))
+        begin = place
+    return found
+
+
+def _cut_at(levels: Sequence[_Level], turns: IntArray, time: Array, y: Array) -> tuple[list[Part], list[Part]]:
+    """Give the runs, drawn to the piece's ends where these are near, and the parts between them with what they are."""
+    runs: list[Part] = []
+    for number, level in enumerate(levels):
+        first, last = level.first, level.last
+        if number == 0 and time[first] - time[0] <= AT_EDGE * level.period:
+            first = 0
+        if number == len(levels) - 1 and time[-1] - time[min(last, len(y) - 1)] <= AT_EDGE * level.period:
+            last = len(y)
+        runs.append(Part(first, last))
+    left: list[Part] = []
+    edges = [0, *(edge for part in runs for edge in (part.first, part.last)), len(y)]
+    for place, (begin, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+        if end > begin:
+            beside = place - 1 if place else 0
+            left.append(Part(begin, end, _what(begin, end, runs[beside], levels[beside].period, turns, time, y)))
+    return runs, left
+
+
+def _what(begin: int, end: int, beside: Part, period: float, turns: IntArray, time: Array, y: Array) -> str:
+    """Say what a part between runs is."""
+    inner = turns[(turns > begin) & (turns < end)]
+    # at either end it holds a part of the cycles beside it
+    if np.ptp(y[inner] if len(inner) else y[begin:end]) < AT_REST * np.ptp(y[beside.first : beside.last]):
+        return "rest"
+    inside = np.concatenate([[begin], inner, [end - 1]])
+    rests = float(np.max(np.diff(time[inside]))) > RESTING * period
+    return "ramps and rest" if rests else "ramp or change of level"

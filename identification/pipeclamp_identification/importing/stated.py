@@ -1,0 +1,37 @@
+"""What a user states of an import, checked as a whole."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from pipeclamp_identification.importing.columns import parse_columns
+from pipeclamp_identification.importing.conditions import Pattern, read_conditions
+from pipeclamp_identification.importing.importer import Ask, Options
+from pipeclamp_models.base.errors import UsageError
+
+
+def stated_options(
+    columns: str, pattern: str, conditions: Path | None, rate: float | None, ask: Ask | None = None
+) -> Options:
+    """Give options of text.
+
+    Args:
+        columns: `time=Zeit [ms],force=Last [kN]`.
+        pattern: of the files' names.
+        conditions: a table of what was set.
+        rate: samples per second.
+        ask: for what is open.
+
+    Raises:
+        UserError: one of them isn't as it should be.
+    """
+    if rate is not None and not (math.isfinite(rate) and rate > 0):
+        raise UsageError(f"--rate: got {rate:g}; expected samples per second, above 0")
+    return Options(
+        columns=parse_columns(columns),
+        pattern=Pattern(pattern) if pattern else None,
+        conditions=read_conditions(conditions) if conditions else {},
+        rate=rate,
+        ask=ask,
+    )

@@ -1,0 +1,240 @@
+"""A plan becomes a campaign's folder, whole or not at all; files that come later join one that was imported before."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeclamp_identification.campaign import description as campaign_file
+from pipeclamp_identification.campaign import runs_table
+from pipeclamp_identification.campaign.description import (
+    CampaignDescription,
+    description_text,
+    read_description,
+    toml_text,
+)
+from pipeclamp_identification.campaign.imported import Imported, ImportedDelay
+from pipeclamp_identification.campaign.reading import Campaign, read_campaign
+from pipeclamp_identification.campaign.writing import PLAIN, Format, encoded
+from pipeclamp_identification.importing.plan import Plan
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import refuse_folder
+from pipeclamp_models.base.tables import pl
+
+PAGE = "import.html"
+OURS = "# Below this line stands what `pipeclamp import` did; it is written anew when files are added."
+"""Parts what a user may change from what is ours, in campaign.toml."""
+FIRST_COLUMNS = ("run", "file", "motion", "amplitude_mm", "frequency_Hz", "temperature_C", "specimen")
+
+
+@dataclass(frozen=True)
+class Existing:
+    """A campaign that was imported before.
+
+    Attributes:
+        folder: where it lies.
+        description: its campaign.toml, and the text of what is the user's in it.
+        rows: of its runs.csv, as they stand there.
+    """
+
+    folder: Path
+    description: CampaignDescription
+    head: str
+    rows: tuple[dict[str, str], ...]
+
+    @property
+    def imported(self) -> Imported:
+        """What campaign.toml says of earlier imports."""
+        return self.description.imported or Imported()
+
+    @property
+    def known(self) -> dict[str, str]:
+        """SHA-256 of each of its files, by name."""
+        return {one.file: one.sha256 for one in self.imported.files}
+
+
+def existing_campaign(folder: Path) -> Existing | None:
+    """Give the campaign that a folder holds already; None where there is no such folder.
+
+    Raises:
+        UserError: something else is there.
+    """
+    if not folder.exists():
+        refuse_folder(folder)
+        return None
+    if not (folder / campaign_file.FILE_NAME).is_file():
+        raise UserError(f"{folder}: exists already; expected a new folder, or a campaign that `pipeclamp import` wrote")
+    description = read_description(folder)
+    text = (folder / campaign_file.FILE_NAME).read_text(encoding="utf-8")
+    if description.imported is None or OURS not in text:
+        raise UserError(
+            f"{folder}: holds a campaign that wasn't imported; expected a new folder (`pipeclamp join` makes "
+            "one of two)"
+        )
+    runs_table.read_runs_table(folder, description)
+    with (folder / runs_table.FILE_NAME).open(encoding="utf-8-sig", newline="") as stream:
+        rows = tuple(csv.DictReader(stream))
+    return Existing(folder, description, text.partition(OURS)[0], rows)
+
+
+@dataclass(frozen=True)
+class Staged:
+    """A campaign that was written beside its place, and read back: it can be used, and what is to be said of it."""
+
+    campaign: Campaign
+    imported: Imported
+
+
+def table_text(plan: Plan, files: Mapping[str, str], before: Sequence[Mapping[str, str]]) -> str:
+    """Give runs.csv: rows that were there, as they were, and those of the plan; `files` are of their records."""
+    rows: list[dict[str, str]] = [dict(row) for row in before]
+    for run in plan.runs:
+        cells = {"run": run.name, "file": files[run.name]} | {
+            name: "" if value is None else value if isinstance(value, str) else f"{value:.10g}"
+            for name, value in run.row.items()
+        }
+        rows.append(cells)
+    names = dict.fromkeys(name for row in rows for name in row)
+    header = [
+        *(name for name in FIRST_COLUMNS if name in names),
+        *(name for name in names if name not in FIRST_COLUMNS),
+    ]
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, header, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue()
+
+
+def imported_text(imported: Imported) -> str:
+    """Give the table [imported] of campaign.toml."""
+    lines = [OURS, "[imported]", f"software = {toml_text(imported.software)}"]
+    if imported.delay:
+        lines += ["[imported.delay]", *_pairs(imported.delay.model_dump())]
+    for kind, entries in (("files", imported.files), ("runs", imported.runs), ("cut", imported.cut)):
+        for entry in entries:
+            lines += ["", f"[[imported.{kind}]]", *_pairs(entry.model_dump(exclude_defaults=True))]
+    return "\n".join(lines) + "\n"
+
+
+def _pairs(values: Mapping[str, Any]) -> list[str]:
+    return [f"{_key(name)} = {_value(value)}" for name, value in values.items() if value is not None]
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_text(name)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return toml_text(value)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(_pairs(value)) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_value(one) for one in value) + "]"
+    return repr(value)
+
+
+@contextmanager
+def staged_folder(folder: Path) -> Iterator[Path]:
+    """Give a new folder beside the place of another; what is left of it is deleted."""
+    try:
+        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
+    except OSError as error:
+        raise UserError(
+            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
+        ) from error
+    try:
+        yield work
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def stage(
+    work: Path,
+    folder: Path,
+    plan: Plan,
+    existing: Existing | None,
+    *,
+    name: str,
+    notes: str,
+    software: str,
+    format: Format,
+    delay_of: Callable[[Campaign], ImportedDelay | None],
+) -> Staged:
+    """Write a plan into a working folder and read it back as any campaign.
+
+    Args:
+        work: an empty folder.
+        folder: where the campaign will lie, for errors.
+        plan: what to write.
+        existing: what is there already.
+        name, notes: of a new campaign.
+        software: that did it.
+        format: of records.
+        delay_of: measures the delay between the channels that all runs share.
+
+    Raises:
+        UserError: the campaign can't be used as it would be.
+    """
+    (work / "runs").mkdir()
+    taken: set[str] = set()
+    if existing:
+        shutil.copytree(existing.folder / "runs", work / "runs", dirs_exist_ok=True)
+        taken = {Path(row["file"]).name.casefold() for row in existing.rows}
+    files: dict[str, str] = {}
+    for number, run in enumerate(plan.runs, len(existing.rows) + 1 if existing else 1):
+        stem = run.name if PLAIN.fullmatch(run.name.replace(".", "_")) else f"{number:04d}"
+        while f"{stem}.{format}".casefold() in taken:
+            stem += "_"
+        taken.add(f"{stem}.{format}".casefold())
+        files[run.name] = f"runs/{stem}.{format}"
+        samples = {key: values for key, values in vars(run.record).items() if values is not None}
+        (work / files[run.name]).write_bytes(encoded(pl.DataFrame(samples), format))
+    rows = existing.rows if existing else ()
+    (work / runs_table.FILE_NAME).write_text(table_text(plan, files, rows), encoding="utf-8", newline="\n")
+    before = existing.imported if existing else Imported()
+    imported = Imported(
+        software=software,
+        files=(*before.files, *plan.files),
+        runs=(*before.runs, *(run.source for run in plan.runs)),
+        cut=(*before.cut, *plan.cut),
+    )
+    head = existing.head if existing else description_text(name, notes)
+    described = work / campaign_file.FILE_NAME
+    described.write_text(head + imported_text(imported), encoding="utf-8", newline="\n")
+    try:
+        campaign = read_campaign(work)
+    except UserError as error:
+        raise UserError(str(error).replace(str(work), str(folder))) from error
+    delay = delay_of(campaign)
+    if delay:
+        imported = imported.model_copy(update={"delay": delay})
+        described.write_text(head + imported_text(imported), encoding="utf-8", newline="\n")
+    return Staged(campaign, imported)
+
+
+def put_in_place(work: Path, folder: Path) -> None:
+    """Make a finished working folder the campaign; one that was there makes way, and comes back if that fails."""
+    work.chmod(0o755)
+    if not folder.exists():
+        work.rename(folder)
+        return
+    with staged_folder(folder) as aside:
+        old = aside / folder.name
+        folder.rename(old)
+        try:
+            work.rename(folder)
+        except BaseException:
+            old.rename(folder)
+            raise

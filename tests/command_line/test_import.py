@@ -1,0 +1,112 @@
+"""`pipeclamp import` as a user calls it: from a folder of exports to a law and a verdict in two commands."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from exports import assert_same_campaign, loop, ten_runs, write_texts
+
+import pipeclamp as pc
+
+GERMAN = {
+    "names": "Zeit [s];Kolbenweg/µm;Last [kN]",
+    "scales": (1, 1e3, 1e-3),
+    "digits": (6, 3, 7),
+    "encoding": "latin-1",
+    "header": "Prüfung 12\n\n",
+}
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def exports(tmp_path_factory):
+    return write_texts(tmp_path_factory.mktemp("machine") / "exports", ten_runs(), **GERMAN)
+
+
+def test_from_exports_to_a_law_and_a_verdict(pipeclamp, exports, tmp_path):
+    campaign, law = tmp_path / "clamp_7", tmp_path / "law.json"
+    told = pipeclamp("import", exports, "-o", campaign, "--pattern", "T{temperature_C}", "--json", tmp_path / "i.json")
+    assert "10 runs of 10 files" in told.stdout
+    assert "Kolbenweg/µm" in told.stdout
+    assert_same_campaign(campaign, ten_runs())
+    pipeclamp("identify", campaign, "-o", law)
+    found = pipeclamp("diagnose", law, campaign, "--json", tmp_path / "d.json")
+    assert json.loads((tmp_path / "d.json").read_text())["verdict"] in ("complete", "missing", "ambiguous", "unknown")
+    assert found.stdout
+    answer = json.loads((tmp_path / "i.json").read_text())
+    assert answer["written"]
+    assert len(answer["runs"]) == 10
+    page = (campaign / "import.html").read_text(encoding="utf-8")
+    assert all(run.name in page for run in ten_runs())
+    described = (campaign / "campaign.toml").read_text(encoding="utf-8")
+    assert re.search(r'channel = "Last \[kN\]", unit = "kN", factor = 1000', described)
+    assert len(re.findall(r'sha256 = "[0-9a-f]{64}"', described)) == 10
+
+
+def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports, tmp_path):
+    campaign = tmp_path / "clamp_7"
+    pipeclamp("import", exports, "-o", campaign)
+    (campaign / "runs.csv").write_text((campaign / "runs.csv").read_text().replace("0.3,", "0.31,", 1))
+    before = contents(campaign)
+    assert "nothing to do" in pipeclamp("import", exports, "-o", campaign).stdout
+    assert contents(campaign) == before
+    later = write_texts(tmp_path / "later", [loop(0.6, 2.0)], **GERMAN)
+    assert "1 runs of 1 files, 10 more" in pipeclamp("import", exports, later, "-o", campaign).stdout
+    after = contents(campaign)
+    changed = {name for name in before if after[name] != before[name]}
+    assert changed == {"runs.csv", "campaign.toml", "import.html"}
+    assert after["runs.csv"].startswith(before["runs.csv"])
+    assert len(pc.read_campaign(campaign).tests.campaign.runs) == 11
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
+def test_a_dry_run_writes_nothing(pipeclamp, exports, tmp_path):
+    told = pipeclamp("import", exports, "-o", tmp_path / "c", "--dry-run", "--report", tmp_path / "r.html")
+    assert "nothing is written" in told.stdout
+    assert '--pattern "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"' in told.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["r.html"]
+
+
+def test_the_ready_option_of_an_error_serves(refused, pipeclamp, tmp_path):
+    folder = write_texts(tmp_path / "e", [loop()], names="Zeit;Weg [mm];Kraft [kN]")
+    message = refused("import", folder, "-o", tmp_path / "c")
+    assert not (tmp_path / "c").exists()
+    option = re.search(r'--columns "([^"]*)"', message)[1]
+    pipeclamp("import", folder, "-o", tmp_path / "c", "--columns", option)
+
+
+@pytest.mark.parametrize(
+    ("options", "told", "status"),
+    [
+        (["--columns", "force=Last [kN],force=Zeit [s]"], "force stands there twice", 2),
+        (["--pattern", "B{amplitude_mm}"], "doesn't follow --pattern", 1),
+        (["--rate", "-5"], "--rate: got -5", 2),
+        (["--conditions", "nowhere.csv"], "nowhere.csv: can't be read", 1),
+        (["--columns", "force=-Last [kN]"], "the force of all runs has the wrong sign", 1),
+    ],
+)
+def test_mistakes_are_one_message(refused, exports, tmp_path, options, told, status):
+    assert told in refused("import", exports, "-o", tmp_path / "c", *options, status=status)
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_there_is_left_alone(refused, exports, clamp_a, tmp_path):
+    (tmp_path / "notes").mkdir()
+    assert "exists already" in refused("import", exports, "-o", tmp_path / "notes")
+    assert "wasn't imported" in refused("import", exports, "-o", clamp_a)
+    assert "no such file" in refused("import", tmp_path / "nowhere.csv", "-o", tmp_path / "c")
+
+
+def test_python_gives_the_same_answer(pipeclamp, exports, tmp_path):
+    pipeclamp("import", exports, "-o", tmp_path / "c")
+    other = pc.import_files(exports, tmp_path / "d", name="c")
+    mine, theirs = contents(tmp_path / "c"), contents(other.folder)
+    assert {name for name in mine if mine[name] != theirs[name]} <= {"import.html"}
+    assert len(other.to_frame()) == 10
+    assert len(pc.identify(other.tests()).values) > 2

@@ -1,0 +1,100 @@
+"""Which channel is what, and in which unit: found by names, stated, or asked, and never taken for granted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.campaign.stated_units import conversion, unit_in_name
+from pipeclamp_identification.importing.columns import map_columns, parse_columns, refuse_open_questions
+from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_models.base.errors import UsageError, UserError
+
+
+def table(*headings):
+    return RawTable("", tuple(Channel(name, "", np.zeros(3)) for name in headings))
+
+
+def found(headings, option=""):
+    mapped = map_columns(table(*headings), parse_columns(option))
+    refuse_open_questions("a.csv", mapped)
+    return {column.ours: (column.heading, column.conversion.factor) for column in mapped.columns}
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("Axial Force (kN)", "kN"), ("Weg/mm", "mm"), ("Last [kN]", "kN"), ("LVDT in", "in"), ("Zeit, s", "s"),
+        ("force_N", "N"), ("T [°F]", "°F"), ("Load (cell 1)", ""), ("Kraft", ""), ("F1", ""), ("Weg in mm", "mm"),
+    ],
+)  # fmt: skip
+def test_units_are_found_in_names(name, unit):
+    assert unit_in_name(name)[1] == unit
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "factor", "offset"),
+    [
+        ("force", "kN", 1e3, 0), ("force", "lbf", 4.4482216152605, 0), ("force", "kp", 9.80665, 0),
+        ("force", "0.2 kN", 200, 0), ("displacement", "in", 25.4, 0), ("displacement", "µm", 1e-3, 0),
+        ("time", "ms", 1e-3, 0), ("temperature", "K", 1, -273.15), ("temperature", "°F", 5 / 9, -160 / 9),
+    ],
+)  # fmt: skip
+def test_units_are_turned_into_ours(quantity, unit, factor, offset):
+    turned = conversion(quantity, unit)
+    assert (turned.factor, turned.offset) == pytest.approx((factor, offset), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("headings", "option", "expected"),
+    [
+        (["Zeit [s]", "Weg/mm", "Last [kN]"], "", {"force": ("Last [kN]", 1e3)}),
+        (["Time (s)", "Axial Displacement (m)", "Axial Force (kN)", "Axial Command (mm)"], "",
+         {"displacement": ("Axial Displacement (m)", 1e3)}),
+        (["Ch1 [kN]", "Ch2 [mm]", "Time [ms]"], "", {"force": ("Ch1 [kN]", 1e3), "time": ("Time [ms]", 1e-3)}),
+        (["t [s]", "y [mm]", "F [N]", "T [K]"], "", {"temperature": ("T [K]", 1.0)}),
+        (["Zeit", "Weg [mm]", "Kraft [N]"], "time=Zeit [ms],force=-Kraft [N]",
+         {"time": ("Zeit", 1e-3), "force": ("Kraft [N]", -1.0)}),
+        (["time [s]", "x, y (mm)", "load (N)"], "displacement=x, y (mm), time=time [s]",
+         {"displacement": ("x, y (mm)", 1.0)}),
+        (["time [s]", "y [mm]", "Load [N]"], "force=Load [N] [kN]", {"force": ("Load [N]", 1e3)}),
+    ],
+)  # fmt: skip
+def test_channels_are_found(headings, option, expected):
+    assert expected.items() <= found(headings, option).items()
+
+
+@pytest.mark.parametrize(
+    ("headings", "option", "told"),
+    [
+        (["Zeit", "Weg", "Kraft"], "", r'--columns "time=Zeit \[s\],displacement=Weg \[mm\],force=Kraft \[N\]"'),
+        (
+            ["Time (s)", "LVDT 1 (mm)", "LVDT 2 (mm)", "Load (N)"],
+            "",
+            r"2 channels may be the displacement.*\n.*--columns",
+        ),
+        (["Time (s)", "y (mm)", "Load (V)"], "", "no channel is called a force or is in a unit of one"),
+        (["Time (s)", "y (mm)", "Load (V)"], "force=Load (V)", "'V' is no unit of force"),
+        (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
+        (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
+        (["Time (s)", "y (mm)", "Load (N)"], "force=Load (N),segment=Load", "twice"),
+    ],
+)
+def test_what_is_open_is_asked(headings, option, told):
+    with pytest.raises(UserError, match="(?s)" + told):
+        found(headings, option)
+
+
+@pytest.mark.parametrize("option", ["force", "force=", "force=a,force=b", "force=a,time=a", "=a"])
+def test_a_statement_that_makes_no_sense_is_refused(option):
+    with pytest.raises(UsageError, match="--columns"):
+        parse_columns(option)
+
+
+def test_the_ready_option_serves():
+    """What an error proposes is taken as it stands."""
+    headings = ["Zeit", "Weg, links", "Kraft"]
+    with pytest.raises(UserError) as refused:
+        found(headings)
+    option = str(refused.value).split('"')[1]
+    assert found(headings, option)["force"] == ("Kraft", 1.0)

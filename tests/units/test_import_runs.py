@@ -1,0 +1,176 @@
+"""Files with many runs, and what raw records need: where runs begin, what is cut, what is repaired, what is stated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from exports import RATE, Loop, loop, text
+
+import pipeclamp as pc
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
+from pipeclamp_identification.importing.repair import evened, without_spikes
+from pipeclamp_identification.importing.split import split
+from pipeclamp_models.base.errors import UsageError
+
+
+def sine(amplitude, frequency, cycles, end=None):
+    time = np.arange(round(cycles * RATE / frequency)) / RATE
+    return np.linspace(amplitude, amplitude if end is None else end, len(time)) * np.sin(2 * np.pi * frequency * time)
+
+
+def parts(*pieces, segment=None):
+    rng = np.random.default_rng(1)
+    y = np.concatenate(pieces)
+    y = np.round(y + rng.normal(0, 2e-4, len(y)), 4)
+    return split(np.arange(len(y)) / RATE, y, segment)
+
+
+def test_one_steady_motion_stays_whole():
+    cut = parts(sine(0.5, 2, 6.3))
+    assert [(part.first, part.last) for part in cut.runs] == [(0, 630)]
+    assert not cut.left
+
+
+def test_rests_and_ramps_are_told_from_steady_parts():
+    rest = np.zeros(800)
+    cut = parts(rest, sine(0.0, 2, 4, end=0.5), sine(0.5, 2, 10), sine(0.5, 2, 3, end=0), rest, sine(1, 1, 8))
+    assert len(cut.runs) == 2
+    first, second = cut.runs
+    assert 1200 - 120 <= first.first <= 1200 + 60
+    assert 2200 - 60 <= first.last <= 2200 + 60
+    assert 3300 - 210 <= second.first <= 3300 + 210
+    assert second.last == 4900
+    assert all("rest" in part.why for part in cut.left)
+
+
+def test_steps_of_amplitude_and_frequency_part_runs():
+    cut = parts(sine(0.2, 1, 8), sine(0.5, 1, 8), sine(0.5, 4, 12), sine(1, 4, 12))
+    assert len(cut.runs) == 4
+
+
+def test_a_segment_channel_parts_runs_and_a_counter_of_cycles_does_not():
+    y = [sine(0.5, 2, 8), sine(0.5, 2, 8)]
+    assert len(parts(*y, segment=np.repeat([1.0, 2.0], 800)).runs) == 2
+    assert len(parts(*y, segment=np.arange(1600) // 100.0).runs) == 1
+
+
+def test_a_sweep_is_no_row_of_levels():
+    time = np.arange(20_000) / 1000
+    cut = split(time, np.sin(2 * np.pi * (1 + 0.3 * time) * time))
+    assert [(part.first, part.last) for part in cut.runs] == [(0, 20_000)]
+
+
+def test_time_that_begins_anew_and_gaps_part_runs():
+    one, other = loop(0.3), loop(0.9)
+    y = np.concatenate([one.y, other.y])
+    assert len(split(np.concatenate([one.time, other.time]), y).runs) == 2
+    assert len(split(np.concatenate([one.time, other.time + 100]), y).runs) == 2
+
+
+def record(run: Loop) -> Record:
+    return Record(run.time, run.y, run.force)
+
+
+def test_spikes_are_replaced_and_told_and_loops_left_alone():
+    clean = record(loop(0.5, 2.0))
+    assert without_spikes(clean).record is clean
+    force = clean.force_N.copy()
+    force[[101, 333, 334]] += [4000, -3000, -3000]
+    repaired = without_spikes(replace(clean, force_N=force))
+    assert np.max(np.abs(repaired.record.force_N - clean.force_N)) < 60
+    assert "3 spikes in force_N" in repaired.told[0]
+
+
+@pytest.mark.parametrize("per_cycle", [16, 50, 400])
+@pytest.mark.parametrize("loops", ["friction", "viscous", "impact", "noise"])
+def test_no_loop_is_taken_for_spikes(per_cycle, loops):
+    t = np.arange(20 * per_cycle) / per_cycle
+    y, v = np.sin(2 * np.pi * t + 0.1), np.cos(2 * np.pi * t + 0.1)
+    shapes = {
+        "friction": y + np.sign(v), "viscous": y + v, "impact": y + 50 * np.maximum(y - 0.9, 0),
+        "noise": y + v + np.random.default_rng(0).normal(0, 0.1, len(t)),
+    }  # fmt: skip
+    assert not without_spikes(Record(t, y, shapes[loops])).told
+
+
+def test_rounded_stamps_are_counted_out_and_uneven_ones_put_on_a_grid():
+    run = loop(0.5, 2.0)
+    rounded = evened(Record(np.floor(run.time * 20) / 20, run.y, run.force))
+    np.testing.assert_allclose(np.diff(rounded.record.time_s), 1 / RATE, rtol=0.02)
+    assert rounded.record.force_N is run.force
+    assert "rounded to 0.05 s" in rounded.told[0]
+    kept = np.flatnonzero(np.random.default_rng(0).random(len(run.time)) > 0.3)
+    uneven = evened(Record(run.time[kept], run.y[kept], run.force[kept]))
+    assert "straight lines" in uneven.told[0]
+    assert np.ptp(np.diff(uneven.record.time_s)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("stems", "pattern", "first"),
+    [
+        (["A0.5_f3_T20", "A1_f1_T300"], "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}",
+         {"amplitude_mm": 0.5, "frequency_Hz": 3.0, "temperature_C": 20.0}),
+        (["c7 0,5mm 3Hz", "c7 1mm 1Hz"], "{amplitude_mm}mm {frequency_Hz}Hz", {"amplitude_mm": 0.5,
+         "frequency_Hz": 3.0}),
+        (["test_001", "test_002"], "", {}),
+        (["A1_f1", "B1_f1"], "", {}),
+    ],
+)  # fmt: skip
+def test_patterns_are_guessed(stems, pattern, first):
+    assert guessed_pattern(stems) == pattern
+    assert not pattern or Pattern(pattern).settings(stems[0]) == first
+
+
+def test_a_patterns_units_count():
+    found = Pattern("A{amplitude_um}_{specimen}_T{temperature_K}_I{current_A}").settings("A500_s1_T293.15_I0.5")
+    assert found == {"amplitude_mm": 0.5, "specimen": "s1", "temperature_C": 20.0, "current_A": 0.5}
+    for wrong in ("A{amplitude_kg}", "no field", "{temp}", "{amplitude_mm}{amplitude_um}"):
+        with pytest.raises(UsageError, match="--pattern"):
+            Pattern(wrong)
+
+
+def export(path, *runs):
+    """Runs one after the other in one file, a second of rest between them."""
+    rest = np.zeros(round(RATE))
+    y = np.concatenate([piece for run in runs for piece in (run.y, rest)])
+    force = np.concatenate([piece for run in runs for piece in (run.force, rest)])
+    path.write_text(text(Loop("all", 0, 0, 0, np.arange(len(y)) / RATE, y, force)))
+
+
+def test_a_file_of_many_runs_becomes_runs_with_measured_settings(tmp_path):
+    export(tmp_path / "day.csv", *(loop(A, f, cycles=8) for A in (0.3, 0.9) for f in (1.0, 4.0)))
+    found = pc.import_files(tmp_path / "day.csv", tmp_path / "c")
+    rows = found.to_dict()["runs"]
+    assert [row["run"] for row in rows] == ["day_01", "day_02", "day_03", "day_04"]
+    assert [row["frequency_Hz"] for row in rows] == pytest.approx([1, 4, 1, 4], rel=0.01)
+    assert [row["amplitude_mm"] for row in rows] == pytest.approx([0.3, 0.3, 0.9, 0.9], rel=0.01)
+    assert all("rest" in one["why"] for one in found.to_dict()["cut"])
+
+
+def test_clipped_cycles_are_cut_off_and_said(tmp_path):
+    run = loop(0.9, 2.0, cycles=12)
+    force = np.minimum(run.force + 40 * run.time, 1400.0)
+    (tmp_path / "a.csv").write_text(text(replace(run, force=force)))
+    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    (row,) = found.to_dict()["runs"]
+    assert 4 <= row["cycles"] < 12
+    assert "cycles are clipped and cut off" in row["done"][0]
+
+
+def test_conditions_come_from_a_table_and_from_channels(tmp_path):
+    run = loop()
+    (tmp_path / "x.csv").write_text(text(run))
+    (tmp_path / "set.csv").write_text("file;temperature_C;specimen\nx.csv;21,5;s7\n")
+    pc.import_files(tmp_path / "x.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
+    (read,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    assert (read.temperature_C, read.specimen) == (21.5, "s7")
+    lines = text(run, names="Time [s];Displacement [mm];Force [kN];Oil [K];Current [mA]").splitlines()
+    content = "\n".join(line + (";300,15;250" if index > 3 else "") for index, line in enumerate(lines))
+    (tmp_path / "y.csv").write_text(content)
+    pc.import_files(tmp_path / "y.csv", tmp_path / "d", columns="current_A=Current [mA]")
+    (read,) = pc.read_campaign(tmp_path / "d").tests.campaign.runs
+    assert read.temperature_C == pytest.approx(27.0)
+    assert read.conditions == pytest.approx({"current_A": 0.25})
