@@ -52,6 +52,9 @@ def test_a_law_for_each_specimen(pipeclamp, specimens, tmp_path):
     file = json.loads((tmp_path / "laws" / "S2.json").read_text(encoding="utf-8"))
     assert file["coefficients"]["k10"]["value"] == own["S2"].file.coefficients["k10"].value
     assert file["data"]["runs_used"] == 12
+    prints = {law.file.data.fingerprint for law in (*own.values(), pc.identify(specimens))}
+    assert len(prints) == 4
+    assert file["data"]["fingerprint"] == own["S2"].file.data.fingerprint
 
 
 def test_what_cant_be_parted_is_refused_whole(refused, specimens, tmp_path):
@@ -62,6 +65,6 @@ def test_what_cant_be_parted_is_refused_whole(refused, specimens, tmp_path):
     told = refused("identify", few, "-o", tmp_path / "laws", "--per", "specimen")
     assert "too few runs of S3 (3); expected at least 4 of each" in told
     assert not (tmp_path / "laws").exists()
-    assert "got 'valve'" in refused("identify", specimens, "-o", tmp_path / "laws", "--per", "valve")
+    assert "column: got 'valve'" in refused("identify", specimens, "-o", tmp_path / "laws", "--per", "valve")
     (tmp_path / "there").mkdir()
     assert "exists already" in refused("identify", specimens, "-o", tmp_path / "there", "--per", "specimen")

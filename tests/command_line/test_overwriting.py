@@ -11,14 +11,43 @@ from pipeclamp_models.law.file import read_law, write_law
 
 HELDOUT = "clamp_a_heldout"
 """The smallest of the bundled campaigns."""
+SYSTEM = """
+[pipe]
+file = "pipe.toml"
+[[clamps]]
+at = "c1"
+law = "law.json"
+temperature_C = 20.0
+amplitude_mm = 0.5
+frequency_Hz = 5.0
+[[clamps]]
+at = "c2"
+fmu = "clamp.fmu"
+temperature_C = 20.0
+track = true
+[excitation]
+kind = "record"
+file = "record.csv"
+[run]
+stop_s = 1.0
+step_s = 1e-3
+"""
+STUDY = """
+system = "system.toml"
+[vary]
+"pipe.flow.velocity_m_s" = [0.0]
+"""
 
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a campaign, a law, and a declared effect, in which commands are called."""
+    """A folder with a campaign, a law, a system and a study, in which commands are called."""
     shutil.copytree(bundled_campaign(HELDOUT), tmp_path / "tests")
     write_law(open_law("emwm2"), tmp_path / "law.json")
-    (tmp_path / "system.toml").write_text("name = 'x'", encoding="utf-8")
+    for name, text in (("system.toml", SYSTEM), ("study.toml", STUDY), ("unread.toml", "name = 'x'")):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for name in ("pipe.toml", "clamp.fmu", "record.csv"):
+        (tmp_path / name).touch()
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -41,7 +70,14 @@ def record_in(folder: Path) -> str:
         "remove law.json memory tests -o tests/runs.csv",
         "metrics tests --json tests/RECORD",
         "build-fmu law.json -o law.json",
-        "cosim system.toml -o system.toml",
+        "cosim unread.toml -o unread.toml",
+        "cosim system.toml -o pipe.toml",
+        "cosim system.toml -o result.csv --report record.csv",
+        "response system.toml -o law.json",
+        "system system.toml -o clamp.fmu",
+        "sweep study.toml -o system.toml",
+        "sweep study.toml -o law.json",
+        "compare system.toml tests --json law.json",
     ],
 )
 def test_an_input_is_not_written_over(words, place, refused):

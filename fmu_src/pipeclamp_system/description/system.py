@@ -199,6 +199,18 @@ class SystemDescription(Table):
         return self
 
 
+def files_of_system(path: Path) -> list[Path]:
+    """Give the files that a system's description names: pipe, laws, FMUs, a record; a bundled law's name is none.
+
+    Raises:
+        UserError: as of `read_system`.
+    """
+    system = read_system(path)
+    names = [system.pipe.file or system.pipe.fmu, *(clamp.law or clamp.fmu for clamp in system.clamps)]
+    named = [path.parent / name for name in (*names, system.excitation.file) if name]
+    return [file for file in named if file.is_file()]
+
+
 def read_system(path: Path) -> SystemDescription:
     """Read a coupled system.
 

@@ -19,7 +19,7 @@ from pipeclamp_fmu.build import version
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown, validated
 from pipeclamp_models.pipe.description import PipeDescription
-from pipeclamp_system.description.system import SystemDescription
+from pipeclamp_system.description.system import SystemDescription, files_of_system
 
 MOST_CASES = 1_000_000
 """More than these are a mistake, or want a study of another kind."""
@@ -162,6 +162,16 @@ def _put(table: Any, keys: list[str], value: float, place: str) -> None:
     table[key] = value
 
 
+def files_of_study(path: Path) -> list[Path]:
+    """Give the files that a study is read from beside its own: the system, and what that names.
+
+    Raises:
+        UserError: the study or its system can't be read.
+    """
+    system = path.parent / read_table(path, StudyDescription).system
+    return [system, *files_of_system(system)]
+
+
 def read_study(path: Path) -> Study:
     """Read a study with its system and its pipe, and check its first and its last case.
 
@@ -171,7 +181,7 @@ def read_study(path: Path) -> Study:
     description = read_table(path, StudyDescription)
     digest = hashlib.sha256(path.read_bytes())
     system_path = path.parent / description.system
-    read_table(system_path, SystemDescription)
+    used = files_of_system(system_path)
     system = tomllib.loads(system_path.read_text(encoding="utf-8"))
     file = system["pipe"].get("file")
     if file is None:
@@ -179,11 +189,8 @@ def read_study(path: Path) -> Study:
     pipe_path = system_path.parent / file
     read_table(pipe_path, PipeDescription)
     pipe = tomllib.loads(pipe_path.read_text(encoding="utf-8"))
-    named = [clamp.get("law", clamp.get("fmu")) for clamp in system.get("clamps", [])]
-    named.append(system["excitation"].get("file"))
-    beside = [system_path.parent / name for name in named if name is not None]  # a bundled law's name is no file
-    for used in (system_path, pipe_path, *(path for path in beside if path.is_file())):
-        digest.update(used.read_bytes())
+    for one in (system_path, *used):
+        digest.update(one.read_bytes())
     digest.update(version().encode())
     study = Study(description, system_path.parent.resolve(), pipe, system, digest.hexdigest())
     for place in description.vary:

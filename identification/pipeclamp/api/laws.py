@@ -89,7 +89,7 @@ def identify_per(
     ...     identify_per("clamp_a", "valve")
     ... except UserError as error:
     ...     print(error)
-    --per: got 'valve'; expected a column of texts in runs.csv, which has specimen
+    column: got 'valve'; expected a column of texts in runs.csv, which has specimen
     """
     from pipeclamp_identification.workflow.per_group import identify_per as fitted
 

@@ -74,8 +74,8 @@ def spare(*inputs: str | Path, outputs: Sequence[Path | None]) -> None:
     A file that is to be succeeded, as a law by that with one more effect, is no such input.
 
     Raises:
-        UsageError: a file of `outputs` is one of the inputs, lies in one of them as a part of the tests, or is named
-            twice.
+        UsageError: a file of `outputs` is one of the inputs, lies in one of them as a part of the tests, is named by
+            one that describes a system or a study, or is named twice.
     """
     written = [path for path in outputs if path]
     resolved = [path.resolve() for path in written]
@@ -88,7 +88,7 @@ def spare(*inputs: str | Path, outputs: Sequence[Path | None]) -> None:
     from pipeclamp_identification.workflow.inputs import files_of
 
     for given in map(Path, inputs):
-        for file in files_of(given) if given.is_dir() else [given]:
+        for file in files_of(given):
             if file.resolve() in there:
                 path = there[file.resolve()]
                 raise UsageError(f"{path}: the command reads it, and would write over it; expected another file")

@@ -14,11 +14,13 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeclamp_identification.campaign.clipping import COLUMNS
 from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault, named
 from pipeclamp_identification.campaign.plausibility import CycleByCycle
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.between_cycles import between_cycles
+from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
 
 FALSE_ALARM_CHANCE = 1e-3
@@ -35,6 +37,16 @@ GOES_ON = 0.3
 the test's beginning."""
 FOLLOWED = 0.3
 """A quantity that moves by less than this share of what another would make of it doesn't follow that."""
+ALONE = 0.5
+"""A mean force has moved by itself where the mean position makes less than about half of its change: what positions do
+is known roughly, by the loop's stiffness."""
+MOTION_STAYS = 0.25
+"""A motion that changes by less than this share of a gain's change stays: a stiffness that follows the amplitude would
+have to follow it four times over to make that gain."""
+SEEN_STANDARD_ERRORS = 4.0
+"""Standard errors that something must be off zero to count as seen: by scatter alone six in a hundred thousand are."""
+VARIED = 1.2
+"""Largest over smallest amplitude from which on the force can show how it follows them."""
 ALIKE_WITHIN = 0.25
 """Stiffness and damping change alike where their difference is known to this share of the change, and is none."""
 ALIKE_SHARE = 0.1
@@ -66,8 +78,8 @@ class Change:
 
     @property
     def certain(self) -> float:
-        """What it is at least, four standard errors off; zero where that is nothing."""
-        return max(abs(self.size) - 4 * self.error, 0.0)
+        """What it is at least, `SEEN_STANDARD_ERRORS` standard errors off; zero where that is nothing."""
+        return max(abs(self.size) - SEEN_STANDARD_ERRORS * self.error, 0.0)
 
 
 def chance_of(size: float, error: float, freedoms: float) -> float:
@@ -222,7 +234,7 @@ def _force_zeros(found: Mapping[str, InRecord]) -> Found:
     for run, one in found.items():
         followed = one.stiffness_share * one.mean_displacement.size
         size = abs(one.mean_force.size)
-        alone = abs(one.mean_force.size - followed) > 0.5 * size and size > MEAN_OF_LOOP * one.loop
+        alone = abs(one.mean_force.size - followed) > ALONE * size and size > MEAN_OF_LOOP * one.loop
         if alone and (every or (one.goes_on[0] and one.mean_force.is_real(len(found), ZERO_SHARE))):
             drifts[run] = one.mean_force
     return drifts
@@ -248,7 +260,7 @@ def _displacement_zeros(found: Mapping[str, InRecord], told: bool) -> Found:
     drifts = {}
     for run, one in found.items():
         force = abs(one.stiffness_share * one.mean_displacement.size)
-        seen = force > 4 * one.mean_force.error
+        seen = force > SEEN_STANDARD_ERRORS * one.mean_force.error
         stays = abs(one.mean_force.size) < FOLLOWED * force
         real = one.goes_on[1] and one.mean_displacement.is_real(len(found), ZERO_SHARE)
         if (every or real) and seen is told and (stays or not told):
@@ -262,7 +274,7 @@ def _force_gains(found: Mapping[str, InRecord]) -> Found:
     for run, one in found.items():
         both = (one.elastic, one.damping)
         mean = alike(*both)
-        if mean is None or abs(mean.size) < GAIN_SHARE or one.amplitude.certain > 0.25 * abs(mean.size):
+        if mean is None or abs(mean.size) < GAIN_SHARE or one.amplitude.certain > MOTION_STAYS * abs(mean.size):
             continue
         if all(change.is_real(len(found), 0.0) for change in both):
             drifts[run] = mean
@@ -285,7 +297,7 @@ def _displacement_gains(found: Mapping[str, InRecord], runs: Sequence[Watched]) 
     drifts = {}
     for run, one in found.items():
         force = abs(exponent * one.amplitude.size)
-        seen = force > 4 * one.force.error and abs(one.force.size) < FOLLOWED * force
+        seen = force > SEEN_STANDARD_ERRORS * one.force.error and abs(one.force.size) < FOLLOWED * force
         if one.amplitude.is_real(len(found), GAIN_SHARE) and seen:
             drifts[run] = one.amplitude
     return drifts
@@ -296,7 +308,7 @@ def _force_over_amplitude(runs: Sequence[Watched]) -> float:
     A, F = np.log(np.array([run.amplitudes for run in runs])).T
     others = conditions_basis(runs, leave=("amplitude_mm",))
     own = A - others @ (others.T @ A)
-    if np.sum(own**2) < OWN_SHARE * np.sum((A - A.mean()) ** 2) or np.ptp(A) < math.log(1.2):
+    if np.sum(own**2) < OWN_SHARE * np.sum((A - A.mean()) ** 2) or np.ptp(A) < math.log(VARIED):
         return 0.0
     return float(own @ F / (own @ own))
 
@@ -358,8 +370,7 @@ def conditions_basis(runs: Sequence[Watched], leave: Sequence[str] = (), pairs: 
         own = [list(map("|".join, zip(*two, strict=True))) for two in itertools.combinations(own, 2)]
     for values in own:
         columns += [np.array([float(value == level) for value in values]) for level in sorted(set(values))[1:]]
-    left, singular, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
-    return np.asarray(left[:, singular > 1e-9 * singular[0]])
+    return orthonormal(np.stack(columns, axis=1))
 
 
 def repaired(record: Record, cycles: Cycles, by_cycle: CycleByCycle, channels: Sequence[Channel]) -> Record:
@@ -370,8 +381,11 @@ def repaired(record: Record, cycles: Cycles, by_cycle: CycleByCycle, channels: S
     for channel in channels:
         means = (by_cycle.force if channel == "force" else by_cycle.displacement)[:, 0].real
         drift = between_cycles(means - np.mean(means), within)
-        if channel == "force":
-            record = replace(record, force_N=record.force_N - drift)
-        else:
-            record = replace(record, displacement_mm=record.displacement_mm - drift)
+        record = without(record, channel, drift)
     return record
+
+
+def without(record: Record, channel: Channel, drift: Array | float) -> Record:
+    """Give a record with a drift taken off one of its channels."""
+    column = COLUMNS[channel]
+    return replace(record, **{column: getattr(record, column) - drift})

@@ -5,19 +5,21 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from pipeclamp_identification.campaign.drifting import (
+    ALONE,
     FOLLOWED,
     GAIN_SHARE,
     OWN_SHARE,
+    SEEN_STANDARD_ERRORS,
     ZERO_SHARE,
     Change,
     Watched,
     alike,
     conditions_basis,
+    without,
 )
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault
 from pipeclamp_identification.campaign.records import Record
@@ -55,9 +57,9 @@ def drifting_over_runs(runs: Sequence[Watched]) -> tuple[SensorFault, ...]:
     mean_y, mean_force = change(means[0]), change(means[1])
     followed = float(np.median(k.real / np.abs(k))) * mean_y.size
     sizes: list[tuple[Channel, FaultKind, float, Change]] = []
-    if mean_force.is_real(1, ZERO_SHARE) and abs(mean_force.size - followed) > 0.5 * abs(mean_force.size):
+    if mean_force.is_real(1, ZERO_SHARE) and abs(mean_force.size - followed) > ALONE * abs(mean_force.size):
         sizes.append(("force", "zero_drift", typical[1], mean_force))
-    seen = abs(followed) > 4 * mean_force.error and abs(mean_force.size) < FOLLOWED * abs(followed)
+    seen = abs(followed) > SEEN_STANDARD_ERRORS * mean_force.error and abs(mean_force.size) < FOLLOWED * abs(followed)
     if mean_y.is_real(1, ZERO_SHARE) and seen:
         sizes.append(("displacement", "zero_drift", typical[0], mean_y))
     if np.all(k.real > 0) and np.all(k.imag > 0):
@@ -110,10 +112,9 @@ def _over_runs(
         unit, done = "share", "kept"
         words = (
             f"the gain of the {channel} channel drifts from run to run: by {size:+.2%} (standard error "
-            f"{100 * error:.1g} %) "
-            f"from the first run to the last {order}, alike conditions given, stiffness and damping in one ratio; they "
-            "are kept, so that what is said of physics may be this fault's; to do: calibrate it, and repeat "
-            "a first run last"
+            f"{100 * error:.1g} %) from the first run to the last {order}, alike conditions given, stiffness and "
+            "damping in one ratio; they are kept, so that what is said of physics may be this fault's; to do: "
+            "calibrate it, and repeat a first run last"
         )
     return SensorFault(
         channel=channel, fault=kind, over="campaign", size=size, unit=unit, done=done, words=words,
@@ -126,6 +127,4 @@ def repaired_over_runs(records: Sequence[Record], runs: Sequence[Watched], fault
     order, _ = _order(runs)
     share = (order - order.mean()) / np.ptp(order)
     shift = (fault.size or 0.0) * share
-    if fault.channel == "force":
-        return [replace(one, force_N=one.force_N - off) for one, off in zip(records, shift, strict=True)]
-    return [replace(one, displacement_mm=one.displacement_mm - off) for one, off in zip(records, shift, strict=True)]
+    return [without(one, fault.channel, off) for one, off in zip(records, shift.tolist(), strict=True)]

@@ -10,12 +10,12 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from pipeclamp_identification.campaign import description as campaign_file
 from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
 from pipeclamp_identification.campaign.description import CampaignDescription, read_description
 from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault, faults_of_failures
+from pipeclamp_identification.campaign.fingerprint import Digests, digests_of
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion, fundamental_of_motion
 from pipeclamp_identification.campaign.plausibility import (
     CycleByCycle,
@@ -56,6 +56,13 @@ class Run:
     cycles: Cycles
     mean_known: bool = True
     labels: Mapping[str, str] = field(default_factory=dict)
+    file: str = ""
+    """Its record, relative to the campaign's folder."""
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """Texts that may group runs, by column of runs.csv, the specimen among them; blank where there is none."""
+        return {"specimen": self.specimen or "", **self.labels}
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,12 @@ class Campaign:
     remarks: tuple[str, ...] = ()
     free: tuple[FreeRun, ...] = ()
     faults: tuple[SensorFault, ...] = ()
+    digests: Digests = field(default_factory=Digests)
+
+    def of_runs(self, runs: tuple[Run, ...]) -> Campaign:
+        """Give the campaign of some of its runs, with the fingerprint of what these were read from."""
+        files = {run.file for run in runs}
+        return replace(self, runs=runs, fingerprint=self.digests.of(files).fingerprint)
 
     def of_sines(self) -> Campaign:
         """Give the campaign without its runs of free motion, with a remark that names them.
@@ -141,7 +154,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     with ThreadPoolExecutor(max_workers=READERS) as readers:
         # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
         records = list(readers.map(partial(_read_run, folder, description), table.rows))
-    digests = {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)}
+    digests = digests_of(folder, {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)})
     outcomes = [_checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
     by_cycle = {one.name: cycle_by_cycle(one.record, one.cycles) for one in outcomes if isinstance(one, Run)}
     shown = {
@@ -168,7 +181,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     return Campaign(
         name=description.name,
         notes=description.notes,
-        fingerprint=fingerprint(folder, digests),
+        fingerprint=digests.fingerprint,
         runs=runs,
         left_out=left_out,
         condition_columns=table.condition_columns,
@@ -185,6 +198,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
             ),
             *sensors.faults,
         ),
+        digests=digests,
     )
 
 
@@ -198,7 +212,7 @@ def _observed(run: Run, by_cycle: CycleByCycle, shown: Fundamental) -> Observed:
         nominal_mm=run.amplitude_mm,
         temperature_C=run.temperature_C,
         further={"density_g_cm3": density, **run.conditions},
-        labels={"specimen": run.specimen or "", **run.labels},
+        labels=run.texts,
         by_cycle=by_cycle,
         shown=shown,
     )
@@ -266,6 +280,7 @@ def _checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
         record=record,
         cycles=cycles,
         labels=row.labels,
+        file=row.file,
     )
 
 
@@ -281,18 +296,3 @@ def _without_wrong_settings(
         for run, amplitude, frequency in zip(runs, amplitudes, frequencies, strict=True)
     )
     return kept, tuple(filter(None, words))
-
-
-def fingerprint(folder: Path, digests: Mapping[str, str]) -> str:
-    """Give the SHA-256 over the bytes of campaign.toml, runs.csv and the records.
-
-    Args:
-        folder: the campaign's folder.
-        digests: SHA-256 of each record by its name.
-    """
-    tables = {
-        name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
-        for name in (campaign_file.FILE_NAME, runs_table.FILE_NAME)
-    }
-    named = [*tables.items(), *sorted(digests.items())]
-    return "sha256:" + hashlib.sha256("".join(f"{name}\0{digest}\n" for name, digest in named).encode()).hexdigest()

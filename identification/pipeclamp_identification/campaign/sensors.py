@@ -14,15 +14,12 @@ from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_r
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
 from pipeclamp_identification.campaign.plausibility import SURE, CycleByCycle, Fundamental
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.signals.levels import Level, group_names, number_levels
+from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
 from pipeclamp_models.base.units import CELSIUS
 
 DEAD_BELOW = 0.1
 """A force that the motion doesn't show in, and that stays below this share of what other runs show, is no clamp's."""
 FEWEST_OTHERS = 3
-SAME = 0.05
-"""Conditions closer than this share of each other count as the same."""
-SAME_K = 5.0
 
 
 @dataclass(frozen=True)
@@ -134,11 +131,11 @@ def _watched(runs: Sequence[Observed]) -> list[Watched]:
     """Give the runs as they are watched for drifts, their conditions by level."""
     kelvin = [np.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs]
     numbers = {
-        "amplitude_mm": number_levels(np.array([run.shown.amplitude_mm for run in runs]), relative=SAME),
-        "frequency_Hz": number_levels(np.array([run.cycles.frequency_Hz for run in runs]), relative=SAME),
-        "temperature_C": number_levels(np.array(kelvin), absolute=SAME_K),
+        "amplitude_mm": number_levels(np.array([run.shown.amplitude_mm for run in runs]), relative=SAME_SHARE),
+        "frequency_Hz": number_levels(np.array([run.cycles.frequency_Hz for run in runs]), relative=SAME_SHARE),
+        "temperature_C": number_levels(np.array(kelvin), absolute=SAME_KELVIN),
         **{
-            name: number_levels(np.array([run.further[name] for run in runs]), relative=SAME)
+            name: number_levels(np.array([run.further[name] for run in runs]), relative=SAME_SHARE)
             for name in runs[0].further
         },
     }

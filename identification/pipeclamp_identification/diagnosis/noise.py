@@ -18,6 +18,7 @@ from pipeclamp_identification.fitting.group_factors import GroupFactors, Pooling
 from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce
 from pipeclamp_models.realise.motion import Motion
@@ -30,6 +31,8 @@ FREE_RUNS = 0.35
 """At least this share of the runs must stay free of the polynomials, to show the scatter between runs."""
 MOST_SCATTER = 0.02
 """Stiffness or damping that differs by more than this share from run to run is a law's error, not a rig's scatter."""
+LEVELS_SCATTER = 1e-2
+"""Share of the largest direction that drives scatter about their levels by."""
 UNSEEN = 1e15
 """Variance in N2 that stands for a harmonic which wasn't measured."""
 
@@ -247,8 +250,7 @@ def _independent(columns: Sequence[Array]) -> Array:
     Amplitudes scatter about their levels by design error; what spans only that scatter is no smooth function.
     """
     matrix = np.stack(list(columns), axis=1)
-    left, singular, _ = np.linalg.svd(matrix / np.linalg.norm(matrix, axis=0), full_matrices=False)
-    return np.asarray(left[:, singular > 1e-2 * singular[0]])
+    return orthonormal(matrix / np.linalg.norm(matrix, axis=0), LEVELS_SCATTER)
 
 
 @dataclass(frozen=True)

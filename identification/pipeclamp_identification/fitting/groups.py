@@ -16,7 +16,8 @@ import numpy as np
 from pipeclamp_identification.fitting.group_factors import GroupFactors, Mixed, contrasts_of, mixed
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import group_names, number_levels
+from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
+from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce
 
@@ -28,8 +29,6 @@ BY_CHANCE = 1e-3
 MATERIAL_SHARE = 5e-4
 """Groups whose factors spread by less than this share (of the force, for mean forces) don't matter: few load cells are
 truer."""
-SAME = 0.05
-"""Conditions closer than this share of each other count as the same."""
 FEWEST_FREE = 4
 """Runs that conditions and groups must leave free to show their scatter."""
 STRANGE = 5.0
@@ -219,13 +218,12 @@ class _Conditions:
             if name in lines:
                 columns.append((values - values.mean()) / values.std())
                 continue
-            relative = None if name == "T" else SAME
-            levels = number_levels(values, relative=relative, absolute=5.0 if name == "T" else np.inf)
+            same = {"absolute": SAME_KELVIN} if name == "T" else {"relative": SAME_SHARE}
+            levels = number_levels(values, **same)
             columns += [_one_at(level.rows, self.count) for level in levels[1:]]
         for labels in others:
             columns += [np.array([float(label == name) for label in labels]) for name in group_names(list(labels))[1:]]
-        left, singular, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
-        return np.asarray(left[:, singular > 1e-8 * singular[0]])
+        return orthonormal(np.stack(columns, axis=1))
 
 
 def _one_at(rows: Rows, count: int) -> Array:
@@ -306,8 +304,7 @@ def _where_known(quantity: Array, fixed: Array, member: Array) -> tuple[Array, A
     known = np.isfinite(quantity)
     if np.all(known):
         return quantity, fixed, member
-    left, singular, _ = np.linalg.svd(fixed[known], full_matrices=False)
-    return quantity[known], left[:, singular > 1e-8 * singular[0]], member[known]
+    return quantity[known], orthonormal(fixed[known]), member[known]
 
 
 def _member(labels: Sequence[str], names: Sequence[str]) -> Array:

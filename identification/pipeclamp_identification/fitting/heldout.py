@@ -12,7 +12,7 @@ from pipeclamp_identification.fitting.groups import factors_of, find_groups
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows, coarser
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import Level, number_levels
+from pipeclamp_identification.signals.levels import SAME_SHARE, Level, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.law import Law
@@ -21,18 +21,16 @@ from pipeclamp_models.realise.force import force_of_law
 FOLDS = 8
 CLOSELY = 1e-6
 """Tolerance of a fold's fit: it begins at the fit to all, and its error is told to four digits."""
-SAME = 0.05
-"""Conditions closer than this share of each other count as the same: drives never hit their set points. Where they lie
-so dense that they would all be the same, classes of them are left out."""
 
 
 def condition_groups(loops: Loops) -> npt.NDArray[np.intp]:
     """Give each loop the number of its (amplitude, frequency) group, shape (R,).
 
-    Where all tests are at one amplitude and frequency, each run is a group of its own.
+    Where conditions lie so dense that they would all be the same, classes of them make the groups. Where all tests are
+    at one amplitude and frequency, each run is a group of its own.
     """
     conditions = (loops.amplitude_mm, loops.frequency_Hz)
-    levels = np.stack([_numbers(number_levels(values, relative=SAME)) for values in conditions], axis=1)
+    levels = np.stack([_numbers(number_levels(values, relative=SAME_SHARE)) for values in conditions], axis=1)
     groups = np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1)
     if groups.max() == 0:
         groups = np.unique(loops.run, return_inverse=True)[1]
@@ -47,7 +45,7 @@ def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
     conditions = {"temperature": loops.temperature_K, "density": loops.density_g_cm3, **loops.conditions}
     groups = {}
     for name, values in conditions.items():
-        levels = number_levels(values, relative=SAME)
+        levels = number_levels(values, relative=SAME_SHARE)
         if len(levels) >= 3:
             groups[name] = _numbers(levels)
     specimens = np.unique([name or "" for name in loops.specimen], return_inverse=True)[1]

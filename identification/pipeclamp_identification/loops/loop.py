@@ -178,7 +178,7 @@ def loop_of(run: Run, condition_columns: Sequence[str], harmonics: int, displace
         force_per_cycle=_padded(fitted[1], harmonics),
         phases=own_phase,
         at_reversals=at_reversals,
-        labels={"specimen": run.specimen or "", **run.labels},
+        labels=run.texts,
     )
 
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_identification.campaign.description import CampaignDescription
-from pipeclamp_identification.campaign.reading import LeftOut, fingerprint
+from pipeclamp_identification.campaign.fingerprint import digests_of
+from pipeclamp_identification.campaign.reading import LeftOut
 from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUMNS, RunRow, RunsTable
 from pipeclamp_identification.fitting.observations import assumed_signals, known_temperature
 from pipeclamp_identification.metrics_only.observations import MetricObservations
@@ -95,7 +96,7 @@ def metric_campaign_of(
     return MetricCampaign(
         name=description.name,
         notes=description.notes,
-        fingerprint=fingerprint(folder, {}),
+        fingerprint=digests_of(folder, {}).fingerprint,
         runs=tuple(runs),
         left_out=tuple(left_out),
         condition_columns=table.condition_columns,

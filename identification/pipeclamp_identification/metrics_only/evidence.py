@@ -18,6 +18,7 @@ from pipeclamp_identification.fitting.heldout import folds
 from pipeclamp_identification.fitting.least_squares import SINGULAR, Fit, fit
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE
+from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_law
@@ -135,14 +136,13 @@ def scatter_of(judged: MetricJudged, observations: MetricObservations, expected:
 def _basis(judged: MetricJudged, observations: MetricObservations) -> Array:
     """Give an orthonormal basis of what the fitted parameters move in the residuals, shape (2 R, P)."""
     slopes = np.moveaxis(observations.residual_slopes(judged.result.law_force, judged.result.places), 0, -1)
-    return orthonormal(slopes.reshape(judged.residual.size, -1))
+    return directions(slopes.reshape(judged.residual.size, -1))
 
 
-def orthonormal(columns: Array) -> Array:
+def directions(columns: Array) -> Array:
     """Give an orthonormal basis of what columns span, each counted by its direction, not its size."""
     norms = np.linalg.norm(columns, axis=0)
-    left, singular, _ = np.linalg.svd(columns / np.where(norms > 0, norms, 1.0), full_matrices=False)
-    return np.asarray(left[:, singular > SINGULAR * max(singular.max(initial=0.0), SINGULAR)])
+    return orthonormal(columns / np.where(norms > 0, norms, 1.0), SINGULAR)
 
 
 def heldout_error(structure: Structure, observations: MetricObservations, start: Mapping[str, float]) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.fitting.least_squares import starting_points, undetermined
-from pipeclamp_identification.metrics_only.evidence import MetricJudged, orthonormal
+from pipeclamp_identification.metrics_only.evidence import MetricJudged, directions
 from pipeclamp_identification.metrics_only.observations import MetricObservations, metric_slopes
 from pipeclamp_identification.metrics_only.thresholds import IMITATED_SHARE, UNSEEN_SHARE
 from pipeclamp_models.base.arrays import Array
@@ -70,12 +70,12 @@ def look(law: MetricJudged, name: str, observations: MetricObservations) -> Look
         in_force = np.sqrt(np.mean(known_jacobian(law_force).of(free) ** 2, axis=(1, 2)))[new] / size
         in_metrics = np.sqrt(np.mean(slopes**2, axis=(1, 2)))[new]
         seen = bool(np.any(in_metrics > UNSEEN_SHARE * in_force))
-        basis = orthonormal(weighted[:, ~new])
+        basis = directions(weighted[:, ~new])
         beyond = weighted[:, new] - basis @ (basis.T @ weighted[:, new])
         apart = bool(np.any(_norms(beyond) > IMITATED_SHARE * _norms(weighted[:, new])))
         residual = np.nan_to_num(observations.residual(law_force)).ravel()
         left = residual - basis @ (basis.T @ residual)
-        gain = float(np.sum((orthonormal(beyond).T @ left) ** 2)) if apart else 0.0
+        gain = float(np.sum((directions(beyond).T @ left) ** 2)) if apart else 0.0
         looks.append((float(left @ left) - gain, seen, apart))
     seen = any(seen for _, seen, _ in looks)
     hidden = "" if seen else "dW and W hardly change with it: only a recorded loop shows it"

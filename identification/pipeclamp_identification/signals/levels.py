@@ -17,6 +17,9 @@ CLASSES = 6
 SPREAD = 3.0
 """Values that reach farther than this many steps without a gap are no set point that they scatter about."""
 MOST_DIGITS = 7
+SAME_SHARE, SAME_KELVIN = 0.05, 5.0
+"""Conditions closer than this share of each other, and temperatures closer than this, count as the same where tests are
+counted or grouped by them: drives never hit their set points."""
 
 Rows = npt.NDArray[np.intp]
 

@@ -110,7 +110,7 @@ class MetricTests:
 
     def per(self, column: str) -> Mapping[str, MetricTests]:
         """Refuse: a law for each group is fitted to records, see `Tests.per`."""
-        raise UserError(f"--per {column}: these tests are metrics without records; expected records of the loops")
+        raise UserError(f"column {column!r}: these tests are metrics without records; expected records of the loops")
 
     def compare(self, file: LawFile) -> MetricComparison:
         """Hold a law against the metrics, see `Tests.compare`."""

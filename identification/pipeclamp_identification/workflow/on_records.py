@@ -6,7 +6,7 @@ A diagnosis, and what only it needs, is imported where it is asked for: fits and
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -123,19 +123,18 @@ class RecordTests:
     def per(self, column: str) -> Mapping[str, RecordTests]:
         """Give the tests of each group, see `Tests.per`."""
         runs = self.sines.runs
-        texts = {run.name: {"specimen": run.specimen or "", **run.labels} for run in runs}
-        columns = list(dict.fromkeys(name for own in texts.values() for name, text in own.items() if text))
+        columns = list(dict.fromkeys(name for run in runs for name, text in run.texts.items() if text))
         if column not in columns:
             raise UserError(
-                f"--per: got {column!r}; {did_you_mean(column, columns)}expected a column of texts in runs.csv, which "
+                f"column: got {column!r}; {did_you_mean(column, columns)}expected a column of texts in runs.csv, which "
                 f"has {', '.join(columns) or 'none'}"
             )
-        group = {run: own[column] for run, own in texts.items()}
-        if blank := [name for name, label in group.items() if not label]:
-            raise UserError(f"--per {column}: blank for run {', '.join(blank[:5])}; fill it in in runs.csv")
+        groups = sorted({run.texts[column] for run in runs})
+        if blank := [run.name for run in runs if not run.texts[column]]:
+            raise UserError(f"column {column!r}: blank for run {', '.join(blank[:5])}; fill it in in runs.csv")
         return {
-            name: RecordTests(replace(self.sines, runs=tuple(run for run in runs if group[run.name] == name)))
-            for name in sorted(set(group.values()))
+            name: RecordTests(self.sines.of_runs(tuple(run for run in runs if run.texts[column] == name)))
+            for name in groups
         }
 
     def compare(self, file: LawFile) -> Comparison:

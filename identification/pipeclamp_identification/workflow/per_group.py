@@ -54,8 +54,8 @@ def identify_per(
     counts = {name: len(own.metrics().runs) for name, own in groups.items()}
     if few := [f"{name} ({count})" for name, count in counts.items() if count < FEWEST_RUNS]:
         raise UserError(
-            f"--per {column}: too few runs of {', '.join(few)}; expected at least {FEWEST_RUNS} of each: test more, or "
-            "take their rows out of runs.csv"
+            f"column {column!r}: too few runs of {', '.join(few)}; expected at least {FEWEST_RUNS} of each: test "
+            "more, or take their rows out of runs.csv"
         )
     laws = []
     for (name, own), stem in zip(groups.items(), stems(list(groups)), strict=True):
