@@ -147,9 +147,20 @@ def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple
                 "commas can't be told from them: export with points, or with semicolons between columns"
             )
         return tuple(f"column {place}" for place in range(1, width + 1)), blank
-    if len(rows) > 1 and _are_units(rows[-1]):
-        return _unique(rows[-2]), tuple(_bare(cell) for cell in rows[-1])
-    return _unique(rows[-1]), blank
+    return names_above(rows, width)
+
+
+def names_above(rows: Sequence[Sequence[str]], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Give names and units of columns, units "" where none are stated.
+
+    Args:
+        rows: of cells above the numbers, each so wide.
+        width: columns.
+    """
+    filled = [row for row in rows if any(row)]
+    if len(filled) > 1 and _are_units(filled[-1]):
+        return _unique(filled[-2]), tuple(_bare(cell) for cell in filled[-1])
+    return _unique(filled[-1] if filled else [""] * width), ("",) * width
 
 
 def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:

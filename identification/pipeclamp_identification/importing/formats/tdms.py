@@ -1,0 +1,62 @@
+"""TDMS of National Instruments' LabVIEW and DIAdem, by npTDMS; a waveform's own increment is its time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeclamp_identification.importing.raw import Format, RawTable, refuse_size, table_of
+
+UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
+"""Properties in which programs state a channel's unit."""
+
+
+def read(path: Path) -> Sequence[RawTable]:
+    """Read a table for each group, of the channels of one length each."""
+    from nptdms import TdmsFile
+
+    size = path.stat().st_size
+    tables: list[RawTable] = []
+    with TdmsFile.open(path) as file:
+        groups = [(group.name, group.channels()) for group in file.groups()]
+        for name, channels in groups:
+            columns: list[tuple[str, str, object]] = []
+            increments = set()
+            for channel in channels:
+                refuse_size(f"channel {channel.name!r}", len(channel), size)
+                if not len(channel):
+                    continue
+                columns.append((channel.name, _unit(channel), _samples(channel)))
+                if increment := channel.properties.get("wf_increment"):
+                    increments.add(
+                        (len(channel), float(increment), float(channel.properties.get("wf_start_offset", 0)))
+                    )
+            for count, increment, start in increments:
+                columns.append(("waveform time", "s", start + increment * np.arange(count)))
+            tables += table_of(name if len(groups) > 1 else "", columns)
+    return tables
+
+
+def _unit(channel: Any) -> str:
+    return next((str(channel.properties[name]).strip() for name in UNITS if channel.properties.get(name)), "")
+
+
+def _samples(channel: Any) -> object:
+    """Give a channel's samples; stamps of time in seconds since the first."""
+    values = channel[:]
+    if isinstance(values, np.ndarray) and values.dtype.kind == "M":
+        return (values - values[0]) / np.timedelta64(1, "ns") * 1e-9
+    return values
+
+
+FORMAT = Format(
+    name="NI TDMS",
+    suffixes=(".tdms",),
+    begins=lambda head: head[:4] == b"TDSm",
+    read=read,
+    module="nptdms",
+    package="npTDMS",
+)

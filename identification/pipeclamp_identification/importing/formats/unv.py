@@ -1,0 +1,64 @@
+"""Universal files (UFF, UNV) with data sets 58, functions at nodes, by pyuff; those of time responses are read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, refuse_size, table_of
+
+TIME_RESPONSE = 1
+NOTHING = ("", "NONE", "None")
+BEGINS = re.compile(rb"\s*-1\s*\n\s*\d+b?[\s\d]*\n")
+
+
+def read(path: Path) -> Sequence[RawTable]:
+    """Read the time responses of a universal file, those of one length as a table."""
+    import pyuff
+
+    file = pyuff.UFF(str(path))
+    kinds = [int(kind) for kind in file.get_set_types()]
+    size = path.stat().st_size
+    columns: list[tuple[str, str, object]] = []
+    times: dict[int, tuple[str, str, object]] = {}
+    for place, kind in enumerate(kinds):
+        if kind != 58:
+            continue
+        data = file.read_sets(place)
+        if int(data.get("func_type", 0)) not in (0, TIME_RESPONSE) or np.iscomplexobj(data["data"]):
+            continue
+        samples = np.asarray(data["data"], dtype=np.float64)
+        refuse_size(f"data set {place + 1}", float(data.get("num_pts", len(samples))), size)
+        if len(samples) != int(data.get("num_pts", len(samples))):
+            raise Damaged(f"ends within data set {place + 1}: {len(samples)} of {data['num_pts']} samples")
+        columns.append((_name(data, place), _text(data, "ordinate_axis_units_lab"), samples))
+        times.setdefault(
+            len(samples), ("abscissa time", _text(data, "abscissa_axis_units_lab") or "s", np.asarray(data["x"]))
+        )
+    return table_of("", [*times.values(), *columns])
+
+
+def _text(data: dict[str, Any], key: str) -> str:
+    text = str(data.get(key, "")).strip()
+    return "" if text in NOTHING else text
+
+
+def _name(data: dict[str, Any], place: int) -> str:
+    """Give what a data set is called: its axis, else its first line, else its node."""
+    found = _text(data, "ordinate_axis_lab") or _text(data, "id1") or f"data set {place + 1}"
+    node = f" {data['rsp_ent_name']}".replace("NONE", "").rstrip() if "rsp_ent_name" in data else ""
+    return found + node
+
+
+FORMAT = Format(
+    name="universal file (58)",
+    suffixes=(".uff", ".unv", ".bunv"),
+    begins=lambda head: bool(BEGINS.match(head.replace(b"\r\n", b"\n").replace(b"\r", b"\n"))),
+    read=read,
+    module="pyuff",
+    package="pyuff",
+)
