@@ -60,7 +60,8 @@ def check_clipping(record: Record, cycles: Cycles) -> None:
     for channel, name in COLUMNS.items():
         samples = getattr(record, name)[cycles.steady]
         per_cycle = len(samples) / cycles.count
-        still, value = _longest_still(samples)
+        begin, steps = _longest_row(samples[1:] == samples[:-1])
+        still, value = steps + 1, float(samples[begin])
         if still > LONGER_THAN_FRICTION * per_cycle:
             raise SensorFailure(
                 f"stuck sensor: {name} stands at {value:g} for {still} samples in a row "
@@ -157,19 +158,13 @@ def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
 
 
 def _longest_row(alike: Flags) -> tuple[int, int]:
-    """Give where the longest row of True begins, and how long it is."""
+    """Give where the longest row of True begins, and how long it is: 0 where nothing is True."""
+    if not alike.any():
+        return 0, 0
     edges = np.flatnonzero(np.diff(np.concatenate([[0], alike.astype(np.int8), [0]])))
     lengths = edges[1::2] - edges[::2]
     longest = int(np.argmax(lengths))
     return int(edges[2 * longest]), int(lengths[longest])
-
-
-def _longest_still(samples: Array) -> tuple[int, float]:
-    """Give the length of the longest row of one and the same value, and the value."""
-    changes = np.flatnonzero(samples[1:] != samples[:-1]) + 1
-    edges = np.concatenate([[0], changes, [len(samples)]])
-    longest = int(np.argmax(np.diff(edges)))
-    return int(edges[longest + 1] - edges[longest]), float(samples[edges[longest]])
 
 
 def quantum_of(samples: Array) -> float:
