@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
-from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate, unit_phasor
+from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics, evaluate, phasor_powers
 from pipeclamp_identification.signals.spectrum import hann_spectrum
 from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 
@@ -203,7 +203,7 @@ def _steady_samples(time: Array, y: Array, frequency: float, interval: float) ->
     amplitude, mean = np.abs(harmonics[:, 1]), harmonics[:, 0].real
     change = np.maximum(np.abs(np.diff(amplitude)), np.abs(np.diff(mean))) / np.max(amplitude)
     # what most cycles do is this drive's own scatter
-    agree = change <= np.clip(4 * np.median(change), STEADY, RAMP)
+    agree = change <= min(max(4 * float(np.median(change)), STEADY), RAMP)
     rows = np.split(np.arange(len(amplitude)), np.flatnonzero(~agree) + 1)
     # rest before the test is steady too, but has no amplitude
     rows = [row for row in rows if np.max(amplitude[row]) > np.max(amplitude) / 2]
@@ -245,7 +245,7 @@ def _fitted_sine(time: Array, y: Array, frequency: float) -> tuple[float, float]
     # little more than one cycle can't tell a wrong frequency from harmonics
     order = np.arange(1, 1 + (DISTORTION if frequency * duration > 1.2 else 1))
     for _ in range(20):
-        powers = np.cumprod(np.tile(unit_phasor(2 * np.pi * frequency * t), (len(order), 1)), axis=0)
+        powers = phasor_powers(2 * np.pi * frequency * t, len(order))
         basis = np.vstack([np.ones_like(t), powers.real, powers.imag])
         solution = _least_squares(basis, y)
         cosines, sines = solution[1 : len(order) + 1], solution[len(order) + 1 :]

@@ -40,6 +40,26 @@ def unit_phasor(phase: Array) -> ComplexArray:
     return phasor
 
 
+def phasor_powers(phase: Array, count: int) -> ComplexArray:
+    """Return exp(i n phase), n = 1..count, each from multiplying those that are known by the highest of them.
+
+    Args:
+        phase: (N,) rad.
+        count: the highest power.
+
+    Returns:
+        (count, N).
+    """
+    powers = np.empty((count, len(phase)), dtype=np.complex128)
+    powers[0] = unit_phasor(phase)
+    known = 1
+    while known < count:
+        more = min(known, count - known)
+        np.multiply(powers[:more], powers[known - 1], out=powers[known : known + more])
+        known += more
+    return powers
+
+
 def carried_harmonics(phase: Array, bounds: IntArray) -> int:
     """Return how many harmonics the samples of every cycle can carry.
 
@@ -92,19 +112,11 @@ def _means(samples: Array, width: int) -> Array:
 def _fitted(phase: Array, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
     """Fit each cycle's harmonics.
 
-    The powers of exp(i phase) come from multiplying those that are known by the highest of them; the normal equations
-    of all harmonics need only the sums of exp(i k phase), k = 0..2 count, because a product of two harmonics is a sum
-    of two others.
+    The normal equations of all harmonics need only the sums of exp(i k phase), k = 0..2 count, because a product of two
+    harmonics is a sum of two others.
     """
     starts = bounds[:-1]
-    unit = unit_phasor(phase)
-    powers = np.empty((2 * count, len(phase)), dtype=np.complex128)
-    powers[0] = unit
-    known = 1
-    while known < len(powers):
-        more = min(known, len(powers) - known)
-        np.multiply(powers[:more], powers[known - 1], out=powers[known : known + more])
-        known += more
+    powers = phasor_powers(phase, 2 * count)
     sums = np.empty((len(starts), 2 * count + 1), dtype=np.complex128)
     sums[:, 0] = np.diff(np.append(starts, len(phase)))
     sums[:, 1:] = np.add.reduceat(powers, starts, axis=1).T
