@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeclamp_identification.campaign.stated_units import conversion, unit_in_name
 from pipeclamp_identification.importing.columns import map_columns, parse_columns, refuse_open_questions
 from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.units.stated import conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
 
 

@@ -12,6 +12,7 @@ import typer
 from pipeclamp.cli.campaigns import RecordFormat
 from pipeclamp.cli.terminal import JsonOption, ReportOption, console, errors, print_table, show, spare, told
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import refuse_folder
 
 if TYPE_CHECKING:
     from pipeclamp_identification.importing.answer import Found
@@ -20,12 +21,25 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 
+def _campaign_to_write(path: Path) -> Path:
+    """Refuse a folder that is neither new nor a campaign, before the work."""
+    if not (path / "campaign.toml").is_file():
+        refuse_folder(path)
+    return path
+
+
 @app.command("import", epilog='Example: pipeclamp import exports -o clamp_7 --pattern "T{temperature_C}"')
 def import_command(
     files: Annotated[list[Path], typer.Argument(metavar="FILES...", help="Test machines' files, or folders of them.")],
     output: Annotated[
         Path,
-        typer.Option("-o", "--output", metavar="CAMPAIGN", help="A new folder, or one that was imported before."),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="CAMPAIGN",
+            help="A new folder, or one that was imported before.",
+            callback=_campaign_to_write,
+        ),
     ],
     columns: Annotated[
         str,

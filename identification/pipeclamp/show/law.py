@@ -45,6 +45,7 @@ def doubts(file: LawFile) -> list[str]:
         f"{entry.pair[0]} and {entry.pair[1]} can hardly be told apart (correlation {entry.value:.3f})."
         for entry in file.correlations
     ]
+    lines += [f"Of its data: {words}." for words in file.data.warnings or ()]
     if file.fit and file.fit.unsettled:
         lines.append(
             f"On {file.fit.unsettled} of the cycles that the law was fitted to, its memory doesn't become periodic: "

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictStr, model_validator
 
 from pipeclamp_identification.campaign.imported import Imported
+from pipeclamp_identification.units.stated import QUANTITY_OF, Conversion, stated_conversion
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
 
@@ -33,12 +34,15 @@ Text = Annotated[StrictStr, AfterValidator(_not_blank)]
 
 
 class ColumnSource(BaseModel):
-    """Where one of our record columns comes from in a test machine's export: ours = factor * theirs."""
+    """Where one of our record columns comes from in a test machine's export: ours = factor * theirs.
+
+    A unit that the name states counts: "Load [kN]" needs no factor, and takes none that contradicts it.
+    """
 
     model_config = ConfigDict(frozen=True)
 
     name: Text = Field(alias="from")
-    factor: Annotated[Number, AfterValidator(_not_zero)] = 1.0
+    factor: Annotated[Number, AfterValidator(_not_zero)] | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -50,6 +54,14 @@ class ColumnSource(BaseModel):
                 raise ValueError(unknown(str(key), ["from", "factor"], "key"))
         return data
 
+    def conversion(self, ours: RecordColumn) -> Conversion:
+        """Give what turns the channel into one of our columns.
+
+        Raises:
+            ValueError: its name states another unit than its factor does, or one of something else.
+        """
+        return stated_conversion(QUANTITY_OF[ours], self.name, self.factor)
+
 
 class ColumnSources(Table):
     """The table [columns]; a column that isn't there has our own name."""
@@ -58,6 +70,12 @@ class ColumnSources(Table):
     displacement_mm: ColumnSource | None = None
     force_N: ColumnSource | None = None
     temperature_C: ColumnSource | None = None
+
+    @model_validator(mode="after")
+    def _units_agree(self) -> ColumnSources:
+        for ours, source in self.given().items():
+            source.conversion(ours)
+        return self
 
     def given(self) -> dict[RecordColumn, ColumnSource]:
         """Return the sources that the table states."""

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
@@ -30,6 +32,7 @@ from pipeclamp_identification.campaign.records import Record, UnusableRecord, ch
 from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, read_runs_table
 from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
 from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
+from pipeclamp_identification.units.doubts import ShownRun, contradicted_units, unlikely_units
 from pipeclamp_models.base.errors import UserError
 
 # threads that read records: more than most machines' cores for it, because each also waits for the disk
@@ -83,7 +86,8 @@ class Campaign:
 
     `remarks` say what sensors do wrong in runs that are used, and where records show other settings than runs.csv
     states; those runs' settings are None. Of the runs in `runs` the motion is a sine, of those in `free` it isn't.
-    `faults` are those of sensors; where one could be repaired, the records here are the repaired ones.
+    `faults` are those of sensors; where one could be repaired, the records here are the repaired ones. `doubts` say
+    which units are likely wrong; remarks hold them, too.
     """
 
     name: str
@@ -97,6 +101,7 @@ class Campaign:
     free: tuple[FreeRun, ...] = ()
     faults: tuple[SensorFault, ...] = ()
     digests: Digests = field(default_factory=Digests)
+    doubts: tuple[str, ...] = ()
 
     def of_runs(self, runs: tuple[Run, ...]) -> Campaign:
         """Give the campaign of some of its runs, with the fingerprint of what these were read from."""
@@ -161,6 +166,10 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         one.name: fundamental_of(one.record, one.cycles, by_cycle[one.name]) for one in outcomes if isinstance(one, Run)
     }
     freely = {one.name: fundamental_of_motion(one.record, one.motion) for one in outcomes if isinstance(one, FreeRun)}
+    seen = [_seen(one, shown[one.name]) for one in outcomes if isinstance(one, Run)]
+    if wrong := contradicted_units(seen):
+        raise UserError(f"{folder}: {wrong}")
+    doubts = unlikely_units(seen)
     faults = implausible(shown | freely)
     outcomes = [
         LeftOut(row.run, faults[row.run]) if row.run in faults else one
@@ -187,6 +196,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         condition_columns=table.condition_columns,
         smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
         remarks=(
+            *doubts,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *remarks,
             *_moving_from_the_start(free),
@@ -199,6 +209,21 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
             *sensors.faults,
         ),
         digests=digests,
+        doubts=doubts,
+    )
+
+
+def _seen(run: Run, shown: Fundamental) -> ShownRun:
+    """Give a run as its units are doubted."""
+    time, temperature = run.record.time_s, run.record.temperature_C
+    known = np.empty(0) if temperature is None else temperature[np.isfinite(temperature)]
+    return ShownRun(
+        run=run.name,
+        amplitude_mm=(run.amplitude_mm, shown.amplitude_mm),
+        frequency_Hz=(run.frequency_Hz, run.cycles.frequency_Hz),
+        temperature_C=(run.temperature_C, float(np.mean(known)) if len(known) else math.nan),
+        stiffness=abs(shown.stiffness),
+        step_s=float(time[-1] - time[0]) / (len(time) - 1),
     )
 
 

@@ -50,7 +50,10 @@ def read_record(path: Path, content: bytes, columns: Mapping[RecordColumn, Colum
     sources = {ours: columns.get(ours, ColumnSource.model_validate({"from": ours})) for ours in (*NEEDED, *OPTIONAL)}
     read = _parquet_channels if path.name.lower().endswith(".parquet") else _csv_channels
     channels = read(path, content, sources, required=(*NEEDED, *columns))
-    return Record(**{ours: np.asarray(samples * sources[ours].factor) for ours, samples in channels.items()})
+    turned = {ours: sources[ours].conversion(ours) for ours in channels}
+    return Record(
+        **{ours: np.asarray(samples * turned[ours].factor + turned[ours].offset) for ours, samples in channels.items()}
+    )
 
 
 def read_channels(path: Path, content: bytes, names: Sequence[RecordColumn]) -> dict[RecordColumn, Array]:

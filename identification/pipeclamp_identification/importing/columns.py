@@ -7,7 +7,8 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from pipeclamp_identification.campaign.stated_units import (
+from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.units.stated import (
     OURS,
     QUANTITY_OF,
     Conversion,
@@ -16,7 +17,6 @@ from pipeclamp_identification.campaign.stated_units import (
     quantity_of_unit,
     unit_in_name,
 )
-from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
 
 NEEDED = ("time", "displacement", "force")

@@ -15,7 +15,6 @@ from pipeclamp_identification.campaign.free_motion import free_motion
 from pipeclamp_identification.campaign.imported import ImportedColumn, ImportedCut, ImportedFile, ImportedRun
 from pipeclamp_identification.campaign.plausibility import STATED_APART, fundamental_of, reversed_sign
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
-from pipeclamp_identification.campaign.stated_units import conversion, is_unit
 from pipeclamp_identification.importing.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.columns import Column, Mapped, Stated, map_columns, refuse_open_questions
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, settings_for
@@ -25,6 +24,7 @@ from pipeclamp_identification.importing.reading import SourceFile, read_file
 from pipeclamp_identification.importing.repair import evened
 from pipeclamp_identification.importing.split import Part, split
 from pipeclamp_identification.importing.traces import Trace, trace_of
+from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 

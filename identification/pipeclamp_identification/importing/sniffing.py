@@ -7,8 +7,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipeclamp_identification.campaign.stated_units import is_unit, unit_in_name
 from pipeclamp_identification.importing.raw import Damaged
+from pipeclamp_identification.units.stated import is_unit, unit_in_name
 
 DELIMITERS = ("\t", ";", ",", "|", " ")
 """The blank, any number of them, comes last: it stands beside others, too."""

@@ -46,7 +46,10 @@ class FittedToRecords:
 
     def file(self, *, name: str, command: str, date: str | None) -> LawFile:
         """Give its parameter file, see `fitting.identify.law_file`."""
-        return law_file(self.identification, self.campaign, name=name, command=command, date=date)
+        file = law_file(self.identification, self.campaign, name=name, command=command, date=date)
+        if not self.campaign.doubts:
+            return file
+        return file.model_copy(update={"data": file.data.model_copy(update={"warnings": self.campaign.doubts})})
 
 
 @dataclass(frozen=True)

@@ -92,12 +92,13 @@ class LeftOutRun(Part):
 
 
 class DataSource(Part):
-    """The data that the law was identified from."""
+    """The data that the law was identified from; `warnings` say which of its units are likely wrong."""
 
     name: str
     fingerprint: str
     runs_used: Annotated[int, Field(ge=0)]
     left_out: tuple[LeftOutRun, ...] = ()
+    warnings: tuple[str, ...] | None = None
 
 
 class RunQuality(Part):

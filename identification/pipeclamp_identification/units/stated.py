@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
 from collections.abc import Mapping
@@ -117,6 +118,38 @@ def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
             f"{unit!r} is no unit of {quantity}; expected one that turns into {ours}, such as {_some(ours)}"
         )
     return found
+
+
+def stated_conversion(quantity: Quantity, name: str, factor: float | None) -> Conversion:
+    """Give what turns a channel into ours, by the unit in its name and the factor that was stated.
+
+    Args:
+        quantity: time, displacement, force or temperature.
+        name: of the channel; a unit that it states counts.
+        factor: None where none was stated; its sign turns the channel's.
+
+    Raises:
+        ValueError: they contradict each other, or the unit is one of something else and no factor turns it.
+    """
+    _, unit = unit_in_name(name)
+    found = _conversion_to(OURS[quantity], unit, quantity) if unit else None
+    if found is None:
+        # "Force F" names no unit of temperature, but "Force [mm]" one of length
+        if unit and factor is None and name.rstrip().endswith(("]", ")")) and unit not in ("-", "1"):
+            raise ValueError(
+                f"{name!r} is in {unit}, no unit of {quantity}; expected one, or a factor that turns it into "
+                f"{OURS[quantity]}"
+            )
+        return Conversion(1.0 if factor is None else factor)
+    if factor is None:
+        return found
+    if abs(abs(factor) - abs(found.factor)) > SAME * abs(found.factor):
+        raise ValueError(
+            f"{name!r} states {unit}, which turns into {OURS[quantity]} by {found.factor:.6g}; got factor {factor:g}; "
+            "expected that one, or none: the unit in the name counts"
+        )
+    sign = math.copysign(1.0, factor)
+    return Conversion(sign * found.factor, sign * found.offset)
 
 
 def _some(ours: str) -> str:
