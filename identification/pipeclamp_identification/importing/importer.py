@@ -99,7 +99,8 @@ def plan_import(
             raise UserError(f"{path}: another file has this name; expected a name of its own for each")
         digests[source.sha256] = source.name
         new.append(source.name)
-        maker.add(source)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # of numbers that a check refuses
+            maker.add(source)
     return maker.plan(tuple(again))
 
 

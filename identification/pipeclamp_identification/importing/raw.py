@@ -10,8 +10,12 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-MOST_SAMPLES = 2_000_000_000
-"""Numbers that a file may claim to hold: 16 GB; what claims more is damaged."""
+MOST_SAMPLES = 250_000_000
+"""Numbers that a channel may claim to hold: 2 GB; what claims more is damaged."""
+FEW_SAMPLES = 1_000_000
+"""So many may be claimed by any file."""
+COMPRESSED = 20.0
+"""Samples for each byte of a file that compresses: channels that stand still shrink far more, but hardly all do."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,7 @@ def refuse_size(what: str, count: float, holds: int, times: float = 1.0) -> None
     Raises:
         Damaged: it claims more.
     """
-    if count < 0 or count > min(MOST_SAMPLES, max(holds, 1) * times):
+    if not 0 <= count <= min(MOST_SAMPLES, FEW_SAMPLES + holds * times):
         raise Damaged(f"{what} claims {count:g} samples, more than a file of {holds} bytes holds")
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import logging
+import os
 import pkgutil
+import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -105,15 +108,20 @@ def read_file(path: Path) -> SourceFile:
             f"{path}: {found.name} is read by the package {found.package}, which isn't installed; "
             "expected it: pip install 'pipeclamp[import]'"
         )
-    try:
-        with _quietly():
+    tables: tuple[RawTable, ...] = ()
+    failure = ""
+    with _quietly():
+        try:
             tables = tuple(table for table in found.read(path) if table.length)
-    except Damaged as error:
-        raise UserError(f"{path}: {error}") from error
-    except (Exception, pl.exceptions.PanicException) as error:  # foreign readers raise anything of a damaged file
-        raise UserError(
-            f"{path}: is no whole {found.name} file ({_first_line(error)}); export or copy it again"
-        ) from error
+        except Damaged as error:
+            failure = f"{path}: {error}"
+        except (Exception, pl.exceptions.PanicException) as error:  # foreign readers raise anything of a damaged file
+            failure = f"{path}: is no whole {found.name} file ({_first_line(error)}); export or copy it again"
+        if failure:
+            # what a reader leaves half made speaks up when it goes
+            gc.collect()
+    if failure:
+        raise UserError(failure)
     if not tables:
         raise UserError(f"{path}: holds no channel of numbers; expected {found.name} with time, displacement and force")
     return SourceFile(path, digest.hexdigest(), found.name, tables)
@@ -152,12 +160,22 @@ def _first_line(error: BaseException) -> str:
 
 @contextmanager
 def _quietly() -> Iterator[None]:
-    """Keep foreign readers from writing warnings and logs between our lines."""
-    before = logging.root.manager.disable
+    """Keep foreign readers from writing warnings, logs, and what destructors and Rust raise between our lines."""
+    before, hook = logging.root.manager.disable, sys.unraisablehook
     logging.disable(logging.CRITICAL)
+    sys.unraisablehook = lambda unraisable: None
+    errors = os.dup(2)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
+        if sys.stderr:
+            sys.stderr.flush()
+        os.dup2(nowhere, 2)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     finally:
+        os.dup2(errors, 2)
+        os.close(errors)
+        os.close(nowhere)
         logging.disable(before)
+        sys.unraisablehook = hook

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from pipeclamp_identification.importing.nested import tables_of
-from pipeclamp_identification.importing.raw import Format, RawTable, refuse_size
+from pipeclamp_identification.importing.raw import COMPRESSED, Format, RawTable, refuse_size
 
-COMPRESSED = 1000.0
-"""Times that a compressed chunk may unpack to."""
 UNITS = ("unit", "units", "Unit", "Units", "UNIT")
 NAMES = ("columns", "names", "channels", "column_names")
 DEEPEST = 12

@@ -6,10 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeclamp_identification.importing.raw import Format, RawTable, refuse_size, table_of
-
-COMPRESSED = 1000.0
-"""Times that a compressed block may unpack to."""
+from pipeclamp_identification.importing.raw import COMPRESSED, Format, RawTable, refuse_size, table_of
 
 
 def read(path: Path) -> Sequence[RawTable]:

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, refuse_size, table_of
+from pipeclamp_identification.importing.raw import COMPRESSED, Damaged, Format, RawTable, refuse_size, table_of
 from pipeclamp_models.base.tables import pl
-
-ENCODED = 10_000.0
-"""Rows that a byte may stand for where they are all alike."""
 
 
 def read(path: Path) -> Sequence[RawTable]:
     """Read the columns of numbers, and stamps of time as seconds since the first."""
     rows = int(pl.scan_parquet(path).select(pl.len()).collect().item())
-    refuse_size("the file", rows, path.stat().st_size, ENCODED)
+    refuse_size("the file", rows, path.stat().st_size, COMPRESSED)
     columns: list[tuple[str, str, object]] = []
     for column in pl.read_parquet(path).iter_columns():
         kind = column.dtype
