@@ -12,6 +12,7 @@ SETTINGS = [(A, f, T) for A in (0.3, 0.9) for f in (1.0, 2.0, 5.0) for T in (20.
     (A, f, 150.0) for A in (0.3, 0.9) for f in (1.0, 5.0)
 ]
 RATE = 200.0
+"""Samples per second."""
 CYCLES = 6
 
 
@@ -29,15 +30,22 @@ class Loop:
 
 
 def loop(
-    amplitude: float = 0.5, frequency: float = 2.0, temperature: float = 20.0, cycles: float = CYCLES, seed: int = 0
-):
+    amplitude: float = 0.5,
+    frequency: float = 2.0,
+    temperature: float = 20.0,
+    cycles: float = CYCLES,
+    seed: int = 0,
+    rate: float = RATE,
+    delay: float = 0.0,
+) -> Loop:
     """A spring that hardens, a dashpot and dry friction, with noise of both sensors and their last digits."""
     rng = np.random.default_rng(seed)
-    time = np.round(np.arange(round(cycles * RATE / frequency)) / RATE, 6)
-    y = amplitude * np.sin(2 * np.pi * frequency * time)
-    v = 2 * np.pi * frequency * amplitude * np.cos(2 * np.pi * frequency * time)
+    time = np.round(np.arange(round(cycles * rate / frequency)) / rate, 6)
+    omega = 2 * np.pi * frequency
+    y = amplitude * np.sin(omega * time)
+    late, v = amplitude * np.sin(omega * (time - delay)), omega * amplitude * np.cos(omega * (time - delay))
     softer = 1 - 0.001 * (temperature - 20)
-    force = softer * (1200 * y + 200 * y**3 + 4 * v + 60 * np.tanh(v / 0.5))
+    force = softer * (1200 * late + 200 * late**3 + 4 * v + 60 * np.tanh(v / 0.5))
     return Loop(
         f"A{amplitude}_f{frequency:g}_T{temperature:g}",
         amplitude,

@@ -79,9 +79,10 @@ def test_spikes_are_replaced_and_told_and_loops_left_alone():
     assert without_spikes(clean).record is clean
     force = clean.force_N.copy()
     force[[101, 333, 334]] += [4000, -3000, -3000]
+    force[[501, 502]] += [2500, 1500]  # one, as a filter leaves it
     repaired = without_spikes(replace(clean, force_N=force))
     assert np.max(np.abs(repaired.record.force_N - clean.force_N)) < 60
-    assert "3 spikes in force_N" in repaired.told[0]
+    assert "5 spikes in force_N" in repaired.told[0]
 
 
 @pytest.mark.parametrize("per_cycle", [16, 50, 400])
@@ -148,6 +149,23 @@ def test_a_file_of_many_runs_becomes_runs_with_measured_settings(tmp_path):
     assert [row["frequency_Hz"] for row in rows] == pytest.approx([1, 4, 1, 4], rel=0.01)
     assert [row["amplitude_mm"] for row in rows] == pytest.approx([0.3, 0.3, 0.9, 0.9], rel=0.01)
     assert all("rest" in one["why"] for one in found.to_dict()["cut"])
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.001, -0.002])
+def test_a_delay_that_all_runs_share_is_measured_told_and_kept(tmp_path, delay):
+    for number, (A, f) in enumerate((A, f) for A in (0.3, 0.9) for f in (1.0, 3.0, 6.0)):
+        (tmp_path / f"r{number}.csv").write_text(text(loop(A, f, seed=number, rate=1000.0, delay=delay)))
+    found = pc.import_files(tmp_path, tmp_path / "c")
+    if not delay:
+        assert not found.notes
+        return
+    known = found.found.imported.delay
+    assert known.delay_ms == pytest.approx(1e3 * delay, abs=0.05)
+    late = "force" if delay > 0 else "displacement"
+    assert f"the {late} is " in found.notes[0]
+    assert "not taken off" in (tmp_path / "c" / "import.html").read_text(encoding="utf-8")
+    read = pc.read_campaign(tmp_path / "c").tests.campaign.runs[0].record
+    np.testing.assert_allclose(read.force_N, loop(0.3, 1.0, seed=0, rate=1000.0, delay=delay).force, atol=1e-3)
 
 
 def test_clipped_cycles_are_cut_off_and_said(tmp_path):

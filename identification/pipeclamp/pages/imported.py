@@ -21,7 +21,7 @@ PANELS = 24
 MOST_LOOPS = 480
 LONGEST_NAME = 24
 """Characters of a run's name above its loop."""
-MOST_OVERVIEWS = 40
+MOST_OVERVIEWS, MOST_LABELS = 40, 24
 KEPT, CUT = SERIES[0], SERIES[1]
 
 
@@ -77,7 +77,10 @@ def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:
     cut = [one for one in overviews if one.cut or len(one.runs) > 1][:MOST_OVERVIEWS]
     if not cut:
         return []
-    words = ["Files of which parts are in no run, or that hold several: blue is a run, orange is cut."]
+    words = [
+        "Files of which parts are in no run, or that hold several: blue is a run, with the number that ends its name; "
+        "orange is cut."
+    ]
     return [Section("Where the runs lie", words, (), [_overview_picture(one) for one in cut])]
 
 
@@ -89,12 +92,13 @@ def _overview_picture(overview: Overview) -> go.Figure:
             x=time, y=overview.displacement.ravel(), mode="lines", line={"color": MEASURED, "width": 1}, name="y"
         )
     )
-    for spans, colour, level in ((overview.runs, KEPT, 0.98), (overview.cut, CUT, 0.02)):
-        for name, first, last in spans:
+    for spans, colour in ((overview.runs, KEPT), (overview.cut, CUT)):
+        for _, first, last in spans:
             figure.add_vrect(x0=first, x1=last, fillcolor=colour, opacity=0.18, line_width=0, layer="below")
-            figure.add_annotation(
-                x=(first + last) / 2, y=level, yref="paper", text=name, showarrow=False, textangle=0,
-                font={"size": 10, "color": colour},
-            )  # fmt: skip
+    for name, first, last in overview.runs if len(overview.runs) <= MOST_LABELS else ():
+        figure.add_annotation(
+            x=(first + last) / 2, y=1.0, yref="paper", yanchor="bottom", text=name.rpartition("_")[2],
+            showarrow=False, font={"size": 10, "color": KEPT},
+        )  # fmt: skip
     figure.update_xaxes(title_text="t / s", gridcolor=GRID).update_yaxes(title_text="y / mm")
     return styled(figure, overview.title, height=260).update_layout(showlegend=False)

@@ -1,8 +1,9 @@
-"""A delay of the force behind the displacement that all runs of a rig share, told from how loss depends on frequency.
+"""A delay of the force behind the displacement that all runs of a rig share: the same milliseconds at every frequency.
 
-A force that is read late by tau turns F1/Y1 by -2 pi f tau: the loss angle falls in proportion to the frequency, by the
-same time at every amplitude and temperature. A dashpot turns it the other way, and by a time that changes with the
-stiffness. What falls could in part be the clamp's own; so the delay is told and not taken off.
+Dry friction turns with the velocity. Its jump at each reversal makes odd harmonics of the force in quadrature,
+F_n = i 4 F_c/(pi n) of a displacement cos(theta); a force that is read late by tau has each turned by -n omega tau.
+High harmonics, which springs hardly reach, tell tau so, run by run. What the clamp itself is late by (memory) goes with
+the phase, not with time: a delay is told only where runs of different frequency agree on it. It is never taken off.
 """
 
 from __future__ import annotations
@@ -12,71 +13,81 @@ import math
 import numpy as np
 
 from pipeclamp_identification.campaign.imported import ImportedDelay
-from pipeclamp_identification.campaign.plausibility import fundamental_of
 from pipeclamp_identification.campaign.reading import Campaign, Run
-from pipeclamp_identification.signals.levels import number_levels
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics
+from pipeclamp_models.base.arrays import ComplexArray, IntArray
 
+LOWEST, HIGHEST = 7, 15
+"""Orders of the harmonics that are asked: springs that harden by powers up to five make none of them."""
+SEEN = 5.0
+"""Standard errors, from cycle to cycle, that their sum must have."""
 SURE = 4.0
-"""Standard errors from which on a delay is told."""
-SAME, SAME_K = 0.1, 8.0
-"""Share of the amplitude, and kelvins, within which runs are at one condition."""
+"""Standard errors, from run to run, from which on a delay is told."""
+FEWEST_RUNS = 4
 FREQUENCIES_APART = 1.5
-"""Factor between the lowest and the highest frequency that a condition's runs must span."""
-FEWEST_CONDITIONS = 2
-"""Conditions that must agree on it, so that it is the rig's and no clamp's."""
-ALIKE = 0.25
-"""Scatter from condition to condition, as a share of the delay, above which it isn't constant."""
-OF_ANGLE = 0.01
-"""rad at the highest frequency below which a delay does no harm."""
+"""Factor between the lowest and the highest frequency of the runs that tell it."""
+ALIKE = 0.3
+"""Share by which the slower and the faster half of the runs may differ in it."""
+OF_TURN = 2e-3
+"""Share of the fastest cycle below which a delay does no harm."""
 
 
 def common_delay(campaign: Campaign) -> ImportedDelay | None:
-    """Measure the delay of the force that all conditions of a campaign share; None where none is seen.
+    """Measure the delay of the force that all runs share; None where none is seen.
 
-    Only a falling loss angle is told: a rising one is what dashpots do.
+    Args:
+        campaign: as it was read.
     """
-    runs = [run for run in campaign.runs if run.cycles.count > 1]
-    slopes = []
-    highest = 0.0
-    for members in _conditions(runs):
-        f = np.array([run.cycles.frequency_Hz for run in members])
-        if np.max(f) < FREQUENCIES_APART * np.min(f):
-            continue
-        shown = [fundamental_of(run.record, run.cycles) for run in members]
-        angle = np.array([math.atan2(one.stiffness.imag, one.stiffness.real) for one in shown])
-        slopes.append(float(np.polyfit(2 * np.pi * f, angle, 1)[0]))
-        highest = max(highest, float(np.max(f)))
-    if len(slopes) < FEWEST_CONDITIONS:
+    told = [(run.cycles.frequency_Hz, found) for run in campaign.runs if (found := _delay_of(run)) is not None]
+    if len(told) < FEWEST_RUNS:
         return None
-    delay = -float(np.median(slopes))
-    scatter = float(np.std(slopes, ddof=1))
-    error = scatter / math.sqrt(len(slopes))
-    if delay * 2 * math.pi * highest < OF_ANGLE or delay < SURE * error or scatter > ALIKE * delay:
+    frequency, delays = np.array(sorted(told)).T
+    if frequency[-1] < FREQUENCIES_APART * frequency[0]:
         return None
+    delay = float(np.median(delays))
+    # the median's standard error, from the median of the deviations
+    error = 1.2533 * 1.4826 * float(np.median(np.abs(delays - delay))) / math.sqrt(len(delays))
+    slow, fast = (float(np.median(half)) for half in np.array_split(delays, 2))
+    if abs(delay) * frequency[-1] < OF_TURN or abs(delay) < SURE * error or abs(slow - fast) > ALIKE * abs(delay):
+        return None
+    late, early = ("force", "displacement") if delay > 0 else ("displacement", "force")
     words = (
-        f"the force is {1e3 * delay:.3g} ms (standard error {1e3 * error:.1g} ms) behind the displacement, alike in "
-        f"{len(slopes)} conditions: the loss angle falls with the frequency as filters of unequal delay make it; it is "
-        "not taken off; to do: use one filter for both channels, or measure their delay with a rigid specimen"
+        f"the {late} is {1e3 * abs(delay):.3g} ms (standard error {1e3 * error:.1g} ms) behind the {early}, alike from "
+        f"{frequency[0]:.3g} to {frequency[-1]:.3g} Hz in {len(delays)} runs, by the harmonics that friction makes "
+        "when it turns; it is not taken off, and a law takes it for damping; to do: use one filter for both channels, "
+        "or shift one of them before the import"
     )
     return ImportedDelay(
-        delay_ms=float(f"{1e3 * delay:.4g}"), standard_error_ms=float(f"{max(1e3 * error, 1e-9):.2g}"), words=words
+        delay_ms=float(f"{1e3 * delay:.4g}"), standard_error_ms=float(f"{max(1e3 * error, 1e-6):.2g}"), words=words
     )
 
 
-def _conditions(runs: list[Run]) -> list[list[Run]]:
-    """Give the runs that differ in frequency alone, condition by condition."""
-    if not runs:
-        return []
-    amplitude = number_levels(
-        np.array([fundamental_of(run.record, run.cycles).amplitude_mm for run in runs]), relative=SAME
-    )
-    kelvin = [math.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs]
-    temperature = number_levels(np.array(kelvin), absolute=SAME_K)
-    found = []
-    for one in amplitude:
-        for other in temperature:
-            rows = sorted(set(one.rows.tolist()) & set(other.rows.tolist()))
-            if len(rows) > 1:
-                found.append([runs[row] for row in rows])
-    return found
+def _delay_of(run: Run) -> float | None:
+    """Give by how many seconds a run's force comes late; None where its harmonics don't tell."""
+    cycles, record = run.cycles, run.record
+    phase, bounds = cycles.phase(record), cycles.bounds - cycles.bounds[0]
+    count = min(HIGHEST, carried_harmonics(phase, bounds))
+    orders = np.arange(LOWEST, count + 1, 2)
+    if cycles.count < 2 or len(orders) < 2:
+        return None
+    y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
+    Y, F = cycle_harmonics(phase, bounds, [y, force], count)
+    turned = F[:, orders] * np.exp(-1j * orders * np.angle(Y[:, 1])[:, None]) / 1j
+    mean = np.mean(turned, axis=0)
+    error = np.std(turned, axis=0, ddof=1) / math.sqrt(cycles.count)
+    if np.linalg.norm(mean) < SEEN * np.linalg.norm(error) or not _is_frictions(mean, orders):
+        return None
+    angle = np.unwrap(np.concatenate([[0.0], np.angle(mean)]))[1:]
+    weight = np.abs(mean) ** 2 * orders
+    omega = 2 * math.pi * cycles.frequency_Hz
+    return -float(weight @ angle / (weight @ orders)) / omega
+
+
+def _is_frictions(mean: ComplexArray, orders: IntArray) -> bool:
+    """Tell whether the harmonics turn in proportion to their order, as those of a late jump do."""
+    angle = np.unwrap(np.concatenate([[0.0], np.angle(mean)]))[1:]
+    weight = np.abs(mean) ** 2
+    order = np.asarray(orders, dtype=np.float64)
+    slope = float(weight * order @ angle / (weight * order @ order))
+    rest = float(np.sqrt(weight @ (angle - slope * order) ** 2 / np.sum(weight)))
+    return abs(angle[0]) < math.pi / 2 and rest < 0.3

@@ -21,7 +21,7 @@ from pipeclamp_identification.importing.conditions import Pattern, Settings, gue
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, read_file
-from pipeclamp_identification.importing.repair import evened
+from pipeclamp_identification.importing.repair import evened, mended
 from pipeclamp_identification.importing.split import Part, split
 from pipeclamp_identification.importing.traces import Trace, trace_of
 from pipeclamp_identification.units.stated import conversion, is_unit
@@ -200,9 +200,9 @@ class _Maker:
         single: bool,
     ) -> PlannedRun | str:
         """Give a part as a run, or why it can't be one."""
-        record = _slice(trace.record, part)
-        repaired = evened(record)
-        done = [*trace.told, *repaired.told]
+        clean = mended(_slice(trace.record, part))
+        repaired = evened(clean.record)
+        done = [*trace.told, *clean.told, *repaired.told]
         try:
             record, cycles, words = _usable(repaired.record)
         except UnusableRecord as fault:
@@ -302,10 +302,10 @@ def _where(source: SourceFile, table: RawTable) -> str:
 
 def _pieces(where: str, table: RawTable, mapped: Mapped, rate: float | None) -> tuple[Trace, list[Part], list[Part]]:
     trace = trace_of(where, table, mapped.columns, rate)
-    finite = np.isfinite(trace.record.displacement_mm)
+    finite = np.isfinite(trace.motion)
     if np.count_nonzero(finite) < 2:
         return trace, [], [Part(0, len(finite), "no samples of displacement")]
-    y = np.interp(np.arange(len(finite)), np.flatnonzero(finite), trace.record.displacement_mm[finite])
+    y = np.interp(np.arange(len(finite)), np.flatnonzero(finite), trace.motion[finite])
     cut = split(trace.record.time_s, y, trace.segment)
     return trace, list(cut.runs), list(cut.left)
 
@@ -378,7 +378,7 @@ def _samples(table: RawTable, trace: Trace, part: Part) -> tuple[int, int]:
 def _overview(
     source: SourceFile, table: RawTable, trace: Trace, kept: Sequence[tuple[Part, PlannedRun]], left: Sequence[Part]
 ) -> Overview:
-    time, y = trace.record.time_s, trace.record.displacement_mm
+    time, y = trace.record.time_s, trace.motion
     edges = np.unique(np.linspace(0, len(y), min(WIDEST_OVERVIEW, len(y)) + 1).astype(np.intp))
     begins = edges[:-1]
     thinned: Array = np.stack([np.minimum.reduceat(y, begins), np.maximum.reduceat(y, begins)], axis=1)

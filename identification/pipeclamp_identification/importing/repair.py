@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,12 +16,15 @@ OF_RANGE = 0.1
 """And the share of the channel's range between its 1st and 99th percent: what is smaller is left to the fit."""
 APART = 0.3
 """A spike's neighbours differ by less than this share of it: a step isn't one, the samples behind it stay there."""
-MOST_SPIKES = 0.002
+MOST_SPIKES = 0.01
 """Share of the samples; a channel with more of them isn't spiky but noisy, and stays as it is."""
 EVEN = 0.25
 """Share of a step by which stamps of time may miss an even grid and be left as they are."""
 UNEVEN = 1.6
 """Largest over usual step from which on a record is put on an even grid."""
+
+MOST_BLANK = 0.01
+"""Share of a channel's samples that may be blank and bridged; of more, the record is left as it is."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,13 @@ class Repaired:
 
     record: Record
     told: tuple[str, ...] = ()
+
+
+def mended(record: Record) -> Repaired:
+    """Take single blanks and spikes out of a record."""
+    bridged = _bridged(record)
+    clean = without_spikes(bridged.record)
+    return Repaired(clean.record, (*bridged.told, *clean.told))
 
 
 def evened(record: Record) -> Repaired:
@@ -100,7 +109,7 @@ def without_spikes(record: Record) -> Repaired:
         at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
         more = f" and {count - 3} more" if count > 3 else ""
         told.append(
-            f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more}; up to {worst:.3g}): replaced by "
+            f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more} of the run; up to {worst:.3g}): replaced by "
             "straight lines between their neighbours"
         )
     return Repaired(replace(record, **changed), tuple(told)) if changed else Repaired(record)
@@ -112,22 +121,31 @@ def _spikes(values: Array) -> npt.NDArray[np.bool_]:
         return none
     low, high = np.percentile(values, [1, 99])
     found = none.copy()
-    # of one sample, or of two in a row
+    # of one sample, or of two in a row, as a filter leaves it
     for width in (1, 2):
         before, after = values[: -width - 1], values[width + 1 :]
-        inside = values[1:-width] if width == 1 else (values[1:-2] + values[2:-1]) / 2
-        off = np.abs(inside - (before + after) / 2)
-        usual = 1.4826 * float(np.median(off))
-        least = max(SPIKE * usual, OF_RANGE * float(high - low))
-        alike = True if width == 1 else np.abs(values[1:-2] - values[2:-1]) < APART * off
-        at = np.flatnonzero((off > least) & (np.abs(after - before) < APART * off) & alike) + 1
+        inside = np.stack([values[1 + step : len(values) - width + step] for step in range(width)])
+        share = np.arange(1, width + 1)[:, None] / (width + 1)
+        off = inside - (before + share * (after - before))
+        least = np.where(np.all(off > 0, axis=0) | np.all(off < 0, axis=0), np.min(np.abs(off), axis=0), 0.0)
+        usual = 1.4826 * float(np.median(np.abs(off)))
+        bound = max(SPIKE * usual, OF_RANGE * float(high - low))
+        at = np.flatnonzero((least > bound) & (np.abs(after - before) < APART * least)) + 1
         for step in range(width):
             found[at + step] = True
     return found if np.count_nonzero(found) <= max(MOST_SPIKES * len(values), 3) else none
 
 
-def usual_rate(time: Array) -> float:
-    """Give the samples per second that a record usually has; nan where it can't be told."""
-    step = np.diff(time)
-    step = step[step > 0]
-    return 1.0 / float(np.median(step)) if len(step) else math.nan
+def _bridged(record: Record) -> Repaired:
+    """Replace single blank samples by straight lines."""
+    told, changed = [], {}
+    for name, values in vars(record).items():
+        if values is None:
+            continue
+        blank = ~np.isfinite(values)
+        count = int(np.count_nonzero(blank))
+        if 0 < count <= MOST_BLANK * len(values):
+            places = np.arange(len(values))
+            changed[name] = np.where(blank, np.interp(places, places[~blank], values[~blank]), values)
+            told.append(f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines")
+    return Repaired(replace(record, **changed), tuple(told)) if changed else Repaired(record)

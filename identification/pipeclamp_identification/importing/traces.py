@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.columns import SEGMENT, Column
 from pipeclamp_identification.importing.raw import RawTable
-from pipeclamp_identification.importing.repair import Repaired, without_spikes
+from pipeclamp_identification.importing.repair import mended
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS
-
-MOST_BLANK = 0.01
-"""Share of a channel's samples that may be blank and bridged; of more, the record is left as it is."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +22,8 @@ class Trace:
     """The samples of a table: record, what tells its runs apart, further channels, and their places in the table.
 
     Attributes:
-        record: in our units; time may go back where a file holds several runs.
+        record: in our units, as measured; time may go back where a file holds several runs.
+        motion: the displacement without blanks and spikes, mm, shape (n,), by which runs are told apart.
         segment: shape (n,), None where there is no such channel.
         further: conditions that were measured, by column of runs.csv, shape (n,) each.
         places: of each sample in the table, counted from 0, shape (n,).
@@ -33,6 +31,7 @@ class Trace:
     """
 
     record: Record
+    motion: Array
     segment: Array | None
     further: Mapping[str, Array]
     places: Array
@@ -40,7 +39,7 @@ class Trace:
 
 
 def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float | None) -> Trace:
-    """Give a table's samples in our units, without spikes and blanks.
+    """Give a table's samples in our units.
 
     Args:
         where: names the table in errors.
@@ -70,15 +69,19 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
         force_N=values["force"],
         temperature_C=values.get("temperature"),
     )
-    for step in (_bridged, without_spikes):
-        repaired = step(record)
-        record, told = repaired.record, [*told, *repaired.told]
     further = {
         name: samples
         for name, samples in values.items()
         if name not in ("time", "displacement", "force", "temperature", SEGMENT)
     }
-    return Trace(record, values.get(SEGMENT), further, places.astype(np.float64), tuple(told))
+    return Trace(
+        record,
+        mended(record).record.displacement_mm,
+        values.get(SEGMENT),
+        further,
+        places.astype(np.float64),
+        tuple(told),
+    )
 
 
 def _refuse_below_zero(where: str, columns: Sequence[Column], values: Mapping[str, Array]) -> None:
@@ -91,18 +94,3 @@ def _refuse_below_zero(where: str, columns: Sequence[Column], values: Mapping[st
             f"{where}, channel {column.heading!r}: {lowest:.4g} °C is below absolute zero; expected another unit than "
             f"{column.unit!r}: state it, for example --columns 'temperature={column.heading} [°C]'"
         )
-
-
-def _bridged(record: Record) -> Repaired:
-    """Replace single blank samples by straight lines."""
-    told, changed = [], {}
-    for name, values in vars(record).items():
-        if values is None:
-            continue
-        blank = ~np.isfinite(values)
-        count = int(np.count_nonzero(blank))
-        if 0 < count <= MOST_BLANK * len(values):
-            places = np.arange(len(values))
-            changed[name] = np.where(blank, np.interp(places, places[~blank], values[~blank]), values)
-            told.append(f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines")
-    return Repaired(replace(record, **changed), tuple(told)) if changed else Repaired(record)
