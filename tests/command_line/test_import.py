@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 from exports import assert_same_campaign, loop, ten_runs, write_texts
+from typer.testing import CliRunner
 
 import pipeclamp as pc
+from pipeclamp.cli.app import app
 
 GERMAN = {
     "names": "Zeit [s];Kolbenweg/µm;Last [kN]",
@@ -79,6 +81,20 @@ def test_the_ready_option_of_an_error_serves(refused, pipeclamp, tmp_path):
     assert not (tmp_path / "c").exists()
     option = re.search(r'--columns "([^"]*)"', message)[1]
     pipeclamp("import", folder, "-o", tmp_path / "c", "--columns", option)
+
+
+@pytest.mark.parametrize(
+    ("answers", "written"), [(("1", "2", "y"), True), (("1", "force=Kraft [kN]", "y"), True), (("1", "2", "n"), False)]
+)
+def test_at_a_terminal_what_is_open_is_asked_and_all_is_confirmed(tmp_path, monkeypatch, answers, written):
+    monkeypatch.setattr("pipeclamp.cli.importing._at_a_terminal", lambda: True)
+    folder = write_texts(tmp_path / "e", [loop(), loop(0.3)], names="Zeit;Weg [mm];Kraft", scales=(1, 1, 1e-3))
+    done = CliRunner().invoke(app, ["import", str(folder), "-o", str(tmp_path / "c")], input="\n".join(answers) + "\n")
+    assert "no unit is stated of 'Zeit'" in done.output
+    assert "Are these channels and units right?" in done.output
+    assert (tmp_path / "c").exists() is written
+    if written:
+        assert_same_campaign(tmp_path / "c", [loop(), loop(0.3)])
 
 
 @pytest.mark.parametrize(

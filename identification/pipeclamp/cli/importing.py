@@ -79,7 +79,7 @@ def import_command(
     from pipeclamp_models.base.files import write_whole
 
     spare(*files, outputs=(json, report))
-    asked = sys.stdin.isatty() and sys.stdout.isatty()
+    asked = _at_a_terminal()
     options = stated_options(columns, pattern, conditions, rate, _ask if asked else None)
     with told("import") as tell:
         found = import_whole(
@@ -93,6 +93,11 @@ def import_command(
     if report:
         write_whole(report, import_page(found))
     show(import_view(found), json)
+
+
+def _at_a_terminal() -> bool:
+    """Tell whether somebody can be asked."""
+    return sys.stdin.isatty() and sys.stdout.isatty()
 
 
 def _ask(where: str, mapped: Mapped) -> Sequence[Stated]:

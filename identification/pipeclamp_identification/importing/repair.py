@@ -109,8 +109,8 @@ def without_spikes(record: Record) -> Repaired:
         at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
         more = f" and {count - 3} more" if count > 3 else ""
         told.append(
-            f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more} of the run; up to {worst:.3g}): replaced by "
-            "straight lines between their neighbours"
+            f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more} of it; up to {worst:.3g}): replaced "
+            "by straight lines between their neighbours"
         )
     return Repaired(replace(record, **changed), tuple(told)) if changed else Repaired(record)
 

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 
@@ -72,7 +73,8 @@ def split(time: Array, displacement: Array, segment: Array | None = None) -> Cut
     runs: list[Part] = []
     left: list[Part] = []
     for first, last in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        found, rest = _levels(time[first:last], displacement[first:last])
+        alone = last - first == len(displacement)
+        found, rest = _levels(time[first:last], displacement[first:last], turns if alone else None)
         runs += [Part(first + part.first, first + part.last, part.why) for part in found]
         left += [Part(first + part.first, first + part.last, part.why) for part in rest]
     return Cut(tuple(runs), tuple(left))
@@ -96,10 +98,10 @@ def _turns(y: Array) -> IntArray:
     return turning_points(y, np.full(len(y), least))
 
 
-def _levels(time: Array, y: Array) -> tuple[list[Part], list[Part]]:
-    """Give the levels of a piece as runs, and what lies between them."""
+def _levels(time: Array, y: Array, known: IntArray | None) -> tuple[list[Part], list[Part]]:
+    """Give the levels of a piece as runs, and what lies between them; its turns, where they are known."""
     whole = [Part(0, len(y))]
-    turns = _turns(y)
+    turns = _turns(y) if known is None else known
     if len(turns) < 6:
         return whole, []
     ranges = np.abs(np.diff(y[turns]))
@@ -161,11 +163,12 @@ def _crossing(time: Array, y: Array, first: int, last: int) -> float:
 def _stretches(amplitude: Array, period: Array) -> list[tuple[int, int]]:
     """Give rows of half cycles whose amplitude and period stay, as (first, one after the last)."""
     found, begin = [], 0
+    amplitudes, periods = amplitude.tolist(), period.tolist()
     for place in range(1, len(amplitude) + 1):
         since = max(begin, place - REMEMBERED)
-        if place < len(amplitude) and (
-            abs(amplitude[place] - np.median(amplitude[since:place])) < SAME_LEVEL
-            and abs(period[place] - np.median(period[since:place])) < SAME_LEVEL
+        if place < len(amplitudes) and (
+            abs(amplitudes[place] - median(amplitudes[since:place])) < SAME_LEVEL
+            and abs(periods[place] - median(periods[since:place])) < SAME_LEVEL
         ):
             continue
         found.append((begin, place))

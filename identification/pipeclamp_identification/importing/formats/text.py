@@ -33,11 +33,10 @@ def read(path: Path) -> Sequence[RawTable]:
     lines = text.split("\n")
     layout = layout_of(lines)
     if layout.delimiter == " ":
-        text = "\n".join(SEVERAL_BLANKS.sub("\t", line.strip()) for line in lines[layout.first :])
-        frame = _frame(text, "\t", layout)
+        table = "\n".join(SEVERAL_BLANKS.sub("\t", line.strip()) for line in lines[layout.first :])
+        columns = _columns(table, "\t", layout)
     else:
-        frame = _frame("\n".join(lines[layout.first :]), layout.delimiter, layout)
-    columns = [_numbers(frame[name], layout.decimal) for name in frame.columns]
+        columns = _columns("\n".join(lines[layout.first :]), layout.delimiter, layout)
     numeric = [place for place, values in enumerate(columns) if np.any(np.isfinite(values))]
     if len(numeric) < 2:
         raise Damaged("holds no table of numbers")
@@ -71,15 +70,29 @@ def _content(path: Path) -> bytes:
     return content
 
 
-def _frame(text: str, delimiter: str, layout: Layout) -> pl.DataFrame:
-    """Give the cells as text; rows that are shorter are filled up, what is beyond the width is left aside."""
+def _columns(text: str, delimiter: str, layout: Layout) -> list[Array]:
+    """Give the numbers of each column, nan where a cell holds none."""
+    content = text.encode()
+    quote = '"' if '"' in text else None
+    try:
+        # most tables are numbers from end to end
+        frame = _frame(content, delimiter, layout, quote, numbers=True)
+    except pl.exceptions.PolarsError:
+        frame = _frame(content, delimiter, layout, quote, numbers=False)
+        return [_numbers(frame[name], layout.decimal) for name in frame.columns]
+    return [frame[name].fill_null(float("nan")).to_numpy() for name in frame.columns]
+
+
+def _frame(content: bytes, delimiter: str, layout: Layout, quote: str | None, *, numbers: bool) -> pl.DataFrame:
+    """Give the cells; rows that are shorter are filled up, what is beyond the width is left aside."""
     return pl.read_csv(
-        text.encode(),
+        content,
         separator=delimiter,
         has_header=False,
-        schema={str(place): pl.String for place in range(layout.width)},
-        quote_char='"' if '"' in text else None,
+        schema={str(place): pl.Float64 if numbers else pl.String for place in range(layout.width)},
+        quote_char=quote,
         truncate_ragged_lines=True,
+        decimal_comma=numbers and layout.decimal == "," and delimiter != ",",
     )
 
 
