@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 
 import numpy as np
+import polars as pl
 import pytest
 from exports import assert_same_campaign, loop, ten_runs, text, write_texts
 
@@ -77,6 +78,15 @@ def test_blocks_of_numbers_become_tables(tmp_path):
     tables = read_file(path).tables
     assert [table.length for table in tables] == [len(one.time), len(other.time)]
     assert tables[1].first_row == tables[0].first_row + len(one.time) + 2
+
+
+def test_channels_of_one_name_are_told_apart_and_control_characters_taken_out(tmp_path):
+    pl.DataFrame({"Load [N]\x1b[31m": [1.0, 2.0]}).write_parquet(tmp_path / "a.parquet")
+    assert read_file(tmp_path / "a.parquet").tables[0].channels[0].name == "Load [N] [31m"
+    path = tmp_path / "a.csv"
+    path.write_text(text(loop(), names="Time [s];Load [N];Load [N]"))
+    with pytest.raises(pc.UserError, match=r"2 channels may be the force: 'Load \[N\]', 'Load \[N\] #2'"):
+        pc.import_files(path, tmp_path / "c", columns="displacement=Time [s] [mm]")
 
 
 @pytest.mark.parametrize(

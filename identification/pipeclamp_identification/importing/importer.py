@@ -20,7 +20,7 @@ from pipeclamp_identification.importing.columns import Column, Mapped, Stated, m
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, settings_for
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import RawTable
-from pipeclamp_identification.importing.reading import SourceFile, read_file
+from pipeclamp_identification.importing.reading import SourceFile, printable, read_file
 from pipeclamp_identification.importing.repair import evened, mended
 from pipeclamp_identification.importing.split import Part, split
 from pipeclamp_identification.importing.traces import Trace, trace_of
@@ -250,7 +250,7 @@ class _Maker:
 
     def _name(self, stem: str, single: bool) -> str:
         """Give a run's name: its file's, with a number where there are several."""
-        candidates = _names(stem.strip() or "run", single)
+        candidates = _names(printable(stem) or "run", single)
         name = next(one for one in candidates if one not in self.taken)
         self.taken.add(name)
         return name

@@ -11,7 +11,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
@@ -112,7 +112,7 @@ def read_file(path: Path) -> SourceFile:
     failure = ""
     with _quietly():
         try:
-            tables = tuple(table for table in found.read(path) if table.length)
+            tables = tuple(_told_apart(table) for table in found.read(path) if table.length)
         except Damaged as error:
             failure = f"{path}: {error}"
         except (Exception, pl.exceptions.PanicException) as error:  # foreign readers raise anything of a damaged file
@@ -125,6 +125,24 @@ def read_file(path: Path) -> SourceFile:
     if not tables:
         raise UserError(f"{path}: holds no channel of numbers; expected {found.name} with time, displacement and force")
     return SourceFile(path, digest.hexdigest(), found.name, tables)
+
+
+def _told_apart(table: RawTable) -> RawTable:
+    """Give a table whose channels have names of their own that can be printed."""
+    seen: dict[str, int] = {}
+    channels = []
+    for channel in table.channels:
+        channel = replace(channel, name=printable(channel.name), unit=printable(channel.unit))
+        seen[channel.heading] = seen.get(channel.heading, 0) + 1
+        if (number := seen[channel.heading]) > 1:
+            channel = replace(channel, name=f"{channel.name} #{number}")
+        channels.append(channel)
+    return replace(table, name=printable(table.name), channels=tuple(channels))
+
+
+def printable(text: str) -> str:
+    """Give a text without control characters, which a terminal would obey."""
+    return "".join(one if one.isprintable() else " " for one in text).strip()
 
 
 def _format_of(path: Path, head: bytes) -> Format:
@@ -154,7 +172,7 @@ def _is_text(head: bytes) -> bool:
 def _first_line(error: BaseException) -> str:
     """Give the first line of a foreign message, cut, without control characters."""
     line = (str(error).strip().splitlines() or [""])[0] or type(error).__name__
-    line = "".join(one if one.isprintable() else " " for one in line)
+    line = printable(line)
     return line if len(line) <= MOST_TOLD else f"{line[:MOST_TOLD]}..."
 
 
