@@ -19,6 +19,7 @@ from pathlib import Path
 
 from pipeclamp_identification.importing import formats
 from pipeclamp_identification.importing.raw import Damaged, Format, RawTable
+from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
 
@@ -135,7 +136,9 @@ def _told_apart(table: RawTable) -> RawTable:
         channel = replace(channel, name=printable(channel.name), unit=printable(channel.unit))
         seen[channel.heading] = seen.get(channel.heading, 0) + 1
         if (number := seen[channel.heading]) > 1:
-            channel = replace(channel, name=f"{channel.name} #{number}")
+            # before the unit, which must be found as that of the first
+            base, unit = unit_in_name(channel.name)
+            channel = replace(channel, name=f"{base} #{number} [{unit}]" if unit else f"{channel.name} #{number}")
         channels.append(channel)
     return replace(table, name=printable(table.name), channels=tuple(channels))
 
