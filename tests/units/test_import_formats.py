@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
+import numpy as np
 import pytest
 from exports import assert_same_campaign, loop, ten_runs
 from format_writers import WRITERS
@@ -39,6 +40,21 @@ def test_a_missing_package_is_named_with_its_remedy(tmp_path, monkeypatch, one):
     monkeypatch.setattr(reading, "find_spec", lambda name: None if name == one.module else find_spec(name))
     with pytest.raises(pc.UserError, match=rf"read by the package {one.package}.*pip install 'pipeclamp\[import\]'"):
         read_file(path)
+
+
+def test_channels_of_different_rates_are_put_on_one_time(tmp_path):
+    asammdf = pytest.importorskip("asammdf")
+    run = loop(0.5, 2.0, cycles=10)
+    signal = asammdf.Signal
+    with asammdf.MDF(version="4.10") as file:
+        file.append([signal(run.y, run.time, name="Weg", unit="mm")])
+        file.append([signal(run.force[::2] / 1e3, run.time[::2], name="Last", unit="kN")])
+        file.save(tmp_path / "a.mf4")
+    found = pc.import_files(tmp_path / "a.mf4", tmp_path / "c")
+    assert "2 rates" in found.found.imported.files[0].read_as
+    record = found.tests().tests.campaign.runs[0].record
+    np.testing.assert_allclose(record.displacement_mm, run.y[: len(record.time_s)], atol=1e-9)
+    assert np.std(record.force_N - run.force[: len(record.time_s)]) < 10
 
 
 def test_content_counts_before_the_ending(tmp_path):

@@ -129,6 +129,7 @@ def test_a_unit_in_a_columns_name_counts(campaign, name, factor, columns):
     [
         ('force_N = { from = "Load [kN]", factor = 1 }', "by 1000; got factor 1"),
         ('time_s = { from = "Time (ms)", factor = 1000 }', "by 0.001; got factor 1000"),
+        ('force_N = { from = "a" }\ntime_s = { from = "a " }', "is taken for both time_s and force_N"),
         ('force_N = { from = "Weg [mm]" }', "is in mm, no unit of force"),
         ('force_N = { from = "Load [V]" }', "is in V, no unit of force"),
     ],

@@ -73,7 +73,10 @@ class ColumnSources(Table):
 
     @model_validator(mode="after")
     def _units_agree(self) -> ColumnSources:
+        whose: dict[str, str] = {}
         for ours, source in self.given().items():
+            if (other := whose.setdefault(source.name.strip(), ours)) != ours:
+                raise ValueError(f"channel {source.name!r} is taken for both {other} and {ours}; expected one of them")
             source.conversion(ours)
         return self
 

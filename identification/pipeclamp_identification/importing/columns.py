@@ -114,11 +114,15 @@ def parse_columns(text: str) -> tuple[Stated, ...]:
 
 @dataclass(frozen=True)
 class Question:
-    """What names and units don't tell: of which quantity, why, and the entries of --columns that would."""
+    """What names and units don't tell: of which quantity, why, and the entries of --columns that would.
+
+    `is_missing`: nothing in the table looks like it.
+    """
 
     ours: str
     why: str
     choices: tuple[str, ...]
+    is_missing: bool = False
 
 
 @dataclass(frozen=True)
@@ -251,7 +255,9 @@ def _find(quantity: Quantity, channels: Sequence[Channel]) -> tuple[Column | Non
         if quantity not in NEEDED:
             return None, None
         choices = tuple(f"{quantity}={channel.heading}" for channel in channels)
-        return None, Question(quantity, f"no channel is called a {quantity} or is in a unit of one", choices)
+        return None, Question(
+            quantity, f"no channel is called a {quantity} or is in a unit of one", choices, is_missing=True
+        )
     best = ranked[max(ranked)]
     if len(best) > 1:
         if quantity == SEGMENT:

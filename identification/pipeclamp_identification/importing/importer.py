@@ -19,6 +19,7 @@ from pipeclamp_identification.importing.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.columns import Column, Mapped, Stated, map_columns, refuse_open_questions
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, settings_for
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
+from pipeclamp_identification.importing.rates import joined_rates
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile, printable, read_file
 from pipeclamp_identification.importing.repair import evened, mended
@@ -130,6 +131,10 @@ class _Maker:
                 )
             settings = found
         self.stems.append(source.stem)
+        if len(source.tables) > 1 and not any(self._is_whole(table) for table in source.tables):
+            joined = joined_rates(source.tables)
+            if joined and self._is_whole(joined):
+                source = replace(source, tables=(joined,))
         used = [one for one in (self._mapped(source, table) for table in source.tables) if one]
         if not used:
             table = max(source.tables, key=lambda one: len(one.channels))
@@ -159,6 +164,15 @@ class _Maker:
                 columns={OURS.get(one.ours, one.ours): _imported(one) for one in used[0][1].columns},
             )
         )
+
+    def _is_whole(self, table: RawTable) -> bool:
+        """Tell whether a table has both displacement and force."""
+        try:
+            found = map_columns(table, self.columns)
+        except UserError:
+            return False
+        open_yet = {one.ours for one in found.questions if not one.is_missing}
+        return {"displacement", "force"} <= {one.ours for one in found.columns} | open_yet
 
     def _mapped(self, source: SourceFile, table: RawTable) -> tuple[RawTable, Mapped] | None:
         """Give a table with its channels known; None for one that holds no test, beside others that do."""

@@ -73,14 +73,16 @@ def contradicted_units(runs: Sequence[ShownRun]) -> str:
         ratio, meant, count = amplitudes
         return (
             f"the records show {ratio:.3g} times the amplitudes that runs.csv states, in all {count} runs: "
-            f"{meant}; expected displacement and amplitude_mm both in mm: convert the displacement by "
-            f'[columns] displacement_mm = {{ from = "...", factor = {1 / ratio:.6g} }}, or mend amplitude_mm'
+            f"{meant}; expected displacement and amplitude_mm both in mm: state the displacement's unit ([columns] "
+            f'displacement_mm = {{ from = "...", factor = {1 / ratio:.6g} }}; when importing: --columns), or mend '
+            "amplitude_mm"
         )
     frequencies = _ratio([run.frequency_Hz for run in runs], TIMES | RATES)
     if frequencies:
         ratio, meant, count = frequencies
         remedy = (
-            f'convert the time by [columns] time_s = {{ from = "...", factor = {ratio:.6g} }}, or mend frequency_Hz'
+            f'state the time\'s unit ([columns] time_s = {{ from = "...", factor = {ratio:.6g} }}; when importing: '
+            "--columns), or mend frequency_Hz"
             if meant in TIMES.values()
             else "mend frequency_Hz in runs.csv"
         )
