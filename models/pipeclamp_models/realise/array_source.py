@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
+from pipeclamp_models.base.kept import kept
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.scalar import PRODUCTS, ScalarPrinter
@@ -56,6 +58,9 @@ class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
 def array_source(equations: Composed, function: str) -> dict[str, Any]:
     """Give one function of a law, as JSON holds it.
 
+    What a function has in common with that of another law is written once: an effect's states are stepped alike,
+    whatever else the laws have.
+
     Args:
         equations: the composed law.
         function: one of the functions of `ArrayRealisation`.
@@ -64,57 +69,102 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
         `source`, which defines one function; of derivatives `index` too: places of what is differentiated and of what
         it is differentiated by, of each that doesn't vanish.
     """
+    asked = _asked(equations, function)
+    taken = asked.symbols()
+    arguments = [symbol for symbol in asked.arguments if symbol in taken]
+    places = [place for place, symbol in enumerate(asked.by) if symbol in taken]
+    states = [symbol for symbol in asked.states if symbol in taken]
+    lean = replace(asked, arguments=arguments, by=[asked.by[place] for place in places], states=states)
+    written = kept(f"{function} {lean.content()}", lambda: _written(lean, function))
+    names = dict(zip(arguments, written["arguments"], strict=False))
+    further = written["arguments"][len(arguments) :]
+    every = [names.get(symbol, f"_unused_{place}") for place, symbol in enumerate(asked.arguments)]
+    source = {"source": f"def {function}({', '.join([*every, *further])}):\n{written['body']}"}
+    if "index" in written:
+        source["index"] = [(row, places[column]) for row, column in written["index"]]
+    return source
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a function is asked for.
+
+    Attributes:
+        arguments: of the function, in order.
+        expressions: the results, or what is differentiated.
+        stages: what is computed before, in order.
+        by: what is differentiated by, in order.
+        states: those that are stepped.
+    """
+
+    arguments: Sequence[sp.Symbol]
+    expressions: Sequence[sp.Expr]
+    stages: Sequence[Definition] = ()
+    by: Sequence[sp.Symbol] = ()
+    states: Sequence[sp.Symbol] = ()
+
+    def symbols(self) -> set[sp.Symbol]:
+        """Give all symbols that stand in it."""
+        return set().union(*(each.free_symbols for each in self._all()))
+
+    def content(self) -> str:
+        """Tell all that a function is written from, the same for the same."""
+        named = [*self.arguments, *(symbol for symbol, _ in self.stages)]
+        return repr([[sp.srepr(each) for each in some] for some in (named, self.by, self.states, self._all())])
+
+    def _all(self) -> list[sp.Expr]:
+        return [*(expression for _, expression in self.stages), *self.expressions]
+
+
+def _asked(equations: Composed, function: str) -> Asked:
     parameters = [parameter.symbol for parameter in equations.parameters]
     states = [state.symbol for state in equations.states]
     coefficients = [entry.symbol for entry in equations.coefficients]
     slow = [*sorted(equations.slow_signals, key=str), *parameters, *SMOOTHING]
     by = [*states, *coefficients, *parameters]
     fast = [*FAST, *by, *SMOOTHING]
-    of_coefficients = [entry.expression for entry in equations.coefficients]
-    updates = [state.update for state in equations.states]
-    stages = [(stage.symbol, stage.expression) for stage in equations.stages]
     match function:
-        case "coefficients":
-            return {"source": _source(slow, of_coefficients)}
-        case "coefficient_slopes":
-            index, slopes = _nonzero_slopes(of_coefficients, parameters)
-            return {"source": _source(slow, slopes), "index": index}
-        case "force":
-            return {"source": _source(fast, [equations.force])}
-        case "force_with_slopes":
-            index, slopes = _nonzero_slopes([equations.force], by)
-            return {"source": _source(fast, [equations.force, *slopes]), "index": index}
-        case "update":
-            return {"source": _source(fast, updates, stages)}
-        case "update_slopes":
-            way, slopes_of_stages = slopes_through(stages, by)
-            index, slopes = _nonzero_slopes(updates, by, slopes_of_stages)
-            return {"source": _source(fast, slopes, needed(way, slopes)), "index": index}
-        case "held":
-            return {
-                "source": _source(fast, [expression for _, expression in _along_a_march(stages, updates, states)[0]])
-            }
-        case "march" | "march_of_numbers":
-            held, stages, updates = _along_a_march(stages, updates, states)
-            arguments = [*fast, *(symbol for symbol, _ in held)]
-            return {"source": _source(arguments, updates, stages, numbers=function == "march_of_numbers")}
+        case "coefficients" | "coefficient_slopes":
+            return Asked(slow, [entry.expression for entry in equations.coefficients], by=parameters)
+        case "force" | "force_with_slopes":
+            return Asked(fast, [equations.force], by=by)
+        case "update" | "update_slopes" | "held" | "march" | "march_of_numbers":
+            stages = [(stage.symbol, stage.expression) for stage in equations.stages]
+            return Asked(fast, [state.update for state in equations.states], stages, by, states)
         case "energy":
-            return {"source": _source(fast, [equations.energy])}
-        case "lag":
-            return {"source": _source(parameters, [equations.lag])}
-        case "lag_slopes":
-            index, slopes = _nonzero_slopes([equations.lag], parameters)
-            return {"source": _source(parameters, slopes), "index": index}
+            return Asked(fast, [equations.energy])
+        case "lag" | "lag_slopes":
+            return Asked(parameters, [equations.lag], by=parameters)
     raise ValueError(f"got {function!r}; expected a function of array realisations")
 
 
-def _along_a_march(
-    stages: Sequence[Definition], updates: Sequence[sp.Expr], states: Sequence[sp.Symbol]
-) -> tuple[list[Definition], list[Definition], list[sp.Expr]]:
+def _written(asked: Asked, function: str) -> dict[str, Any]:
+    """Write a function: `arguments`, its names of them, `body`, the lines after the first, and `index`."""
+    match function:
+        case "coefficient_slopes" | "lag_slopes":
+            index, slopes = _nonzero_slopes(asked.expressions, asked.by)
+            return {**_source(asked.arguments, slopes), "index": index}
+        case "force_with_slopes":
+            index, slopes = _nonzero_slopes(asked.expressions, asked.by)
+            return {**_source(asked.arguments, [*asked.expressions, *slopes]), "index": index}
+        case "update_slopes":
+            way, slopes_of_stages = slopes_through(asked.stages, asked.by)
+            index, slopes = _nonzero_slopes(asked.expressions, asked.by, slopes_of_stages)
+            return {**_source(asked.arguments, slopes, needed(way, slopes)), "index": index}
+        case "held":
+            return _source(asked.arguments, [expression for _, expression in _along_a_march(asked)[0]])
+        case "march" | "march_of_numbers":
+            held, stages, updates = _along_a_march(asked)
+            arguments = [*asked.arguments, *(symbol for symbol, _ in held)]
+            return _source(arguments, updates, stages, numbers=function == "march_of_numbers")
+    return _source(asked.arguments, asked.expressions, asked.stages)
+
+
+def _along_a_march(asked: Asked) -> tuple[list[Definition], list[Definition], list[sp.Expr]]:
     """Set apart what stands still from step to step; give it with its symbols, and stages and updates in these."""
-    names = [symbol for symbol, _ in stages]
-    within = [exact(expression) for expression in (*(expression for _, expression in stages), *updates)]
-    found, reduced = held_apart(within, {*MOVING, *states, *names})
+    names = [symbol for symbol, _ in asked.stages]
+    within = [exact(expression) for expression in (*(expression for _, expression in asked.stages), *asked.expressions)]
+    found, reduced = held_apart(within, {*MOVING, *asked.states, *names})
     held = [(symbol, expression) for symbol, expression in found if symbol != expression]
     return held, list(zip(names, reduced[: len(names)], strict=True)), reduced[len(names) :]
 
@@ -125,7 +175,7 @@ def _source(
     before: Sequence[Definition] = (),
     *,
     numbers: bool = False,
-) -> str:
+) -> dict[str, Any]:
     """Write a function of arrays or of plain numbers, with what is computed before the results, in order."""
     settings = {"fully_qualified_modules": numbers, "inline": True, "allow_unknown_functions": True}
     printer = ScalarPrinter(settings) if numbers else ArrayPrinter(settings)
@@ -145,7 +195,8 @@ def _source(
         printer=printer,
         cse=common_parts,
     )
-    return inspect.getsource(function)
+    body = inspect.getsource(function).partition("\n")[2]
+    return {"arguments": [str(symbol) for symbol in named.values()], "body": body}
 
 
 def _nonzero_slopes(
