@@ -269,6 +269,29 @@ def test_derivatives_are_exact(structure):
         assert np.max(np.abs(exact[index] - numeric)) < 2e-5 * np.max(np.abs(numeric)) + rounding, name
 
 
+@pytest.mark.parametrize("name", [name for name in ON_A_BASE if name != "play"])
+def test_derivatives_have_values_behind_a_play(name):
+    """Where a clearance stands open, the clamp behind it stands still."""
+    structure = replace(WITH_DECLARED, effects=(name, "play"))
+    values = sound_values(structure)
+    vector = [values[name] for name in structure.equations.names]
+    motion = sines([0.02, 0.5, 1.0], [0.2, 3.0, 5.0], [300.0, 450.0, 570.0], samples=64)
+    response = force_of_equations(structure.equations, vector, SMOOTHING, motion, derivatives=True)
+    assert np.isfinite(response.force).all()
+    assert np.isfinite(response.jacobian.of(np.arange(len(vector)))).all()
+
+
+def test_a_motion_that_a_law_has_no_values_for_leaves_the_others_alone():
+    structure = Structure("power", ("memory",))
+    values = sound_values(structure) | {"alpha_f": 2.0}
+    vector = [values[name] for name in structure.equations.names]
+    with np.errstate(all="ignore"):
+        both = force_of_equations(structure.equations, vector, SMOOTHING, sines([0.5, 0.5], [1e3, 3.0], [450.0, 450.0]))
+    alone = force_of_equations(structure.equations, vector, SMOOTHING, sines([0.5], [3.0], [450.0]))
+    assert not np.isfinite(both.force[0]).all()
+    np.testing.assert_array_equal(both.force[1], alone.force[0])
+
+
 @pytest.mark.parametrize("structure", STRUCTURES, ids=name_of)
 def test_stored_energy_is_the_forces_own(structure):
     """Along a slow straight move without slip, the work done is the energy stored plus what is dissipated, >= 0."""

@@ -105,6 +105,8 @@ class March:
             by_states, by_parameters = self._slopes(start, trajectory, columns, parameters)
             change = trajectory[:, :, -1] - start
             to_begin = np.eye(count) - composed(np.moveaxis(by_states, 1, 0))
+            # A row without numbers stays one; no other may suffer for it.
+            to_begin[~np.isfinite(to_begin).all(axis=(1, 2))] = np.eye(count)
             inverse = np.linalg.pinv(to_begin, rcond=SETTLED)
             size = scale + np.max(np.abs(trajectory), axis=(0, 2))
             unsettled = ~np.all(np.abs(change) <= SETTLED * size, axis=0)
