@@ -222,7 +222,12 @@ def noted(found: Diagnosed, file: LawFile, data: Measured) -> Step:
 def _shown(found: Diagnosed) -> tuple[tuple[str, float, float, str], ...]:
     """Give the best candidates as `Step` holds them."""
     return tuple(
-        ("+".join(one.effects), round(one.squares, 1), round(one.lack.share, 4), "; ".join(one.objections))
+        (
+            "+".join(one.effects),
+            round(one.squares, 1),
+            round(one.lack.share, 4),
+            "; ".join((*one.objections, *one.reservations)),
+        )
         for one in found.diagnosis.candidates[:6]
     )
 

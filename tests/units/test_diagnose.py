@@ -58,7 +58,7 @@ def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
     plan = rig.TestPlan((0.3, 0.8), (1.0, 3.0), (20.0,), rate=100.0, cycles=3, force_noise=10.0, seed=5)
     loops = loops_of(campaign(plan=plan))
     assert points_enough(loops) < SAMPLES
-    problem, law = prepare(Structure("power", ("loosening",)), loops)
+    problem, law, _ = prepare(Structure("power", ("loosening",)), loops)
     assert len(law.fitted.residual) == len(problem.loops.run) == 3 * len(loops.run)
 
 

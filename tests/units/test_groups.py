@@ -175,7 +175,7 @@ def test_few_runs_pull_a_group_little_away():
 def test_a_left_out_group_of_conditions_doesnt_tell_its_own_factors(differing):
     """What is foretold of left-out runs is what a fit without them foretells, factors of groups included."""
     result, loops, _ = differing
-    problem, _ = prepare(LAW, loops, result.law.values)
+    problem, *_ = prepare(LAW, loops, result.law.values)
     observations = problem.observations
     assert observations.factors is not None
     law = fit(LAW, observations, start=result.law.values)

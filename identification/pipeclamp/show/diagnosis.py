@@ -27,7 +27,7 @@ def against(candidate: Judged, law: Judged) -> list[str]:
         for name, (before, after) in errors.items()
         if after > WORSE * before
     )
-    return [*candidate.objections, *worse]
+    return [*candidate.objections, *candidate.reservations, *worse]
 
 
 def candidate_table(diagnosis: Diagnosis) -> Table:

@@ -183,7 +183,7 @@ def _candidate(candidate: Judged, diagnosis: Diagnosis) -> CandidateAnswer:
         heldout_by=candidate.heldout_by,
         lack_of_fit=candidate.lack.share,
         explained=explained_share(candidate, diagnosis.law),
-        objections=candidate.objections,
+        objections=(*candidate.objections, *candidate.reservations),
         parameters={
             parameter.name: candidate.result.law.values[parameter.name]
             for effect in candidate.result.equations.effects

@@ -26,6 +26,7 @@ from pipeclamp_identification.fitting.observations import (
 )
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.equations.effect import Parameter
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import LawForce
 
@@ -119,6 +120,7 @@ class Judged:
         heldout_nrmse: error on left-out groups as a share of the force, scatter included.
         heldout_by: the same for other groups that were left out (temperatures, specimens, further conditions).
         objections: why it can't be named, in words; empty where nothing speaks against it.
+        reservations: why it can't be named as the cause, in words.
         akaike: Akaike's criterion of the fit to all data: squares, what free means cost, two per parameter.
     """
 
@@ -130,6 +132,7 @@ class Judged:
     heldout_nrmse: float
     heldout_by: Mapping[str, float]
     objections: tuple[str, ...]
+    reservations: tuple[str, ...]
     akaike: float
 
     def squares_by_run(self, loops: Loops) -> Array:
@@ -143,13 +146,18 @@ class Judged:
         return float(self.score.squares.sum())
 
 
-def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | None = None) -> tuple[Problem, Judged]:
+def prepare(
+    structure: Structure, loops: Loops, start: Mapping[str, float] | None = None
+) -> tuple[Problem, Judged, Fit]:
     """Fit the law as it is, estimate the noise, and fit it again in the noise's units.
 
     Args:
         structure: the law's structure.
         loops: the tests.
         start: values to start from, by name, where they are known.
+
+    Returns:
+        the problem, the law in the noise's units, and its fit in N, which leaves least over.
     """
     loops = per_cycle(loops) if ages(structure.equations) or drifts(loops) else loops
     harmonics = loop_observations(loops, points_enough(loops))
@@ -159,7 +167,7 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     noise = noise_model(loops, residual if factors is None else residual - factors.beside(first.law_force).force())
     groups = condition_groups(loops)
     problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors)
-    return problem, judge((), structure, [first.law.values], problem)
+    return problem, judge((), structure, [first.law.values], problem), first
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:
@@ -215,7 +223,10 @@ def judge(
     score = replace(score, squares=score.squares + price)
     akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
     lean = replace(result, law_force=replace(result.law_force, jacobian=None))
-    return Judged(effects, lean, fitted, score, lack, error, further, objections(effects, result), akaike)
+    return Judged(
+        effects, lean, fitted, score, lack, error, further,
+        objections(effects, result), reservations(effects, result), akaike,
+    )  # fmt: skip
 
 
 def roughly(structure: Structure, starts: Sequence[Mapping[str, float]], problem: Problem) -> Fit:
@@ -270,33 +281,53 @@ def _price_of_free_means(result: Fit, problem: Problem) -> Array:
 
     An element that never slips keeps whatever mean force it began with, so such a run's mean is no evidence against it.
     But a law that could have any mean foretells none: the means count as random, of the size that they turn out to
-    have, and the logarithm of that size over the noise is the price, as it is in any likelihood.
+    have, and the logarithm of that size over what the residuals are weighed by is the price, as in any likelihood.
     """
     open_means = problem.harmonics.open_means(result.law_force)
     price = np.zeros(len(open_means))
     if open_means.any():
         off = problem.harmonics.harmonics[:, 0] - result.law_force.force.mean(axis=1)
-        noise = problem.noise.variance[:, 0]
+        noise = problem.noise.variance[:, 0] + problem.discrepancy
         size = float(np.mean(off[open_means] ** 2))
         price[open_means] = (np.log1p(size / noise) + off**2 / (size + noise))[open_means]
     return price
 
 
 def objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
-    """Say what speaks physically against a fitted effect: a parameter at its bound, or one that says nothing.
+    """Say what speaks physically against a fitted effect: a magnitude at its bound, or one that says nothing.
 
     A bound at which a parameter changes nothing is no objection: what it stands for isn't there, the rest may be.
     """
-    against: list[str] = []
     errors = result.standard_errors()
-    added = {effect.name: effect for effect in result.equations.effects}
-    for name in effects:
-        parameters = added[name].parameters
-        against += [
-            f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})"
-            for parameter in parameters
-            if parameter.name in result.at_bound and parameter.neutral not in (parameter.lower, parameter.upper)
-        ]
-        if not any(parameter.name in errors for parameter in parameters):
-            against.append(f"the data determines no parameter of {name}")
+    against = [
+        _at_bound_words(parameter, result) for parameter in _at_bounds(effects, result) if not _shapes(parameter)
+    ]
+    against += [
+        f"the data determines no parameter of {name}"
+        for name in effects
+        if not any(parameter.name in errors for parameter in result.law.structure.effect(name).parameters)
+    ]
     return tuple(against)
+
+
+def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
+    """Say why a fitted effect isn't the cause, though it may take a part: its shape lies at the end of its range."""
+    return tuple(_at_bound_words(parameter, result) for parameter in _at_bounds(effects, result) if _shapes(parameter))
+
+
+def _at_bounds(effects: tuple[str, ...], result: Fit) -> list[Parameter]:
+    return [
+        parameter
+        for name in effects
+        for parameter in result.law.structure.effect(name).parameters
+        if parameter.name in result.at_bound and parameter.neutral not in (parameter.lower, parameter.upper)
+    ]
+
+
+def _shapes(parameter: Parameter) -> bool:
+    """Tell whether a parameter says what form an effect has, not how much of it there is: shapes are plain numbers."""
+    return parameter.unit == "-"
+
+
+def _at_bound_words(parameter: Parameter, result: Fit) -> str:
+    return f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})"

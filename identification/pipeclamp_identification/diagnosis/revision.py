@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, prepare, weighed_for
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.diagnosis.weighing import explained_share, gain_and_doubt, takes_part
+from pipeclamp_identification.diagnosis.weighing import explained_share, gains, takes_part
 from pipeclamp_identification.fitting.least_squares import starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
@@ -37,9 +39,9 @@ def ask_again(law: Law, loops: Loops) -> Asked:
     Raises:
         UserError: the tests can't serve the law.
     """
-    problem, fitted = prepare(law.structure, loops, law.values)
-    problem = weighed_for(problem, fitted.result)
-    return Asked(law.structure, problem, judge((), law.structure, [fitted.result.law.values], problem))
+    problem, _, fitted = prepare(law.structure, loops, law.values)
+    problem = weighed_for(problem, fitted)
+    return Asked(law.structure, problem, judge((), law.structure, [fitted.law.values], problem))
 
 
 def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
@@ -60,9 +62,10 @@ def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
             judged = judge((), without, [without.own(asked.values)], asked.problem)
         except UserError:  # another effect modifies what only this one has
             continue
-        gain, doubt = gain_and_doubt(asked.law, judged, asked.problem)
-        if gain < doubt and explained_share(asked.law, judged) < MATERIAL_PART_SHARE:
-            spare.append((gain, name))
+        gain = gains(asked.law, judged, asked.problem)
+        doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else np.inf
+        if gain.sum() < doubt and explained_share(asked.law, judged) < MATERIAL_PART_SHARE:
+            spare.append((float(gain.sum()), name))
     return min(spare)[1] if spare else None
 
 

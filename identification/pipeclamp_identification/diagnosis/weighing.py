@@ -90,9 +90,14 @@ class Scales:
         return self.law.lack.share < self.tolerance.form
 
     @property
-    def sound(self) -> list[Judged]:
-        """Candidates that better the law, with nothing that speaks against them; best first."""
+    def usable(self) -> list[Judged]:
+        """Candidates that better the law, and may take a part of what is missing at least; best first."""
         return [each for each in self.candidates if not each.objections and _betters(each, self.law)]
+
+    @property
+    def sound(self) -> list[Judged]:
+        """Of these, the ones that may be the cause, for nothing speaks against them; best first."""
+        return [each for each in self.usable if not each.reservations]
 
     def explains(self, candidate: Judged) -> bool:
         """Tell whether a law leaves over next to nothing of what is missing, or what may be form."""
@@ -119,7 +124,7 @@ def weigh(
             return _nothing("complete", _scatter_words(law.lack, problem))
         return _nothing("unknown", _few_runs_words(law.lack, problem))
     scales = Scales(structure, problem, law, candidates, tolerance, jobs, tell)
-    sound = scales.sound
+    usable, sound = scales.usable, scales.sound
     pair: Judged | None = None
     if sound:
         best = likeliest(sound)
@@ -127,23 +132,23 @@ def weigh(
         best = best if scales.explains(best) and not scales.explains(sound[0]) else sound[0]
         if scales.explains(best):
             return _cause(best, sound, scales)
-        if not scales.form_allowed:
-            promises = screened(structure, problem, law, tell)
-            able = [each for each in sound if takes_part(each, law, problem)]
-            weighed = None
-            if not able or able[0].lack.share < NEAR_NOISE_SHARE:
-                tell("two effects together")
-                found = pairs(structure, problem, law, sound, promises, jobs, tell)
-                pair = found[0] if found else None
-                weighed = _cause_of_two(found, sound, scales)
-            weighed = weighed or _part(able, promises, pair, scales)
-            if weighed is not None:
-                return weighed
+    if usable and not scales.form_allowed:
+        promises = screened(structure, problem, law, tell)
+        able = [each for each in usable if takes_part(each, law, problem)]
+        weighed = None
+        if sound and (not able or able[0].lack.share < NEAR_NOISE_SHARE):
+            tell("two effects together")
+            found = pairs(structure, problem, law, sound, promises, jobs, tell)
+            pair = found[0] if found else None
+            weighed = _cause_of_two(found, sound, scales)
+        weighed = weighed or _part(able, promises, pair, scales)
+        if weighed is not None:
+            return weighed
     if scales.form_allowed:
-        return _nothing("complete", _form_words(law.lack, best=sound[0] if sound else None, law=law))
-    if not sound:
+        return _nothing("complete", _form_words(law.lack, best=usable[0] if usable else None, law=law))
+    if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
-    return _nothing("unknown", _immaterial_words(sound[0], law), pair)
+    return _nothing("unknown", _immaterial_words(usable[0], law), pair)
 
 
 def _nothing(verdict: Verdict, reason: str, pair: Judged | None = None) -> Weighed:
@@ -167,15 +172,14 @@ def explained_share(judged: Judged, law: Judged) -> float:
     return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
 
 
-def gain_and_doubt(candidate: Judged, law: Judged, problem: Problem) -> tuple[float, float]:
-    """Give the squares on left-out groups that a law gains over another, and their standard error over the groups."""
-    gain = np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares)
-    return float(gain.sum()), float(np.sqrt(len(gain) * np.var(gain, ddof=1))) if len(gain) > 1 else np.inf
+def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
+    """Give the squares that a law gains over another on each left-out group, shape (G,)."""
+    return np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares).astype(np.float64)
 
 
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
     """Tell whether a law takes a material share on every kind of left-out condition, beyond doubt."""
-    gain = np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares)
+    gain = gains(candidate, law, problem)
     # Groups differ in size by orders of magnitude, so that a sum's standard error says little; its draws do.
     wins = np.mean(_draws(len(gain)) @ gain > 0)
     elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
@@ -227,10 +231,12 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
         f"{best.effects[0]} takes {explained_share(best, scales.law):.0%} of what is missing (mean square, on "
         "left-out conditions)"
     )
+    form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
     if len(names) > 1:
         others = " and ".join(names[1:])
-        return Weighed("ambiguous", names, "part", best, pair, (f"{takes}; {others} would take much the same part",))
-    return Weighed("missing", names, "part", best, pair, (f"{takes}, and no rival comes near",))
+        alike_words = f"{takes}; {others} would take much the same part"
+        return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form))
+    return Weighed("missing", names, "part", best, pair, (f"{takes}, and no rival comes near", *form))
 
 
 def _without_general(alike: Sequence[Judged]) -> list[Judged]:
@@ -240,7 +246,7 @@ def _without_general(alike: Sequence[Judged]) -> list[Judged]:
 
 
 def _added(judged: Judged) -> Effect:
-    return next(effect for effect in judged.result.equations.effects if effect.name == judged.effects[0])
+    return judged.result.law.structure.effect(judged.effects[0])
 
 
 def _simplest(alike: Sequence[Judged], law: Judged) -> Judged:

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
-from pipeclamp_identification.diagnosis.problem import objections
+from pipeclamp_identification.diagnosis.problem import objections, reservations
 from pipeclamp_identification.fitting.heldout import folds
 from pipeclamp_identification.fitting.least_squares import SINGULAR, Fit, fit
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
@@ -114,7 +114,7 @@ def judge_metrics(
         structure,
         result,
         observations.residual(result.law_force),
-        objections(effects, result),
+        (*objections(effects, result), *reservations(effects, result)),
     )
 
 

@@ -241,7 +241,7 @@ def _richest(
         left = [name for name in names if name not in richest.effects]
         seen = [entry for entry in _looks(richest, left, observations, tell) if not entry.hidden]
         seen.sort(key=lambda entry: -entry.promise)
-        unlike = _unlike([with_effect(richest.structure, entry.name).effect(entry.name) for entry in seen])
+        unlike = _unlike([richest.structure.effect(entry.name) for entry in seen])
         chosen = [entry for entry in seen if entry.name in unlike][:ON_THE_WAY]
         fitted = [_with(richest, entry, observations, tell) for entry in chosen]
     return richest

@@ -15,6 +15,8 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile
 
 MOST_RUNGS = 12
+STILL_AS_GOOD = 1.025
+"""An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,8 @@ def _without_a_spare(file: LawFile, keep: str, tests: Tests, command: str, progr
     if spare is None:
         return None
     change = remove_effect(file, spare, tests, command=command, date=file.date, progress=progress)
+    if change.heldout[1] > change.heldout[0] * STILL_AS_GOOD:
+        return None
     return Rung(change, "revision", (f"the law does as well without {spare}, now that it has {keep}",))
 
 

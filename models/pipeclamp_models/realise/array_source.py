@@ -79,7 +79,7 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
     names = dict(zip(arguments, written["arguments"], strict=False))
     further = written["arguments"][len(arguments) :]
     every = [names.get(symbol, f"_unused_{place}") for place, symbol in enumerate(asked.arguments)]
-    source = {"source": f"def {function}({', '.join([*every, *further])}):\n{written['body']}"}
+    source: dict[str, Any] = {"source": f"def {function}({', '.join([*every, *further])}):\n{written['body']}"}
     if "index" in written:
         source["index"] = [(row, places[column]) for row, column in written["index"]]
     return source
