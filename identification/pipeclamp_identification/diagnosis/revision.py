@@ -1,4 +1,4 @@
-"""What a law that has grown is asked again: is each effect still needed, does another base do better?"""
+"""What a law that has grown is asked again: is each effect still needed, does its like or another base do better?"""
 
 from __future__ import annotations
 
@@ -7,16 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, prepare, weighed_for
+from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, prepare, roughly, weighed_for
+from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.diagnosis.weighing import explained_share, gains, takes_part
-from pipeclamp_identification.fitting.least_squares import starting_points
+from pipeclamp_identification.fitting.least_squares import Fit, linearised, starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.equations.effect import Effect
+from pipeclamp_models.law.catalogue import entries, find_effect
 from pipeclamp_models.law.law import BASES, Law, Structure, find_base
+
+MOST_SWAPPED = 3
+"""Laws with another effect in one's place that are fitted closely."""
 
 
 @dataclass(frozen=True)
@@ -69,20 +75,56 @@ def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
     return min(spare)[1] if spare else None
 
 
-def better_base(asked: Asked, progress: Progress) -> Structure | None:
-    """Give the law on another base that does better on every kind of left-out condition; None where none does."""
+def better_structure(asked: Asked, progress: Progress) -> Structure | None:
+    """Give the law with another of its effects' family in one's place, or on another base; None where none does better.
+
+    To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt.
+    """
+    found = [*_with_another_of_a_family(asked, progress), *_on_another_base(asked, progress)]
+    better = [each for each in found if not each.objections and takes_part(each, asked.law, asked.problem)]
+    return min(better, key=lambda judged: judged.squares).result.law.structure if better else None
+
+
+def _with_another_of_a_family(asked: Asked, progress: Progress) -> list[Judged]:
+    """Put what acts alike in the place of each effect: all roughly, the best closely."""
+    known = candidate_names(asked.structure, asked.problem.loops.conditions)
+    rough: list[Fit] = []
+    for name in asked.structure.effects:
+        for other in (other for other in known if _act_alike(asked.structure.effect(name), other)):
+            progress(f"{other} in place of {name}")
+            effects = tuple(other if one == name else one for one in asked.structure.effects)
+            structure = replace(asked.structure, effects=effects)
+            try:
+                starts = starting_points(structure, asked.problem.coarse, structure.own(asked.values))
+                starts.sort(key=lambda start: _promised_cost(structure, asked.problem, start))
+                rough.append(roughly(structure, starts, asked.problem))
+            except UserError:  # another effect modifies what only the one before has
+                continue
+    rough.sort(key=lambda fit: fit.cost)
+    return [judge((), fit.law.structure, [fit.law.values], asked.problem) for fit in rough[:MOST_SWAPPED]]
+
+
+def _promised_cost(structure: Structure, problem: Problem, start: Mapping[str, float]) -> float:
+    return linearised(structure, problem.coarse, start).cost_after_one_step()
+
+
+def _act_alike(effect: Effect, other: str) -> bool:
+    """Tell whether one of two effects is known to imitate the other."""
+    twin = find_effect(other) if other in entries() else None
+    return twin is not None and (twin.id in effect.imitated_by or effect.id in twin.imitated_by)
+
+
+def _on_another_base(asked: Asked, progress: Progress) -> list[Judged]:
     found: list[Judged] = []
     own = asked.structure.base.partition(":")[0]
     for base in (name for name, entry in BASES.items() if entry.general and name != own):
         progress(f"the law on base {base}")
         try:
             other = _on(base, asked)
-            judged = judge((), other, _starts(other, asked), asked.problem)
+            found.append(judge((), other, _starts(other, asked), asked.problem))
         except UserError:  # an effect scales what this base hasn't got
             continue
-        if takes_part(judged, asked.law, asked.problem):
-            found.append(judged)
-    return min(found, key=lambda judged: judged.squares).result.law.structure if found else None
+    return found
 
 
 def _on(base: str, asked: Asked) -> Structure:

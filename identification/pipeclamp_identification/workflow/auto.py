@@ -8,7 +8,7 @@ from typing import Literal
 
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.workflow.change import Addition, add_effect, rebase, remove_effect
+from pipeclamp_identification.workflow.change import Addition, add_effect, exchange, remove_effect
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -84,8 +84,8 @@ def add_until_settled(
 
     Of several effects that take much the same part the best is added; of several that may be the cause none is: the
     proposed test would tell. After each addition the effects so far are asked again: one that the law does as well
-    without goes, for good. Where nothing is named, the other base laws are tried; one that does better beyond doubt
-    takes the base's place.
+    without goes, for good. Where nothing is named, the other base laws are tried, and in the place of each effect those
+    that act alike; what does better beyond doubt takes the place.
 
     Args:
         file: the law to begin with.
@@ -105,7 +105,7 @@ def add_until_settled(
         if len(ladder) >= most or not _goes_on(found) or found.effects[:1] in gone:
             return Settled(file, found, tuple(ladder))
         if found.verdict == "unknown":
-            rung = _on_another_base(file, tests, command, progress)
+            rung = _with_something_exchanged(file, tests, command, progress)
             if rung is None:
                 return Settled(file, found, tuple(ladder))
             ladder.append(rung)
@@ -147,12 +147,12 @@ def _without_a_spare(file: LawFile, keep: str, tests: Tests, command: str, progr
     return Rung(change, "revision", (f"the law does as well without {spare}, now that it has {keep}",))
 
 
-def _on_another_base(file: LawFile, tests: Tests, command: str, progress: Progress) -> Rung | None:
-    """Put a law on a base that does better; None where none does."""
-    structure = tests.better_base(file, progress)
+def _with_something_exchanged(file: LawFile, tests: Tests, command: str, progress: Progress) -> Rung | None:
+    """Put a law on another base, or another effect of a family in one's place; None where none does better."""
+    structure = tests.better_structure(file, progress)
     if structure is None:
         return None
-    change = rebase(file, structure, tests, command=command, date=file.date, progress=progress)
+    change = exchange(file, structure, tests, command=command, date=file.date, progress=progress)
     if change.heldout[1] >= change.heldout[0]:
         return None
-    return Rung(change, "revision", (f"base {structure.base} does better than {file.base} on left-out conditions",))
+    return Rung(change, "revision", (f"{change.effect}: the error on left-out conditions falls beyond doubt",))

@@ -19,7 +19,7 @@ class Addition:
     """What adding an effect did.
 
     Attributes:
-        effect: what was changed: + or - and the effect's name.
+        effect: what was changed: + or - and the effect's name, two names with an arrow, or the base.
         before, after: the law's file before, and the one with the effect.
         nrmse: error on the campaign before and after, as a share of the force.
         heldout: error on left-out groups of conditions before and after.
@@ -85,15 +85,22 @@ def remove_effect(
     return _changed(file, new, f"- {effect}", tests, command=command, date=date, progress=progress)
 
 
-def rebase(
+def exchange(
     file: LawFile, structure: Structure, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
 ) -> Addition:
-    """Put a law on another base and refit everything to tests; `structure` is the whole law on it, see `add_effect`.
+    """Put another structure, with one thing exchanged, in a law's place and refit everything; see `add_effect`.
 
     Raises:
         UserError: the data can't serve it.
     """
-    return _changed(file, structure, f"base {structure.base}", tests, command=command, date=date, progress=progress)
+    step = f"base {structure.base}"
+    if structure.base == file.base:
+        (gone,), (come,) = (
+            [name for name in some if name not in others]
+            for some, others in ((file.effects, structure.effects), (structure.effects, file.effects))
+        )
+        step = f"{gone} -> {come}"
+    return _changed(file, structure, step, tests, command=command, date=date, progress=progress)
 
 
 def _changed(

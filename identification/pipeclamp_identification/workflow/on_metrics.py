@@ -155,6 +155,6 @@ class MetricTests:
         """Two numbers a run are too few to take effects out again by."""
         return None
 
-    def better_base(self, file: LawFile, progress: Progress) -> Structure | None:
-        """Two numbers a run are too few to choose a base by."""
+    def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
+        """Two numbers a run are too few to exchange a base or an effect by."""
         return None

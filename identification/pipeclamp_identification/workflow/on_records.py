@@ -187,8 +187,8 @@ class RecordTests:
             return None
         return superfluous(ask_again(law_of(file), self.loops), keep, progress)
 
-    def better_base(self, file: LawFile, progress: Progress) -> Structure | None:
-        """Give a law on another base that does better, see `Tests.better_base`."""
-        from pipeclamp_identification.diagnosis.revision import ask_again, better_base
+    def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
+        """Give a law with one thing exchanged that does better, see `Tests.better_structure`."""
+        from pipeclamp_identification.diagnosis.revision import ask_again, better_structure
 
-        return better_base(ask_again(law_of(file), self.loops), progress)
+        return better_structure(ask_again(law_of(file), self.loops), progress)

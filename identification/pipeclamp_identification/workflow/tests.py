@@ -234,8 +234,10 @@ class Tests(Protocol):
             UserError: the tests can't serve the law.
         """
 
-    def better_base(self, file: LawFile, progress: Progress) -> Structure | None:
-        """Give a law on another base that does better on left-out conditions; None where none does or can be told.
+    def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
+        """Give a law on another base, or with another effect of a family, that does better on left-out conditions.
+
+        None where none does or can be told.
 
         Raises:
             UserError: the tests can't serve the law.
