@@ -178,12 +178,12 @@ def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
 
 
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
-    """Tell whether a law takes a material share on every kind of left-out condition, beyond doubt."""
+    """Tell whether a law takes a material share on every kind of left-out condition, beyond doubt, and fits all better."""
     gain = gains(candidate, law, problem)
     # Groups differ in size by orders of magnitude, so that a sum's standard error says little; its draws do.
     wins = np.mean(_draws(len(gain)) @ gain > 0)
     elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
-    material = explained_share(candidate, law) >= MATERIAL_PART_SHARE
+    material = explained_share(candidate, law) >= MATERIAL_PART_SHARE and candidate.akaike < law.akaike
     return bool(material and elsewhere and len(gain) > 1 and wins > BEYOND_DOUBT_DRAWS_SHARE)
 
 
@@ -225,7 +225,7 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
         return None
     near = _near(able[0], able, scales.problem)
     alike = _without_general([able[0], *(each for each in near if _same_part(each, able[0], promises, scales))])
-    best = _simplest(alike, scales.law)
+    best = _likeliest_of(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
     takes = (
         f"{best.effects[0]} takes {explained_share(best, scales.law):.0%} of what is missing (mean square, on "
@@ -249,13 +249,10 @@ def _added(judged: Judged) -> Effect:
     return judged.result.law.structure.effect(judged.effects[0])
 
 
-def _simplest(alike: Sequence[Judged], law: Judged) -> Judged:
-    """Give the law of fewest parameters among those that take as much as the first, but for what isn't material."""
+def _likeliest_of(alike: Sequence[Judged], law: Judged) -> Judged:
+    """Give the law that the fit to all data prefers among those that take as much as the first, but for a trifle."""
     enough = explained_share(alike[0], law) - MATERIAL_PART_SHARE
-    return min(
-        (each for each in alike if explained_share(each, law) >= enough),
-        key=lambda each: len(each.result.equations.names),
-    )
+    return likeliest(each for each in alike if explained_share(each, law) >= enough)
 
 
 def _same_part(other: Judged, best: Judged, promises: Sequence[Promise], scales: Scales) -> bool:
