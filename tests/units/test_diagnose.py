@@ -16,12 +16,14 @@ from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
 from pipeclamp_identification.diagnosis.next_test import next_test
 from pipeclamp_identification.diagnosis.problem import prepare
+from pipeclamp_identification.diagnosis.revision import ask_again, better_structure
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.observations import SAMPLES, points_enough
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import law_text
@@ -146,6 +148,16 @@ def test_answer_and_report(campaign):
     assert settled.file.effects == ("asymmetry",)
     assert [step.step for step in settled.file.history][-1] == "+ asymmetry"
     assert law_text(settled.file)
+
+
+def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
+    """A ladder that took the one for the other gets to the one that is there, and stays."""
+    tests = campaign(("end_stop",), k_e=4000.0, y_e=0.6)
+    loops = loops_of(tests)
+    taken = identify(tests, effects=("hardening",)).fit.law
+    better = better_structure(ask_again(taken, loops), silent)
+    assert better == Structure("power", ("end_stop",))
+    assert better_structure(ask_again(identify(tests, effects=better.effects).fit.law, loops), silent) is None
 
 
 def test_no_next_test_without_rivals(campaign):

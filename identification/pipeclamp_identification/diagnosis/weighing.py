@@ -178,7 +178,7 @@ def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
 
 
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
-    """Tell whether a law takes a material share on every kind of left-out condition, beyond doubt, and fits all better."""
+    """Tell whether a law takes a material share on all kinds of left-out conditions, beyond doubt, and fits better."""
     gain = gains(candidate, law, problem)
     # Groups differ in size by orders of magnitude, so that a sum's standard error says little; its draws do.
     wins = np.mean(_draws(len(gain)) @ gain > 0)
