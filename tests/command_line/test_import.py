@@ -59,7 +59,7 @@ def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports
     assert "nothing to do" in pipeclamp("import", exports, "-o", campaign).stdout
     assert contents(campaign) == before
     later = write_texts(tmp_path / "later", [loop(0.6, 2.0)], **GERMAN)
-    assert "1 runs of 1 files, 10 more" in pipeclamp("import", exports, later, "-o", campaign).stdout
+    assert "1 run of 1 file, 10 more" in pipeclamp("import", exports, later, "-o", campaign).stdout
     after = contents(campaign)
     changed = {name for name in before if after[name] != before[name]}
     assert changed == {"runs.csv", "campaign.toml", "import.html"}

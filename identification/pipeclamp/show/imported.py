@@ -66,7 +66,8 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
             "for new files alone"
         )
     else:
-        head = f"{found.folder}: {new} runs of {len(answer.new_files)} files{_known(answer)}{done}"
+        files = _counted(len(answer.new_files), "file")
+        head = f"{found.folder}: {_counted(new, 'run')} of {files}{_known(answer)}{done}"
     lines = [head]
     if answer.cut:
         why: Mapping[str, int] = {one.why: sum(other.why == one.why for other in answer.cut) for one in answer.cut}
@@ -82,6 +83,10 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
             "--pattern or --conditions when importing"
         )
     return lines
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _known(answer: ImportAnswer) -> str:
