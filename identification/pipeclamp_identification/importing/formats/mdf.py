@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeclamp_identification.importing.raw import COMPRESSED, Format, RawTable, refuse_size, table_of
+from pipeclamp_identification.importing.raw import COMPRESSED, Damaged, Format, RawTable, refuse_size, table_of
 
 
 def read(path: Path) -> Sequence[RawTable]:
@@ -22,6 +22,7 @@ def read(path: Path) -> Sequence[RawTable]:
             refuse_size(f"channel group {place + 1}", count, size, COMPRESSED)
             if not count:
                 continue
+            _refuse_beyond_record(place, group)
             master = file.masters_db.get(place)
             columns: list[tuple[str, str, object]] = []
             time: object = None
@@ -35,6 +36,26 @@ def read(path: Path) -> Sequence[RawTable]:
                 columns.insert(0, ("master time", "s", time))
             tables += table_of(f"group {place + 1}" if len(groups) > 1 else "", columns)
     return tables
+
+
+def _refuse_beyond_record(place: int, group: Any) -> None:
+    """Refuse channels that lie beyond the group's records: asammdf's C code reads there without looking.
+
+    Raises:
+        Damaged: one does.
+    """
+    record = int(group.channel_group.samples_byte_nr)
+    for channel in group.channels:
+        first = getattr(channel, "byte_offset", None)
+        if first is None:  # version 3 counts bits
+            bits = int(channel.start_offset) + 8 * int(getattr(channel, "additional_byte_offset", 0))
+        else:
+            bits = 8 * int(first) + int(channel.bit_offset)
+        if record <= 0 or bits < 0 or bits + int(channel.bit_count) > 8 * record:
+            raise Damaged(
+                f"channel {channel.name!r} of group {place + 1} lies beyond its records of {record} bytes; export or "
+                "copy it again"
+            )
 
 
 FORMAT = Format(
