@@ -197,6 +197,13 @@ def test_a_left_out_group_of_conditions_doesnt_tell_its_own_factors(differing):
     np.testing.assert_allclose(scores.squares[own], np.sum(foretold**2, axis=1), rtol=0.02)
 
 
+def test_a_left_out_specimen_counts_as_the_one_in_the_middle(differing):
+    """Nothing is known of it: a law that lacks something errs by that and by what specimens differ."""
+    _, loops, _ = differing
+    _, law, _ = prepare(Structure("power"), loops)
+    assert law.heldout_by["specimen"] < law.heldout_nrmse + np.std(list(FACTORS.values()))
+
+
 def test_pooling_is_the_covariance_of_noise_and_factors_together(differing):
     """(I + B S B')^-1/2 applied to residuals: their squares are those of generalised least squares."""
     result, loops, _ = differing

@@ -119,11 +119,30 @@ class LeftOut:
         if factors is not None:
             precision = np.concatenate([precision, factors.precision])
             room = np.concatenate([room, np.array([[-np.inf], [np.inf]]) + np.zeros(len(factors.spreads))], axis=1)
-        prior = np.diag(precision / scale**2)
+        normal = np.nan_to_num(rest.T @ rest) + np.diag(precision / scale**2)
+        pull = np.nan_to_num(J.T @ self.fitted.residual[own].ravel())
+        back, ways = self._without_factors_of(own, scale)
         # A direction that this group alone determines can't be foretold without it, but by the priors.
-        inverse = np.linalg.pinv(np.nan_to_num(rest.T @ rest) + prior, rcond=1e-10, hermitian=True)
-        step = inverse @ np.nan_to_num(J.T @ self.fitted.residual[own].ravel())
+        inverse = np.linalg.pinv(ways.T @ normal @ ways, rcond=1e-10, hermitian=True)
+        step = back + ways @ (inverse @ (ways.T @ (pull - normal @ back)))
         return np.asarray(np.clip(step / scale, *room))
+
+    def _without_factors_of(self, own: Rows, scale: Array) -> tuple[Array, Array]:
+        """Give the step that takes out the factors of groups that stand in these runs alone, and the ways left, (P, Q).
+
+        Nothing is known of such a group: it counts as the one in the middle, and so the law stands for the others.
+        Steps are in units of one over `scale`.
+        """
+        size = self.fitted.jacobian.shape[2]
+        factors = self.observations.factors
+        gone = np.zeros((0, 0)) if factors is None else factors.of_groups_in(own)
+        if not len(gone):
+            return np.zeros(size), np.eye(size)
+        values = np.concatenate([np.zeros(len(self.result.fitted)), self.fitted.factors]) * scale
+        gone = np.concatenate([np.zeros((len(gone), size - gone.shape[1])), gone], axis=1) / scale
+        _, singular, ways = np.linalg.svd(gone)
+        rank = int(np.sum(singular > 1e-8 * singular[0]))
+        return -np.linalg.pinv(gone) @ (gone @ values), ways[rank:].T
 
     def _evaluated(self, step: Array, own: Rows, plain: Array) -> tuple[Array, Array]:
         """Give the whitened residuals and the plain ones of a group where its step leads, which the others agree with.

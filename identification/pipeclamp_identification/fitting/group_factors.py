@@ -7,7 +7,7 @@ which stands for the group in the middle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -85,17 +85,21 @@ class GroupFactors:
 
     Attributes:
         directions: harmonics in N per unit of each difference, shape (K, R, m).
+        members: how much of each difference each row has, shape (K, R).
+        kinds: what each difference is of, a number for each column and quantity, shape (K,).
         spreads: standard deviation of each, shape (K,).
         values: of each, as a first estimate, shape (K,).
     """
 
     directions: Array
+    members: Array
+    kinds: Rows
     spreads: Array
     values: Array
 
     def rows(self, chosen: Rows) -> GroupFactors:
         """Give them for some of the rows."""
-        return GroupFactors(self.directions[:, chosen], self.spreads, self.values)
+        return replace(self, directions=self.directions[:, chosen], members=self.members[:, chosen])
 
     def beside(self, law_force: LawForce) -> GroupFactors:
         """Give what of them shows beside a law: no mean force where the law leaves it open."""
@@ -103,7 +107,16 @@ class GroupFactors:
             return self
         directions = self.directions.copy()
         directions[:, law_force.adrift, 0] = 0.0
-        return GroupFactors(directions, self.spreads, self.values)
+        return replace(self, directions=directions)
+
+    def of_groups_in(self, own: Rows) -> Array:
+        """Give the factors of groups that stand in these rows alone, as sums of the differences, shape (C, K)."""
+        sums = []
+        for kind in np.unique(self.kinds):
+            members = np.where((self.kinds == kind)[:, None], self.members, 0.0).T
+            here, elsewhere = np.unique(members[own], axis=0), members[~own]
+            sums += [one for one in here if one.any() and not np.isclose(elsewhere, one).all(axis=1).any()]
+        return np.array(sums).reshape(-1, len(self.kinds))
 
     def force(self, values: Array | None = None) -> Array:
         """Give what factors, of these values or of the first estimate, add to the harmonics, N, shape (R, m)."""

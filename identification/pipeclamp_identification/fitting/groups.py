@@ -134,19 +134,25 @@ def has_groups(loops: Loops) -> bool:
 
 def factors_of(found: Sequence[Groups], loops: Loops, observations: LoopObservations) -> GroupFactors | None:
     """Give the random factors of groups that differ, for a fit; None where none do."""
-    directions, spreads, values = [], [], []
+    directions, members, spreads, values = [], [], [], []
+    kinds: list[int] = []
     changes = _changes(observations)
     for one in found:
         group = np.array([one.of_run[run] for run in loops.run])
         for quantity in one.differ:
+            kind = len(set(kinds))
             for contrast in contrasts_of(len(one.names)).T:
-                weight = sum(share * (group == name) for share, name in zip(contrast, one.names, strict=True))
-                directions.append(changes[quantity] * np.asarray(weight)[:, None])
+                member = np.sum(
+                    [share * (group == name) for share, name in zip(contrast, one.names, strict=True)], axis=0
+                )
+                directions.append(changes[quantity] * member[:, None])
+                members.append(member)
+                kinds.append(kind)
                 spreads.append(one.shares[quantity].spread)
                 values.append(float(contrast @ one.shares[quantity].values))
     if not directions:
         return None
-    return GroupFactors(np.stack(directions), np.array(spreads), np.array(values))
+    return GroupFactors(np.stack(directions), np.stack(members), np.array(kinds), np.array(spreads), np.array(values))
 
 
 def _changes(observations: LoopObservations) -> dict[Quantity, Array]:
