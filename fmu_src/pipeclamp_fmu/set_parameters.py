@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-import zipfile
+import struct
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,10 +15,13 @@ from pipeclamp_fmu.native.packing import native_files
 from pipeclamp_fmu.native.sources import c_sources
 from pipeclamp_fmu.python.packing import module_file, python_files, zipped
 from pipeclamp_fmu.slaves.values_file import FILE_NAME, told_values
+from pipeclamp_models.base.archive import read_archive
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.law.file import LawFile
 
+DESCRIPTION = "modelDescription.xml"
+EXPECTED = "a clamp FMU made by `pipeclamp build-fmu`"
 GENERATED = ("sources/law.h", "sources/layout.h")
 """What says which equations and variables a native FMU has."""
 
@@ -39,13 +43,12 @@ def set_parameters(fmu: Path, file: LawFile, output: Path) -> None:
         UserError: the file is no such FMU, the law has other equations, its range doesn't hold what the FMU was told to
             start with, or as `build_clamp`.
     """
-    files = _read(fmu)
-    if set(GENERATED) <= files.keys():
-        replaced = _native_values(files, file)
-    elif any(PYTHON_CLAMP.fullmatch(name) for name in files):
-        replaced = _python_values(files, file)
-    else:
-        raise UserError(f"{fmu}: not a clamp FMU; expected one made by `pipeclamp build-fmu`")
+    files = read_archive(fmu, EXPECTED)
+    native = set(GENERATED) <= files.keys()
+    if not native and not any(PYTHON_CLAMP.fullmatch(name) for name in files):
+        raise UserError(f"{fmu}: not a clamp FMU; expected {EXPECTED}")
+    built = _built(fmu, files)
+    replaced = _native_values(files, built, file) if native else _python_values(files, built, file)
     if replaced is None:
         raise UserError(
             f"{fmu}: built for other equations than those of law {file.name!r} (base {file.base}, effects "
@@ -55,41 +58,52 @@ def set_parameters(fmu: Path, file: LawFile, output: Path) -> None:
     write_whole(output, zipped(files | replaced))
 
 
-def _read(fmu: Path) -> dict[str, bytes]:
+@dataclass(frozen=True)
+class _Built:
+    """What a finished FMU says of itself: version of FMI, identifier, and what it was told to start with."""
+
+    fmi: int
+    identifier: str
+    told: Start
+
+
+def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
+    """Give what a finished FMU says of itself.
+
+    Raises:
+        UserError: a file of it is missing, or isn't as this program writes it.
+    """
+    place = DESCRIPTION
     try:
-        with zipfile.ZipFile(fmu) as archive:
-            return {name: archive.read(name) for name in archive.namelist()}
-    except (OSError, zipfile.BadZipFile) as error:
-        raise UserError(f"{fmu}: not a readable FMU ({error}); expected one made by `pipeclamp build-fmu`") from error
-
-
-def _told(files: Mapping[str, bytes]) -> Start:
-    """Give what an FMU was told to start with when it was built."""
-    told = told_values(files.get(f"resources/{FILE_NAME}", b"").decode("utf-8"))
-    variables = ElementTree.fromstring(files["modelDescription.xml"]).iter()
-    connected = [entry.get("name") for entry in variables if entry.get("causality") == "input"]
-    return Start(
+        root = ElementTree.fromstring(files[DESCRIPTION])
+        connected = [entry.get("name") for entry in root.iter() if entry.get("causality") == "input"]
+        fmi = {"2": 2, "3": 3}[root.get("fmiVersion", "")[:1]]
+        identifier = next(root.iter("CoSimulation")).attrib["modelIdentifier"]
+        place = f"resources/{FILE_NAME}"
+        told = told_values(files[place].decode("utf-8"))
+    except (ElementTree.ParseError, LookupError, StopIteration, ValueError, struct.error) as error:
+        what = "isn't as it was built" if place in files else "is missing"
+        raise UserError(f"{fmu}: {place} in it {what}; expected {EXPECTED}, whole") from error
+    start = Start(
         A=told.get("A"),
         f=told.get("f"),
         T=told.get("T"),
         track=bool(told.get("track", False)),
         connected_temperature="T_in" in connected,
     )
+    return _Built(fmi, identifier, start)
 
 
-def _python_values(files: Mapping[str, bytes], file: LawFile) -> dict[str, bytes] | None:
+def _python_values(files: Mapping[str, bytes], built: _Built, file: LawFile) -> dict[str, bytes] | None:
     """Give the files of a Python FMU that say a law's values, None where its program is another."""
-    content = python_clamp_content(file, _told(files))
+    content = python_clamp_content(file, built.told)
     return python_files(content) if module_file(content) in files else None
 
 
-def _native_values(files: Mapping[str, bytes], file: LawFile) -> dict[str, bytes] | None:
+def _native_values(files: Mapping[str, bytes], built: _Built, file: LawFile) -> dict[str, bytes] | None:
     """Give the files of a native FMU that say a law's values, None where its program is another."""
-    description = ElementTree.fromstring(files["modelDescription.xml"])
-    fmi = int(description.get("fmiVersion", "")[0])
-    identifier = next(description.iter("CoSimulation")).get("modelIdentifier", "")
-    content = native_clamp_content(file, _told(files))
-    sources = c_sources(content.model, fmi, identifier)
+    content = native_clamp_content(file, built.told)
+    sources = c_sources(content.model, built.fmi, built.identifier)
     if any(files[name] != sources[name.removeprefix("sources/")].encode("utf-8") for name in GENERATED):
         return None
-    return native_files(content, identifier, fmi)
+    return native_files(content, built.identifier, built.fmi)

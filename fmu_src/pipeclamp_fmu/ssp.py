@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from pipeclamp_fmu.describe.model_description import xml_bytes
 from pipeclamp_fmu.python.packing import zipped
+from pipeclamp_models.base.archive import read_part
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
 
@@ -107,8 +107,10 @@ def _ports(fmu: Path) -> Iterable[tuple[str, str, str]]:
     Raises:
         UserError: the FMU is not of FMI 2.0.
     """
-    with zipfile.ZipFile(fmu) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    try:
+        root = ElementTree.fromstring(read_part(fmu, "modelDescription.xml", "an FMU of FMI 2.0"))
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
+        raise UserError(f"{fmu}: modelDescription.xml in it is no XML ({error}); expected an FMU of FMI 2.0") from error
     if root.get("fmiVersion") != "2.0":
         raise UserError(
             f"{fmu}: FMI {root.get('fmiVersion')}; expected FMI 2.0, as masters take it in an SSP 1.0: "

@@ -141,7 +141,7 @@ def test_a_record_lies_in_a_file_whatever_its_name(tmp_path: Path) -> None:
     (tmp_path / "run [1].csv").write_text("time_s,acceleration_m_s2\n0,0\n2,1\n", encoding="utf-8")
     signal = excitation_signal(ExcitationTable(kind="record", file="run [1].csv"), "base", 2.0, tmp_path, "x")
     assert signal(1.0) == pytest.approx(0.5)
-    for name, words in (("none.csv", "no such file"), (".", "can't be read")):
+    for name, words in (("none.csv", "no such file"), (".", "is a folder")):
         with pytest.raises(UserError, match=f"{words}.*; expected CSV"):
             excitation_signal(ExcitationTable(kind="record", file=name), "base", 2.0, tmp_path, "x")
 

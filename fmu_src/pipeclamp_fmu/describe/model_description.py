@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from pipeclamp_models.base.said import printable
 from pipeclamp_models.base.units import CELSIUS
 
 
@@ -167,8 +168,17 @@ def completed(
     return root
 
 
+BLANKS = "\n\t"
+"""Control characters that XML holds."""
+
+
 def xml_bytes(root: Element) -> bytes:
-    """Give an XML document, indented."""
+    """Give an XML document, indented; characters that XML can't hold stand as they would in Python."""
+    for element in root.iter():
+        for name, text in element.attrib.items():
+            element.set(name, printable(text, keep=BLANKS))
+        if element.text:
+            element.text = printable(element.text, keep=BLANKS)
     ElementTree.indent(root)
     return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.files import why_unreadable
+from pipeclamp_models.base.files import read_content
 from pipeclamp_models.base.tables import pl
 
 Drive = Literal["acceleration_m_s2", "displacement_mm", "force_N"]
@@ -41,12 +41,11 @@ def csv_frame(path: Path) -> pl.DataFrame:
     Raises:
         UserError: it can't be read, or has no rows.
     """
+    # Not by its path, in which polars would take brackets for patterns.
+    content = read_content(path, "CSV with names in row 1")
     try:
-        # Not by its path, in which polars would take brackets for patterns.
-        frame = pl.read_csv(path.read_bytes(), infer_schema_length=None)
-    except OSError as error:
-        raise UserError(f"{path}: {why_unreadable(error)}; expected CSV with names in row 1") from error
-    except pl.exceptions.PolarsError as error:
+        frame = pl.read_csv(content, infer_schema_length=None)
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
         raise UserError(f"{path}: can't read this file ({error}); expected CSV with names in row 1") from error
     if frame.height == 0:
         raise UserError(f"{path}: has no rows below its names; expected numbers")

@@ -12,13 +12,14 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-import fmpy
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Boolean, fmi2FMUstate, fmi2Real, fmi2True, fmi2ValueReference
 
+from pipeclamp_models.base.archive import unpack_archive
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_system.fmus.messages import Messages, callbacks_for
-from pipeclamp_system.fmus.variables import find_variables, read_description, renamed, variables_of
+from pipeclamp_system.fmus.library import refuse_cut_libraries, refuse_cut_program
+from pipeclamp_system.fmus.messages import PYTHON_FMU, Messages, callbacks_for
+from pipeclamp_system.fmus.variables import EXPECTED, find_variables, read_description, renamed, variables_of
 
 
 class LoadedFmu:
@@ -33,10 +34,10 @@ class LoadedFmu:
         self.path, self.instance = path, instance
         self.messages = Messages()
         description = read_description(path)
-        try:
-            fmpy.extract(str(path), unzipdir=str(folder))
-        except Exception as error:  # fmpy raises bare Exceptions for all that can be wrong with a file
-            raise UserError(f"{path}: this FMU can't be unpacked ({error}); expected one that is whole") from error
+        unpack_archive(path, folder, EXPECTED)
+        refuse_cut_libraries(folder, path)
+        if PYTHON_FMU in (description.generationTool or ""):
+            refuse_cut_program(folder, path)
         self.variables = variables_of(description)
         self.can_roll_back = bool(description.coSimulation.canGetAndSetFMUstate)
         self.has_derivatives = bool(description.coSimulation.providesDirectionalDerivative)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 import fmpy
 
+from pipeclamp_models.base.archive import read_part
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import unknown
 
@@ -27,22 +29,31 @@ Variables = Mapping[str, Variable]
 """Variables by the names that we know them by."""
 
 
+EXPECTED = "an FMU of FMI 2.0 for co-simulation"
+IDENTIFIER = re.compile(r"\w{1,200}", re.ASCII)
+"""A model's, which is the name of its library."""
+
+
 def read_description(path: Path) -> Any:
     """Read an FMU's model description.
 
     Raises:
         UserError: the file is no FMU of FMI 2.0 co-simulation.
     """
+    read_part(path, "modelDescription.xml", EXPECTED)
     try:
         description = fmpy.read_model_description(str(path))
     except Exception as error:  # fmpy raises bare Exceptions for all that can be wrong with a file
-        raise UserError(f"{path}: not a readable FMU ({error}); expected one of FMI 2.0 for co-simulation") from error
+        raise UserError(f"{path}: not a readable FMU ({error}); expected {EXPECTED}") from error
     if description.fmiVersion != "2.0" or description.coSimulation is None:
         raise UserError(
             f"{path}: FMI {description.fmiVersion}, "
             f"{'co-simulation' if description.coSimulation else 'no co-simulation'}; expected FMI 2.0 co-simulation, "
             "which `pipeclamp build-fmu` and `build-pipe` make unless they are told --fmi 3"
         )
+    if not IDENTIFIER.fullmatch(description.coSimulation.modelIdentifier or ""):
+        got = (description.coSimulation.modelIdentifier or "")[:60]
+        raise UserError(f"{path}: modelIdentifier: got {got!r}; expected letters, digits and _ ({EXPECTED})")
     return description
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import hashlib
 import itertools
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import prod
@@ -17,7 +16,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeclamp_fmu.build import version
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown, validated
+from pipeclamp_models.base.toml_file import Number, Table, read_table, read_toml, unknown, validated
 from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_system.description.system import SystemDescription, files_of_system
 
@@ -145,10 +144,15 @@ def _put(table: Any, keys: list[str], value: float, place: str) -> None:
         UserError: the place isn't there.
     """
     key, *rest = keys
+    if isinstance(table, list) and not all(isinstance(entry, dict) for entry in table):
+        _put_into_list(table, keys, value, place)
+        return
     if isinstance(table, list):
         named = {str(entry.get("name", entry.get("at", index))): entry for index, entry in enumerate(table, 1)}
         if key != "*" and key not in named:
             raise UserError(f"vary.{place!r}: {unknown(key, list(named), 'entry')}")
+        if not rest:
+            raise UserError(f"vary.{place!r}: is a table, not a number; expected one of its keys behind it")
         for entry in table if key == "*" else [named[key]]:
             _put(entry, rest, value, place)
         return
@@ -160,6 +164,20 @@ def _put(table: Any, keys: list[str], value: float, place: str) -> None:
             return
         raise UserError(f"vary.{place!r}: {unknown(key, list(table), 'table')}")
     table[key] = value
+
+
+def _put_into_list(entries: list[Any], keys: list[str], value: float, place: str) -> None:
+    """Put a value in the place of a list's number, which is named by its place from 1.
+
+    Raises:
+        UserError: there is no such place, or no number stands there.
+    """
+    places = [str(index) for index in range(1, len(entries) + 1)]
+    key, *rest = keys
+    if rest or (key != "*" and key not in places):
+        raise UserError(f"vary.{place!r}: {unknown('.'.join(keys), places, 'entry of the list')}")
+    for index in range(len(entries)) if key == "*" else [places.index(key)]:
+        entries[index] = value
 
 
 def files_of_study(path: Path) -> list[Path]:
@@ -182,13 +200,13 @@ def read_study(path: Path) -> Study:
     digest = hashlib.sha256(path.read_bytes())
     system_path = path.parent / description.system
     used = files_of_system(system_path)
-    system = tomllib.loads(system_path.read_text(encoding="utf-8"))
+    system = read_toml(system_path)
     file = system["pipe"].get("file")
     if file is None:
         raise UserError(f"{system_path}: pipe: a study needs file = 'PIPE.toml', not an FMU")
     pipe_path = system_path.parent / file
     read_table(pipe_path, PipeDescription)
-    pipe = tomllib.loads(pipe_path.read_text(encoding="utf-8"))
+    pipe = read_toml(pipe_path)
     for one in (system_path, *used):
         digest.update(one.read_bytes())
     digest.update(version().encode())

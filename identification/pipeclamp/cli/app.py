@@ -45,6 +45,7 @@ from pipeclamp.cli.terminal import (
 from pipeclamp_models.base.errors import InterruptError, UsageError, UserError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.one_thread import one_thread_throughout
+from pipeclamp_models.base.said import message
 from pipeclamp_system.description.trust_mark import is_doubt
 
 if TYPE_CHECKING:
@@ -133,7 +134,8 @@ def main() -> None:
     except InterruptError as error:
         raise KeyboardInterrupt(str(error)) from error
     except (UserError, OSError) as error:
-        errors().print(f"pipeclamp: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        told = message(f"pipeclamp: {error}")
+        errors().print(told, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(2 if isinstance(error, UsageError) else 1)
 
 

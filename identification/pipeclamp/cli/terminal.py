@@ -18,10 +18,12 @@ import typer
 
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.files import refuse_file, refuse_folder, write_whole
+from pipeclamp_models.base.said import printable
 from pipeclamp_system.description.trust_mark import is_doubt
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.text import Text
 
     from pipeclamp.show.table import Table
     from pipeclamp.show.view import View
@@ -36,17 +38,24 @@ MARKED = "bold red"
 @cache
 def console() -> Console:
     """Give what prints on stdout; where that is no terminal, in wide lines."""
-    from rich.console import Console
-
-    return Console(width=None if sys.stdout.isatty() else WIDE)
+    return _plain(width=None if sys.stdout.isatty() else WIDE)
 
 
 @cache
 def errors() -> Console:
     """Give what prints on stderr."""
+    return _plain(stderr=True)
+
+
+def _plain(**options: Any) -> Console:
+    """Give a console that takes names as they are: brackets are no markup, and what a terminal would obey is shown."""
     from rich.console import Console
 
-    return Console(stderr=True)
+    class Plain(Console):
+        def render_str(self, text: str, **how: Any) -> Text:
+            return super().render_str(printable(text, keep="\n"), **how)
+
+    return Plain(markup=False, emoji=False, **options)
 
 
 def file_option(metavar: str, help: str, *names: str) -> Any:
@@ -147,10 +156,10 @@ def told(title: str) -> Iterator[Tell]:
         return
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
     with Progress(*columns, console=errors(), transient=True) as progress:
         task = progress.add_task(title)
-        yield lambda what: progress.update(task, description=f"{title}: {what}")
+        yield lambda what: progress.update(task, description=printable(f"{title}: {what}"))
 
 
 def show(view: View, json_path: Path | None) -> None:
@@ -186,7 +195,7 @@ def print_table(table: Table, width: int | None = None) -> None:
         name = index == 0 and all(" " not in cell(row[0]) for row in table.rows)
         shown.add_column(head, justify="right" if numeric else "left", overflow="fold", no_wrap=name)
     for row in table.rows:
-        shown.add_row(*(Text(cell(value)) for value in row))
+        shown.add_row(*(Text(printable(cell(value), keep="\n")) for value in row))
     console().print(shown, highlight=False, width=width)
 
 

@@ -178,7 +178,10 @@ def _best_sine(time: Array, y: Array) -> float:
     phase = 2 * np.pi * candidates[:, None] * time[some]
     basis = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)], axis=-1)
     transposed = np.swapaxes(basis, 1, 2)
-    solution = np.linalg.solve(transposed @ basis, transposed @ y[some, None])
+    gram = transposed @ basis
+    # a trace of a ridge, as in `_least_squares`: samples far apart may all lie on a few phases
+    gram[:, range(3), range(3)] += 1e-13 * np.trace(gram, axis1=1, axis2=2)[:, None]
+    solution = np.linalg.solve(gram, transposed @ y[some, None])
     error = np.sum((basis @ solution - y[some, None]) ** 2, axis=(1, 2))
     return float(candidates[np.argmin(error)])
 

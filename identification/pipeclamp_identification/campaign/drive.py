@@ -17,6 +17,7 @@ from pipeclamp_identification.campaign.records import read_channels
 from pipeclamp_identification.campaign.writing import encoded
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.files import read_content
 from pipeclamp_models.base.tables import pl
 
 COLUMNS: tuple[RecordColumn, ...] = ("time_s", "displacement_mm")
@@ -216,13 +217,7 @@ def read_drive(path: Path) -> Drive:
         UserError: it can't be read, holds no such columns, or is nothing that a clamp at rest can be driven by.
     """
     refuse_drive_name(path)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise UserError(
-            f"{path}: can't be read ({error.strerror}); expected a drive signal, as "
-            "`pipeclamp diagnose --drive` writes it"
-        ) from error
+    content = read_content(path, "a drive signal, as `pipeclamp diagnose --drive` writes it")
     channels = read_channels(path, content, COLUMNS)
     time, y = channels["time_s"], channels["displacement_mm"]
     for name, values in channels.items():

@@ -34,6 +34,7 @@ from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors
 from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
 from pipeclamp_identification.units.doubts import ShownRun, contradicted_units, unlikely_units
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import read_content
 
 # threads that read records: more than most machines' cores for it, because each also waits for the disk
 READERS = 4
@@ -265,13 +266,8 @@ def _moving_from_the_start(runs: tuple[FreeRun, ...]) -> tuple[str, ...]:
 
 def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
     path = folder / row.file
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise UserError(
-            f"{folder / runs_table.FILE_NAME}, row {row.row}, column 'file': {row.file!r} can't be read "
-            f"({error.strerror}); expected the record of run {row.run!r} there, relative to {folder}"
-        ) from error
+    where = f"{folder / runs_table.FILE_NAME}, row {row.row}, column 'file': {row.file!r}"
+    content = read_content(path, f"the record of run {row.run!r} there, relative to {folder}", where)
     return hashlib.sha256(content).hexdigest(), read_record(path, content, description.columns.given())
 
 

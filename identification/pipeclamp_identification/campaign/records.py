@@ -6,19 +6,40 @@ import csv
 import gzip
 import io
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from pipeclamp_identification.campaign.description import ColumnSource, RecordColumn
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.quiet import quietly
 from pipeclamp_models.base.tables import pl
+from pipeclamp_models.base.units import CELSIUS
+
+
+class _Reader(Protocol):
+    """Rows of a CSV reader, and the line that it is at."""
+
+    @property
+    def line_num(self) -> int: ...
+
+    def __iter__(self) -> Iterator[list[str]]: ...
+
+    def __next__(self) -> list[str]: ...
+
 
 NEEDED: tuple[RecordColumn, ...] = ("time_s", "displacement_mm", "force_N")
 OPTIONAL: tuple[RecordColumn, ...] = ("temperature_C",)
+MOST_BYTES = 1_000_000_000
+"""Of a record of one run, unpacked."""
+PARQUET = b"PAR1"
+"""What such a file begins and ends with."""
+ROWS_PER_BYTE, FEW_ROWS = 1000, 100_000
+"""Rows that a byte of a Parquet file may hold, as columns of one value compress; and those of any file."""
 LARGEST = 1e12
 """No test lasts longer (s), moves further (mm) or pushes harder (N); a time may count milliseconds from 1970."""
 
@@ -91,6 +112,13 @@ def check_samples(record: Record) -> None:
             raise UnusableRecord(
                 f"impossible samples: {len(huge)} in {name} beyond {LARGEST:g}, the first in row {huge[0] + 2}"
             )
+    if record.temperature_C is not None:
+        cold = np.flatnonzero((record.temperature_C <= -CELSIUS) | (record.temperature_C > LARGEST))
+        if len(cold):
+            raise UnusableRecord(
+                f"impossible samples: temperature_C is {record.temperature_C[cold[0]]:g} degC in row {cold[0] + 2}; "
+                f"expected above {-CELSIUS:g}"
+            )
     back = np.flatnonzero(np.diff(record.time_s) < 0.0)
     if len(back):
         before, after = record.time_s[back[0]], record.time_s[back[0] + 1]
@@ -103,12 +131,18 @@ def _chosen_columns(
     path: Path, present: list[str], sources: Mapping[RecordColumn, ColumnSource], required: tuple[RecordColumn, ...]
 ) -> dict[RecordColumn, str]:
     """Find which of the file's columns are ours, by their names without surrounding blanks."""
-    chosen = {}
+    chosen: dict[RecordColumn, str] = {}
     for ours, source in sources.items():
         matches = [name for name in present if name.strip() == source.name.strip()]
         if len(matches) > 1:
             raise UserError(f"{path}: has {len(matches)} columns {source.name!r}; expected one; rename the others")
         if matches:
+            taken = next((other for other, name in chosen.items() if name == matches[0]), None)
+            if taken is not None:
+                raise UserError(
+                    f"{path}: column {source.name!r} would be {taken} and {ours}; expected a column for each: see the "
+                    "table [columns] in campaign.toml"
+                )
             chosen[ours] = matches[0]
         elif ours in required:
             raise UserError(
@@ -123,10 +157,9 @@ def _csv_channels(
     path: Path, content: bytes, sources: Mapping[RecordColumn, ColumnSource], required: tuple[RecordColumn, ...]
 ) -> dict[RecordColumn, Array]:
     if path.name.lower().endswith(".gz"):
-        try:
-            content = gzip.decompress(content)
-        except (OSError, EOFError, zlib.error) as error:
-            raise UserError(f"{path}: is no whole gzip file ({error}); write or copy it again") from error
+        content = _unpacked(path, content)
+    if b"\n" not in content:  # line ends of old Macs, and of some machines still
+        content = content.replace(b"\r", b"\n")
     # blank rows at the end are how some programs finish a file; in the middle they are missing samples
     if content[-2:].isspace():
         content = content.rstrip()
@@ -135,11 +168,13 @@ def _csv_channels(
         header = next(csv.reader([first.decode("utf-8-sig")]), [])
     except UnicodeDecodeError as error:
         raise UserError(f"{path}, row 1: is not UTF-8 text (byte {error.start}); save the file as UTF-8") from error
+    except csv.Error as error:
+        raise UserError(f"{path}, row 1: is no valid CSV: {error}; expected the columns' names") from error
     chosen = _chosen_columns(path, header, sources, required)
     theirs = list(chosen.values())
     try:
         frame = pl.read_csv(content, columns=theirs, schema_overrides=dict.fromkeys(theirs, pl.Float64))
-    except pl.exceptions.PolarsError as error:
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
         raise UserError(_first_bad_cell(path, content, header, theirs) or f"{path}: can't be read: {error}") from error
     # a float column's missing values become nan
     return {ours: frame[name].to_numpy() for ours, name in chosen.items()}
@@ -148,7 +183,14 @@ def _csv_channels(
 def _first_bad_cell(path: Path, content: bytes, header: list[str], theirs: list[str]) -> str | None:
     """Look once more, slowly, for the cell that the fast reader stumbled over."""
     reader = csv.reader(io.StringIO(content.decode("utf-8-sig", errors="replace"), newline=""))
-    next(reader)
+    try:
+        return _first_bad_row(path, reader, header, theirs)
+    except csv.Error as error:
+        return f"{path}, row {reader.line_num}: is no valid CSV: {error}"
+
+
+def _first_bad_row(path: Path, reader: _Reader, header: list[str], theirs: list[str]) -> str | None:
+    next(reader, None)
     for cells in reader:
         if len(cells) > len(header):
             return (
@@ -163,16 +205,44 @@ def _first_bad_cell(path: Path, content: bytes, header: list[str], theirs: list[
     return None
 
 
+def _unpacked(path: Path, content: bytes) -> bytes:
+    """Unpack a gzip file, of no more than a record's size: a file of kilobytes may claim to hold all of the memory.
+
+    Raises:
+        UserError: it isn't whole, or holds more.
+    """
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(content)) as stream:
+            unpacked = stream.read(MOST_BYTES + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise UserError(f"{path}: is no whole gzip file ({error}); write or copy it again") from error
+    if len(unpacked) > MOST_BYTES:
+        raise UserError(f"{path}: unpacks to more than {MOST_BYTES / 1e9:g} GB; expected the record of one run")
+    return unpacked
+
+
 def _parquet_channels(
     path: Path, content: bytes, sources: Mapping[RecordColumn, ColumnSource], required: tuple[RecordColumn, ...]
 ) -> dict[RecordColumn, Array]:
+    if not (content.startswith(PARQUET) and content.endswith(PARQUET)):
+        raise UserError(f"{path}: is no whole Parquet file; write or copy it again")
     try:
-        schema = pl.read_parquet_schema(io.BytesIO(content))
+        with quietly():
+            schema = pl.read_parquet_schema(io.BytesIO(content))
+            rows = int(pl.scan_parquet(io.BytesIO(content)).select(pl.len()).collect().item())
+        if not 0 <= rows <= FEW_ROWS + ROWS_PER_BYTE * len(content):
+            raise UserError(
+                f"{path}: claims {rows} rows, more than a file of {len(content)} bytes holds; copy it again"
+            )
         chosen = _chosen_columns(path, list(schema), sources, required)
         for name in chosen.values():
             if not schema[name].is_numeric():
                 raise UserError(f"{path}, column {name!r}: holds {schema[name]}; expected numbers")
-        frame = pl.read_parquet(io.BytesIO(content), columns=list(chosen.values()))
-    except pl.exceptions.PolarsError as error:
+        with quietly():
+            frame = pl.read_parquet(io.BytesIO(content), columns=list(chosen.values()))
+            return {ours: frame[name].cast(pl.Float64).to_numpy() for ours, name in chosen.items()}
+    except UserError:
+        raise
+    # what its readers raise of a damaged file is not of one kind
+    except (Exception, pl.exceptions.PanicException) as error:
         raise UserError(f"{path}: is no whole Parquet file ({error}); write or copy it again") from error
-    return {ours: frame[name].cast(pl.Float64).to_numpy() for ours, name in chosen.items()}

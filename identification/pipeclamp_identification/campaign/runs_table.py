@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import io
 import math
 import re
 from collections.abc import Mapping
@@ -15,9 +16,12 @@ from types import MappingProxyType
 from pipeclamp_identification.campaign.description import FILE_NAME as DESCRIPTION
 from pipeclamp_identification.campaign.description import CampaignDescription
 from pipeclamp_models.base.errors import UserError, did_you_mean
+from pipeclamp_models.base.files import read_text
 from pipeclamp_models.base.units import CELSIUS
 
 FILE_NAME = "runs.csv"
+MOST_COLUMNS = 500
+"""More conditions and labels than anybody has of a test."""
 RECORD_ENDINGS = (".csv", ".csv.gz", ".parquet")
 
 
@@ -133,16 +137,10 @@ def read_runs_table(folder: Path, description: CampaignDescription) -> RunsTable
 
 
 def _read_cells(path: Path) -> list[tuple[int, list[str]]]:
+    text = read_text(path, "the campaign's table, one row per run", "utf-8-sig")
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            reader = csv.reader(stream, strict=True)
-            lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
-    except FileNotFoundError:
-        raise UserError(f"{path}: no such file; expected it in the campaign's folder, one row per run") from None
-    except OSError as error:
-        raise UserError(f"{path}: can't be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8") from error
+        lines = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
     except csv.Error as error:
         raise UserError(f"{path}, row {reader.line_num}: is no valid CSV: {error}") from error
     if not lines:
@@ -158,6 +156,8 @@ def _read_cells(path: Path) -> list[tuple[int, list[str]]]:
 
 
 def _checked_header(path: Path, header: list[str]) -> list[str]:
+    if len(header) > MOST_COLUMNS:
+        raise UserError(f"{path}, row 1: has {len(header)} columns; expected {MOST_COLUMNS} at most")
     for column in header:
         if not column:
             raise UserError(f"{path}, row 1: column {header.index(column) + 1} has no name; expected one")

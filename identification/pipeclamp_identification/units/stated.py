@@ -158,6 +158,10 @@ def _some(ours: str) -> str:
     )
 
 
+POWERS = re.compile(r"(?:\*\*|\^)[ \-]*(?:\w{3}|[\w.]+ *(?:\*\*|\^))")
+"""Exponents that no unit has, powers of powers: worked out, they are numbers without end."""
+
+
 @cache
 def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | None:
     """Give the conversion of a unit; None where it is of something else, or none at all."""
@@ -170,7 +174,7 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
     spelled = meant.get(text, meant.get(text.casefold(), SPELLINGS.get(text.casefold(), text)))
     if spelled == "K" and ours == "degC":
         return Conversion(number, -CELSIUS)
-    if not re.fullmatch(r"[\w°µ^*/%.\- ·²³]{1,24}", spelled):
+    if not re.fullmatch(r"[\w°µ^*/%.\- ·²³]{1,24}", spelled) or POWERS.search(spelled):
         return None
     # what is plain needs no library of units
     if spelled == ours:
@@ -193,7 +197,12 @@ def _rounded(value: float) -> float:
 @cache
 def _known(text: str) -> bool:
     """Tell whether pint knows the text as a unit of whatever."""
-    if text in ("-", "%", "1") or not re.fullmatch(r"[\w°µ^*/.\-·²³]{1,24}", text) or text[0].isdigit():
+    if (
+        text in ("-", "%", "1")
+        or not re.fullmatch(r"[\w°µ^*/.\-·²³]{1,24}", text)
+        or text[0].isdigit()
+        or POWERS.search(text)
+    ):
         return text in ("-", "%", "1")
     try:
         _registry().parse_units(SPELLINGS.get(text.casefold(), text))

@@ -5,13 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from pipeclamp_models.base.said import message
+
+LONGEST_NAME = 100
+"""Characters of a name by which a known one is found."""
+
 
 class UserError(Exception):
     """Input that can't serve: what was got, where, what was expected, what to do.
 
     The command line prints it as one message and exits with status 1; everything else that
-    is raised is a defect of this program.
+    is raised is a defect of this program. Its lines have up to 300 characters, and none that a terminal obeys, whatever
+    names and values they hold.
     """
+
+    def __init__(self, text: str = "") -> None:
+        """Take what is wrong."""
+        super().__init__(message(text))
 
 
 class UsageError(UserError):
@@ -20,7 +30,8 @@ class UsageError(UserError):
 
 def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
     """Ask whether one of the known names nearest to an unknown one was meant, to stand before what was expected."""
-    near = get_close_matches(name, list(known), n=most, cutoff=0.5)
+    # the search takes the square of a name's length
+    near = get_close_matches(name[:LONGEST_NAME], list(known), n=most, cutoff=0.5)
     return f"did you mean {' or '.join(map(repr, near))}? " if near else ""
 
 

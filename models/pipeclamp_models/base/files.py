@@ -4,18 +4,79 @@ from __future__ import annotations
 
 import os
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
 
+KINDS = {
+    stat.S_ISDIR: "is a folder",
+    stat.S_ISFIFO: "is a pipe",
+    stat.S_ISCHR: "is a device",
+    stat.S_ISBLK: "is a device",
+    stat.S_ISSOCK: "is a socket",
+}
+"""What may stand where a file is expected; opening some of them waits for ever."""
 
-def why_unreadable(error: OSError | UnicodeDecodeError) -> str:
-    """Say why a text file couldn't be read, without the system's numbers."""
-    if isinstance(error, UnicodeDecodeError):
-        return f"is not UTF-8 text (byte {error.start})"
-    return "no such file" if isinstance(error, FileNotFoundError) else f"can't be read ({error.strerror})"
+
+def refuse_no_file(path: Path, expected: str, where: str | None = None) -> None:
+    """Refuse what is no file, before it is opened.
+
+    Args:
+        path: that is to be read.
+        expected: what it should be, with what to do, for the message.
+        where: what the message begins with; the path by default.
+
+    Raises:
+        UserError: there is none, or a folder, a pipe, a device.
+    """
+    place = str(path) if where is None else where
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError as error:
+        raise UserError(f"{place}: no such file; expected {expected}") from error
+    except OSError as error:
+        raise UserError(f"{place}: can't be read ({error.strerror}); expected {expected}") from error
+    except ValueError as error:
+        raise UserError(f"{place}: is no name that a file can have; expected {expected}") from error
+    if not stat.S_ISREG(mode):
+        kind = next((words for is_kind, words in KINDS.items() if is_kind(mode)), "is no file")
+        raise UserError(f"{place}: {kind}; expected {expected}")
+
+
+def read_content(path: Path, expected: str, where: str | None = None) -> bytes:
+    """Read a file: the one way to any that a user names.
+
+    Args:
+        path: of the file.
+        expected: what it should be, with what to do, for the message.
+        where: what the message begins with; the path by default.
+
+    Raises:
+        UserError: it can't be read, or is none.
+    """
+    refuse_no_file(path, expected, where)
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        place = path if where is None else where
+        raise UserError(f"{place}: can't be read ({error.strerror}); expected {expected}") from error
+
+
+def read_text(path: Path, expected: str, encoding: str = "utf-8") -> str:
+    """Read a text file as `read_content` does; its line ends become "\\n".
+
+    Raises:
+        UserError: it can't be read, is none, or isn't UTF-8.
+    """
+    content = read_content(path, expected)
+    try:
+        text = content.decode(encoding)
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: is not UTF-8 text (byte {error.start}); expected {expected}, in UTF-8") from error
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def refuse_file(path: Path) -> None:
@@ -24,6 +85,8 @@ def refuse_file(path: Path) -> None:
     Raises:
         UserError: there is a folder of that name, or the file's folder doesn't exist.
     """
+    if "\0" in str(path):
+        raise UserError(f"{path}: is no name that a file can have; expected the name of a file to write")
     if path.is_dir():
         raise UserError(f"{path}: is a folder; expected the name of a file to write")
     _refuse_parent(path)
@@ -35,7 +98,9 @@ def refuse_folder(folder: Path) -> None:
     Raises:
         UserError: there is something of that name, or its parent folder doesn't exist.
     """
-    if folder.exists():
+    if "\0" in str(folder):
+        raise UserError(f"{folder}: is no name that a folder can have; expected one that is not there yet")
+    if os.path.lexists(folder):
         raise UserError(f"{folder}: exists already; expected a folder that is not there yet")
     _refuse_parent(folder)
 

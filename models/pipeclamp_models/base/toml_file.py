@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.files import why_unreadable
+from pipeclamp_models.base.files import read_text
 from pipeclamp_models.base.units import CELSIUS
 
 SMALLEST, LARGEST = 1e-12, 1e15
@@ -31,8 +31,15 @@ Celsius = Annotated[Number, Field(gt=-CELSIUS)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]
 """A name that FMU variables and table columns can carry."""
 
+DEEPEST = 30
+"""Levels of tables and lists in one another; no description has more than a few."""
+
 VARIANT = "("
 """What the tag of a union's variant begins with, so that it stays out of the place that an error names."""
+
+
+MOST_NAMED = 20
+"""Known names that an error lists."""
 
 
 class Table(BaseModel):
@@ -56,8 +63,9 @@ Found = TypeVar("Found")
 
 def unknown(name: str, known: list[str], kind: str) -> str:
     """Say that a name isn't known, which one was probably meant, and which there are."""
-    expected = ", ".join(known) if known else "none"
-    return f"{kind} {name!r} is not known; {did_you_mean(name, known)}expected {expected}"
+    expected = ", ".join(known[:MOST_NAMED]) if known else "none"
+    more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
+    return f"{kind} {_short(repr(name), 60)} is not known; {did_you_mean(name, known)}expected {expected}{more}"
 
 
 def looked_up(find: Callable[[str], Found]) -> Callable[[str], str]:
@@ -79,11 +87,16 @@ def read_table(path: Path, model: type[Model], what: str = "a description") -> M
     Raises:
         UserError: the file is missing, is not TOML, or doesn't hold what the table expects.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: {why_unreadable(error)}; expected {what}, a TOML file in UTF-8") from error
-    return parse_table(text, model, str(path))
+    return validated(read_toml(path, what), model, str(path))
+
+
+def read_toml(path: Path, what: str = "a description") -> dict[str, Any]:
+    """Read a TOML file; `what` it should be is named in errors.
+
+    Raises:
+        UserError: the file is missing or is not TOML.
+    """
+    return _parsed(read_text(path, f"{what}, a TOML file"), str(path))
 
 
 def parse_table(text: str, model: type[Model], where: str) -> Model:
@@ -92,11 +105,30 @@ def parse_table(text: str, model: type[Model], where: str) -> Model:
     Raises:
         UserError: the text is not TOML, or doesn't hold what the table expects.
     """
+    return validated(_parsed(text, where), model, where)
+
+
+def _parsed(text: str, where: str) -> dict[str, Any]:
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise UserError(f"{where}: not valid TOML: {error}") from error
-    return validated(content, model, where)
+    except (ValueError, RecursionError) as error:  # integers of thousands of digits; tables within tables
+        raise UserError(f"{where}: not valid TOML: a number or a nesting is too large") from error
+    if _depth(content) > DEEPEST:
+        raise UserError(f"{where}: tables or lists are nested deeper than {DEEPEST} levels; expected plain tables")
+    return content
+
+
+def _depth(content: Mapping[str, Any]) -> int:
+    """Count the levels of tables and lists, one more than DEEPEST where there are still more."""
+    level: list[Any] = [content]
+    for depth in range(DEEPEST + 1):
+        if not level:
+            return depth
+        inside = (one.values() if isinstance(one, dict) else one for one in level)
+        level = [one for entries in inside for one in entries if isinstance(one, dict | list)]
+    return DEEPEST + 1
 
 
 def validated(content: Any, model: type[Model], where: str) -> Model:
@@ -108,12 +140,12 @@ def validated(content: Any, model: type[Model], where: str) -> Model:
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        raise UserError(f"{where}: {_explain(error)}") from error
+        raise UserError(f"{where}: {explained(error)}") from error
 
 
-def _explain(error: ValidationError) -> str:
-    """Give the first problem of a validation in words."""
-    first = error.errors()[0]
+def explained(error: ValidationError) -> str:
+    """Give the first problem of a validation in words: its place, what was got, how many more there are."""
+    first = error.errors(include_url=False)[0]
     place = ""
     for part in first["loc"]:
         if isinstance(part, int):
@@ -121,6 +153,10 @@ def _explain(error: ValidationError) -> str:
         elif not part.startswith(VARIANT):
             place += f".{part}" if place else part
     message = first["msg"].removeprefix("Value error, ")
-    got = "" if isinstance(first["input"], dict | list) else f", got {first['input']!r}"
+    got = "" if isinstance(first["input"], dict | list) else f", got {_short(repr(first['input']), 60)}"
     others = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
-    return f"{place or 'the file as a whole'}: {message}{got}{others}"
+    return f"{_short(place, 80) or 'the file as a whole'}: {_short(message, 200)}{got}{others}"
+
+
+def _short(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: most - 3]}..."

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION, Role
-from pipeclamp_models.base.toml_file import Number, Table
+from pipeclamp_models.base.toml_file import LARGEST, Number, Table
 
 
 def _free_symbol(name: str) -> str:
@@ -27,9 +27,11 @@ def _free_symbol(name: str) -> str:
 def _number_or_text(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError("expected a number or an expression in quotes")
-    if not isinstance(value, str) and not math.isfinite(value):
-        raise ValueError("expected a finite number")
-    return value if isinstance(value, str) else float(value)
+    if isinstance(value, str):
+        return value
+    if not math.isfinite(value) or abs(value) > LARGEST:
+        raise ValueError(f"expected a finite number up to {LARGEST:g}")
+    return float(value)
 
 
 def _one_or_several(value: Any) -> Any:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.toml_file import read_table
+from pipeclamp_models.base.toml_file import read_table, read_toml
 from pipeclamp_models.law.declaration import Declaration, merged
 
 SUFFIX = ".toml"
@@ -39,8 +38,8 @@ def refuse_declaration(path: Path) -> None:
     if path.suffix != SUFFIX or not path.is_file():
         return
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        content = read_toml(path)
+    except UserError:
         return  # whoever reads it next says what is wrong
     if "id" in content and "parameters" in content:
         raise UserError(

@@ -10,7 +10,8 @@ from typing import Annotated, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import why_unreadable, write_whole
+from pipeclamp_models.base.files import read_text, write_whole
+from pipeclamp_models.base.toml_file import explained
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law, Structure
 
@@ -226,11 +227,7 @@ def read_law(path: Path) -> LawFile:
     Raises:
         UserError: the file is missing, is not JSON, or is not of the schema; the message names the place.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: {why_unreadable(error)}; expected a law, as identify writes it") from error
-    return parse_law(text, str(path))
+    return parse_law(read_text(path, "a law, as identify writes it"), str(path))
 
 
 def parse_law(text: str, where: str) -> LawFile:
@@ -242,12 +239,7 @@ def parse_law(text: str, where: str) -> LawFile:
     try:
         file = LawFile.model_validate_json(text, strict=False)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"]) or "the file as a whole"
-        raise UserError(
-            f"{where}: {place}: {first['msg']}, got {str(first['input'])[:80]!r}; expected schema {SCHEMA} "
-            f"({error.error_count()} problem(s) in all)"
-        ) from error
+        raise UserError(f"{where}: {explained(error)}; expected schema {SCHEMA}") from error
     try:
         law_of(file)
     except UserError as error:
