@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import struct
+import sys
 import zipfile
 from functools import cache
 from pathlib import Path
@@ -19,7 +20,9 @@ from format_writers import WRITERS, Writer
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from pipeclamp_identification.importing.apart import read_apart
 from pipeclamp_identification.importing.importer import Options, plan_import
+from pipeclamp_identification.importing.raw import Damaged
 from pipeclamp_models.base.errors import UserError
 
 EACH = int(os.environ.get("PIPECLAMP_DAMAGED", "6"))
@@ -95,6 +98,13 @@ def test_a_damaged_file_ends_in_one_message(kind, tmp_path):
             assert plan.runs
 
     damage_it()
+
+
+def test_a_reader_that_breaks_down_ends_in_one_message(tmp_path, monkeypatch):
+    (tmp_path / "breaks_down.py").write_text("import os\n\n\ndef read(path):\n    os._exit(139)\n")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), *sys.path]))
+    with pytest.raises(Damaged, match=r"broke down \(status 139\)"):
+        read_apart("breaks_down", tmp_path / "a.mf4")
 
 
 @pytest.mark.parametrize("kind", KINDS)

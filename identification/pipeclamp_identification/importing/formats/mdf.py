@@ -1,4 +1,7 @@
-"""ASAM MDF, versions 3 and 4, by asammdf; a group's master channel is its time."""
+"""ASAM MDF, versions 3 and 4, by asammdf; a group's master channel is its time.
+
+asammdf's C code reads damaged files beyond their ends, so they are read in a process of their own.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pipeclamp_identification.importing.apart import read_apart
 from pipeclamp_identification.importing.raw import COMPRESSED, Damaged, Format, RawTable, refuse_size, table_of
 
 
@@ -62,7 +66,7 @@ FORMAT = Format(
     name="ASAM MDF",
     suffixes=(".mf4", ".mdf", ".dat"),
     begins=lambda head: head[:8] in (b"MDF     ", b"UnFinMF "),
-    read=read,
+    read=lambda path: read_apart(__name__, path),
     module="asammdf",
     package="asammdf",
 )
