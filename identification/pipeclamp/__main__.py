@@ -3,21 +3,39 @@
 The command line is imported inside, so that an interrupt has its one message while that still loads.
 """
 
+import signal
 import sys
+from types import FrameType
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as of a shell."""
+TERMINATED = 143
+"""Exit status after SIGTERM, as of a shell."""
 
 
 def main() -> None:
-    """Run the command line; an interrupt is one message on stderr and status 130."""
+    """Run the command line; an interrupt is one message on stderr and status 130, a termination one and 143."""
+    terminated: list[int] = []
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        # What Ctrl-C doesn't break in the middle, this doesn't either; who ignores Ctrl-C is still ended by this.
+        terminated.append(number)
+        if callable(signal.getsignal(signal.SIGINT)):
+            signal.raise_signal(signal.SIGINT)
+        else:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, terminate)
     try:
         from pipeclamp.cli import app as cli
 
         cli.main()
     except KeyboardInterrupt as interrupt:
-        sys.stderr.write(f"pipeclamp: interrupted: {str(interrupt) or 'the same command begins anew'}\n")
-        sys.exit(INTERRUPTED)
+        how, status = ("terminated", TERMINATED) if terminated else ("interrupted", INTERRUPTED)
+        sys.stderr.write(f"pipeclamp: {how}: {str(interrupt) or 'the same command begins anew'}\n")
+        sys.exit(status)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -439,12 +440,46 @@ def test_killed_in_the_middle_leaves_no_partial_output(monkeypatch, started, tmp
         told = process.stderr.read()
     assert process.returncode != 0
     assert not output.exists()
-    if sent == signal.SIGINT:
+    if sent != signal.SIGKILL:
         assert list(tmp_path.iterdir()) == []
         # A shell says 130 of both: where the signal fell into `exec` of a text, Python 3.11 ends by the signal itself.
-        assert process.returncode in (130, -signal.SIGINT)
-        assert "pipeclamp: interrupted" in told
+        how, status = ("terminated", 143) if sent == signal.SIGTERM else ("interrupted", 130)
+        assert process.returncode in (status, -signal.SIGINT)
+        assert f"pipeclamp: {how}" in told
         assert "Traceback" not in told
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell script stands for the compiler")
+def test_terminated_while_it_compiles_leaves_nothing(monkeypatch, started, tmp_path):
+    """The compiler's own children are ended, too."""
+    beside, scratch, tools = (tmp_path / name for name in ("beside", "scratch", "tools"))
+    for folder in (beside, scratch, tools):
+        folder.mkdir()
+    compiler = tools / "cc"
+    compiler.write_text(
+        f"#!/bin/sh\nsleep 60 &\necho $! > {beside}/child.part\nmv {beside}/child.part {beside}/child\nwait\n"
+    )
+    compiler.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tools}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("TMPDIR", str(scratch))
+    with started("build-fmu", "emwm2", "--kind", "native", "-o", tmp_path / "clamp.fmu") as process:
+        while not (beside / "child").exists():
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(signal.SIGTERM)
+        told = process.stderr.read()
+    assert process.returncode == 143
+    assert told == "pipeclamp: terminated: the same command begins anew\n"
+    assert list(scratch.iterdir()) == []
+    assert not (tmp_path / "clamp.fmu").exists()
+    child = int((beside / "child").read_text())
+    for _ in range(500):
+        try:
+            os.kill(child, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.01)
+    pytest.fail("the compiler's child still runs")
 
 
 def test_interrupted_while_it_still_loads(started, tmp_path):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -99,10 +102,10 @@ def compile_sources(sources: Mapping[str, str], platforms: Sequence[str]) -> dic
         for name in platforms:
             output = Path(folder) / f"{name}{PLATFORMS[name].ending}"
             command = [*_compiler(name), *FLAGS, MAIN_SOURCE, "-o", output.name, *PLATFORMS[name].flags]
-            run = subprocess.run(command, cwd=folder, capture_output=True, check=False)
-            if run.returncode or not output.exists():
+            failed, told = _ran(command, folder)
+            if failed or not output.exists():
                 # In whatever encoding the compiler has: what it says must not hide that it failed.
-                said = run.stderr.decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
+                said = told.decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
                 reason = next((line for line in said if "error" in line), said[-1])
                 raise UserError(
                     f"the C compiler {command[0]} failed for {name}: {reason}; expected one that takes C99 and GCC's "
@@ -110,6 +113,39 @@ def compile_sources(sources: Mapping[str, str], platforms: Sequence[str]) -> dic
                 )
             libraries[name] = output.read_bytes()
     return libraries
+
+
+def _ran(command: Sequence[str], folder: str) -> tuple[int, bytes]:
+    """Run a compiler, and end it with all that it started where this is interrupted.
+
+    Args:
+        command: with its arguments.
+        folder: that it runs in, and that holds what it keeps for a while.
+
+    Returns:
+        its exit status and what it said on stderr.
+    """
+    temporary = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), folder)
+    with subprocess.Popen(
+        command, cwd=folder, env=os.environ | temporary, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, start_new_session=True,
+    ) as process:  # fmt: skip
+        try:
+            _, told = process.communicate()
+        except BaseException:
+            _end(process)
+            raise
+    return process.returncode, told
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process that was started as the first of its session, with its children."""
+    if hasattr(os, "killpg"):
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
+    process.wait()
 
 
 def _compiler(name: str) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import keyword
-import math
 from collections.abc import Iterable, Sequence
 from typing import Annotated, Any, Literal
 
@@ -29,7 +28,7 @@ def _number_or_text(value: Any) -> Any:
         raise ValueError("expected a number or an expression in quotes")
     if isinstance(value, str):
         return value
-    if not math.isfinite(value) or abs(value) > LARGEST:
+    if not abs(value) <= LARGEST:
         raise ValueError(f"expected a finite number up to {LARGEST:g}")
     return float(value)
 
