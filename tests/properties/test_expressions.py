@@ -2,6 +2,7 @@
 
 import string
 import time
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.time_limit import time_limit
 from pipeclamp_models.law.expression import DEEPEST, FUNCTIONS, LONGEST, WHERE, parse_expression
 from pipeclamp_models.realise.scalar import ScalarPrinter
 
@@ -199,3 +201,14 @@ def test_the_longest_texts_are_read_in_a_moment():
         parse_expression(text, NAMES, "force")
         assert time.process_time() - begin < 5
     assert {*FUNCTIONS, WHERE} == set(NUMPY) - {"pi"}
+
+
+def test_a_computation_without_end_is_stopped():
+    begin = time.monotonic()
+    with pytest.raises(UserError, match="too long"), time_limit(0.05, UserError("too long")):
+        while True:
+            with suppress(Exception):
+                sum(range(1000))
+    assert time.monotonic() - begin < 5
+    with time_limit(60, UserError("never")):
+        assert sum(range(1000)) == 499500

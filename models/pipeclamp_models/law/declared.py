@@ -9,12 +9,16 @@ from functools import lru_cache
 import sympy as sp
 
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.time_limit import time_limit
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import NOTHING, Coefficient, Effect, Parameter, State
 from pipeclamp_models.law.catalogue import identifiers
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.expression import has_value, parse_expression
 from pipeclamp_models.law.names import FIXED, RESERVED, SCALES, SLOW, Signals
+
+MOST_SECONDS = 30
+"""That SymPy may take for a declaration; one of a person's size takes less than a second."""
 
 
 @lru_cache(maxsize=256)
@@ -30,7 +34,12 @@ def effect_of(declaration: Declaration) -> Effect:
     """
     if declaration.id in identifiers():
         raise UserError(f"id {declaration.id!r} is an effect of the catalogue; expected an id of its own")
-    return _Maker(declaration).effect()
+    too_long = UserError(
+        f"effect {declaration.id!r}: its expressions take more than {MOST_SECONDS} s; expected simpler ones: "
+        "fewer min, max, abs, where and powers within one another"
+    )
+    with time_limit(MOST_SECONDS, too_long):
+        return _Maker(declaration).effect()
 
 
 class _Maker:
