@@ -269,3 +269,22 @@ def test_a_dask_cluster_takes_the_same_study(write, tmp_path: Path) -> None:
     with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
         there = run_study(study, tmp_path / "there.parquet", scheduler=cluster.scheduler_address)
     assert there.drop("seconds").equals(here.drop("seconds"))
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"{bad\n", b"[]\n", b"{}\n"])
+def test_a_damaged_journal_is_refused(write, tmp_path: Path, content) -> None:
+    study, output = read_study(write()), tmp_path / "study.parquet"
+    journal_of(output).write_bytes(study.fingerprint.encode() + b"\n" + content)
+    with pytest.raises(UserError, match=r"study\.parquet\.journal: .*; .*delete it to begin anew"):
+        run_study(study, output, jobs=1)
+
+
+def test_a_number_of_a_list_is_varied_by_its_place(write) -> None:
+    path = write('"system.response.levels.2" = [3.0, 4.0]')
+    system = path.with_name("system.toml")
+    text = system.read_text(encoding="utf-8")
+    system.write_text(f"{text}\n[response]\nfrom_Hz = 1\nto_Hz = 2\nlevels = [1.0, 2.0]\n", encoding="utf-8")
+    study = read_study(path)
+    assert study.described({"system.response.levels.2": 3.0})[1].response.levels == (1.0, 3.0)
+    with pytest.raises(UserError, match="'3' is not known"):
+        study.described({"system.response.levels.3": 3.0})

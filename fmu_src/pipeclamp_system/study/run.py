@@ -16,10 +16,12 @@ from types import FrameType
 import joblib
 
 from pipeclamp_models.base.errors import InterruptError, UserError
-from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.files import read_text, write_whole
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.study.case import Row, evaluate
 from pipeclamp_system.study.description import Study
+
+ANEW = "delete it to begin anew"
 
 CasesDone = Callable[[int, int], None]
 """Told how many cases are done, of how many."""
@@ -122,14 +124,17 @@ def _finished(journal: Path, study: Study) -> dict[int, Row]:
     """
     if not journal.exists():
         return {}
-    first, *lines = journal.read_text(encoding="utf-8").split("\n")
+    first, *lines = read_text(journal, f"the cases of this study; {ANEW}").split("\n")
     if first != study.fingerprint:
         raise UserError(
-            f"{journal}: holds cases of another study, or of files that have changed since; delete it to begin anew, "
+            f"{journal}: holds cases of another study, or of files that have changed since; {ANEW}, "
             "or go on with the files that it was begun with"
         )
-    rows = [json.loads(line) for line in lines[:-1]]
-    return {row["case"]: row for row in rows}
+    try:
+        rows = [json.loads(line) for line in lines[:-1]]
+        return {int(row["case"]): row for row in rows}
+    except (ValueError, LookupError, TypeError, RecursionError) as error:
+        raise UserError(f"{journal}: holds what is no case of a study; {ANEW}") from error
 
 
 @contextmanager
