@@ -113,5 +113,5 @@ def test_a_law_is_opened_by_name_or_by_path(tmp_path):
         open_law("publishd_R1")
     with pytest.raises(UserError, match="no such file; expected a law"):
         open_law(str(tmp_path / "none.json"))
-    with pytest.raises(UserError, match="can't be read"):
+    with pytest.raises(UserError, match="is a folder; expected a law"):
         open_law(str(tmp_path))
