@@ -93,6 +93,6 @@ def test_what_is_no_clamp_is_refused(fmus, law_with_memory, tmp_path):
     with zipfile.ZipFile(tmp_path / "empty.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", "<a/>")
     for path in (tmp_path / "text.fmu", tmp_path / "empty.fmu", tmp_path / "none.fmu", fmus["pipe"]):
-        with pytest.raises(UserError, match="expected one made by `pipeclamp build-fmu`"):
+        with pytest.raises(UserError, match=r"expected (one|a clamp FMU) made by `pipeclamp build-fmu`"):
             set_parameters(path, law_with_memory, tmp_path / "out.fmu")
     assert not (tmp_path / "out.fmu").exists()
