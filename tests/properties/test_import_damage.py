@@ -91,7 +91,7 @@ def test_a_damaged_file_ends_in_one_message(kind, tmp_path):
             plan = plan_import([path], Options())
         except UserError as error:
             first, *rest = str(error).splitlines()
-            assert first.startswith(str(path)) or "no run can be used" in first
+            assert first.startswith(str(path)) or path.name in first or "no run can be used" in first
             assert len(first) <= LONGEST_LINE, first
             assert all(line.startswith("  ") for line in rest)
         else:

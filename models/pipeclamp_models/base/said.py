@@ -12,6 +12,10 @@ MOST_LINES = 40
 ENDING = 120
 """Characters that stay of the end of a line that is cut: there it says what was expected."""
 CUT = " [...] "
+PLACE = re.compile(r"[^\n]*?[/\\][^\n]*?(?=: )")
+"""A file's path at the beginning of a line."""
+END_OF_PLACE = 40
+"""Characters that stay of its end, at least, where a line is too long: folders above say least."""
 HIDDEN = frozenset(("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"))
 """Categories of Unicode that a terminal obeys, hides or can't show."""
 
@@ -36,13 +40,20 @@ def _shown(character: str) -> str:
 
 
 def message(text: str) -> str:
-    """Give a text as a message: one line, or that and lines that two spaces begin; long ones without their middle."""
+    """Give a text as a message: one line, or that and lines that two spaces begin.
+
+    A line that is too long goes without its file's upper folders, and, if that isn't enough, without its middle.
+    """
     lines = [_fitted(printable(line)) for line in re.split(r"\n(?=  \S)", text.strip())]
     further = len(lines) - MOST_LINES
     return "\n".join(lines if further <= 0 else [*lines[:MOST_LINES], f"  and {further} more"])
 
 
 def _fitted(line: str) -> str:
+    place = PLACE.match(line)
+    if len(line) > LONGEST and place and len(place[0]) > END_OF_PLACE:
+        left = max(len(place[0]) - (len(line) - LONGEST) - len(CUT.lstrip()), END_OF_PLACE)
+        line = CUT.lstrip() + place[0][-left:] + line[place.end() :]
     if len(line) <= LONGEST:
         return line
     return line[: LONGEST - ENDING - len(CUT)] + CUT + line[-ENDING:]

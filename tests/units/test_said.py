@@ -1,0 +1,19 @@
+"""Messages that are too long: the file's name, what was got and what was expected stay."""
+
+from pipeclamp_models.base.said import LONGEST, message
+
+SAID = "runs/A.csv: has no column 'time_s' (it has 'time_s;force_N'); expected comma-separated columns"
+
+
+def test_a_long_path_loses_its_upper_folders_alone():
+    said = message(f"/home/{'folder/' * 60}{SAID}")
+    assert said.startswith("[...] ")
+    assert said.endswith(f"/{SAID}")
+    assert len(said) == LONGEST
+
+
+def test_a_long_line_loses_its_middle():
+    said = message(f"/a/b.csv: {'got ' * 200}; expected less")
+    assert said.startswith("/a/b.csv: got")
+    assert said.endswith("; expected less")
+    assert len(said) == LONGEST
