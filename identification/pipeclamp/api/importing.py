@@ -67,9 +67,9 @@ class Import(Shown):
 
     def page(self) -> tuple[str, str, Sequence[Section]]:
         """Give the page that stands in the campaign's folder."""
-        from pipeclamp.pages.imported import import_sections
+        from pipeclamp.pages.imported import import_parts
 
-        return f"Import of {self.found.campaign.name}", self.found.folder.name, import_sections(self.found)
+        return import_parts(self.found)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: file, amplitude (mm), frequency (Hz), temperature (degC), cycles."""

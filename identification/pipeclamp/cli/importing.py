@@ -71,8 +71,6 @@ def import_command(
     report: ReportOption = None,
 ) -> None:
     """Test machines' files to a campaign: channels and units found, runs cut out and checked; later files join it."""
-    from rich.markup import escape
-
     from pipeclamp.pages.imported import import_page
     from pipeclamp.show.imported import import_view
     from pipeclamp_identification.fitting.identify import software
@@ -87,7 +85,7 @@ def import_command(
         found = import_whole(
             files, output, options, page=import_page, confirm=_confirmed if asked and not yes else None,
             dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value,
-            progress=lambda what: tell(escape(what)),  # a file's name may look like markup
+            progress=tell,
         )  # fmt: skip
     for entry in found.campaign.left_out:
         errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)

@@ -27,7 +27,12 @@ KEPT, CUT = SERIES[0], SERIES[1]
 
 def import_page(found: Found) -> str:
     """Give the page of an import as HTML."""
-    return render(f"Import of {found.campaign.name}", str(found.folder.name), import_sections(found))
+    return render(*import_parts(found))
+
+
+def import_parts(found: Found) -> tuple[str, str, list[Section]]:
+    """Give the title of an import's page, what stands below it, and the sections."""
+    return f"Import of {found.campaign.name}", found.folder.name, import_sections(found)
 
 
 def import_sections(found: Found) -> list[Section]:

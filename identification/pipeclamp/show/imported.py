@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.imported import ImportedColumn, ImportedFile
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
+from pipeclamp_identification.units.stated import Conversion
 
 MOST_NAMED = 3
 
@@ -18,15 +19,14 @@ def columns_table(files: tuple[ImportedFile, ...]) -> Table:
     for file in files:
         alike.setdefault(tuple(file.columns.items()), []).append(file.file)
     rows = [
-        (ours, column.channel, _factor(column), "stated" if column.stated else "by name and unit", _named(names))
+        (
+            ours, column.channel, Conversion(column.factor, column.offset).words(),
+            "stated" if column.stated else "by name and unit", _named(names),
+        )
         for columns, names in alike.items()
         for ours, column in columns
-    ]
+    ]  # fmt: skip
     return Table(("column", "channel", "turned by", "known", "files"), rows)
-
-
-def _factor(column: ImportedColumn) -> str:
-    return f"x {column.factor:.6g}" + (f" {column.offset:+.6g}" if column.offset else "")
 
 
 def _named(names: list[str]) -> str:
@@ -70,7 +70,7 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
         head = f"{found.folder}: {_counted(new, 'run')} of {files}{_known(answer)}{done}"
     lines = [head]
     if answer.cut:
-        why: Mapping[str, int] = {one.why: sum(other.why == one.why for other in answer.cut) for one in answer.cut}
+        why = Counter(one.why for one in answer.cut)
         lines.append(
             f"{len(answer.cut)} parts are in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4])
         )

@@ -53,6 +53,15 @@ class Record:
     force_N: Array
     temperature_C: Array | None = None
 
+    @property
+    def channels(self) -> dict[str, Array]:
+        """Give the samples of each channel that it has, by name."""
+        return {name: values for name, values in vars(self).items() if values is not None}
+
+    def part(self, first: int, last: int) -> Record:
+        """Give its samples from the first on, before the last."""
+        return Record(**{name: values[first:last] for name, values in self.channels.items()})
+
 
 def read_record(path: Path, content: bytes, columns: Mapping[RecordColumn, ColumnSource]) -> Record:
     """Turn the bytes of a record's file into samples.

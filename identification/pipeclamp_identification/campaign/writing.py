@@ -54,7 +54,7 @@ def campaign_files(
         taken.add(stem.casefold())
         file = f"runs/{stem}.{format}"
         rows.append({"run": run_name, "file": file, **{k: value for k, value in run.row.items() if k != "run"}})
-        samples = {key: values for key, values in vars(run.record).items() if values is not None}
+        samples = run.record.channels
         yield file, encoded(pl.DataFrame(samples), format)
         if progress:
             progress(run_name)
@@ -96,7 +96,7 @@ def write_campaign(
 
 def _digest(record: Record) -> str:
     """Give the SHA-256 over a record's samples."""
-    channels = (values for values in vars(record).values() if values is not None)
+    channels = record.channels.values()
     return hashlib.sha256(b"".join(np.ascontiguousarray(values).tobytes() for values in channels)).hexdigest()
 
 

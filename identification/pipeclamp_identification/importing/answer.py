@@ -77,15 +77,14 @@ class Found:
 
     def answer(self) -> ImportAnswer:
         """Give it as data."""
-        new = {run.name for run in self.plan.runs}
+        new = {run.name: run for run in self.plan.runs}
         cycles = {run.name: run for run in self.campaign.runs}
         free = {run.name: run for run in self.campaign.free}
         rows = []
         for source in self.imported.runs:
             sine, other = cycles.get(source.run), free.get(source.run)
             known = sine or other
-            planned = next((run for run in self.plan.runs if run.name == source.run), None)
-            measured = planned.measured if planned else None
+            measured = new[source.run].measured if source.run in new else None
             rows.append(
                 ImportedRunAnswer(
                     run=source.run,

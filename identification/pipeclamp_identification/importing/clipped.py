@@ -35,8 +35,7 @@ def without_clipped_cycles(record: Record, cycles: Cycles, failure: SensorFailur
     if len(best) < FEWEST_CYCLES:
         raise failure
     first, last = int(cycles.bounds[best[0]]), int(cycles.bounds[best[-1] + 1])
-    kept = Record(**{name: values[first:last] for name, values in vars(record).items() if values is not None})
-    return kept, (
+    return record.part(first, last), (
         f"{failure}; {sum(clipped)} of {cycles.count} cycles are clipped and cut off, the longest row of "
         f"{len(best)} others is kept"
     )

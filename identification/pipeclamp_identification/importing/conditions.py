@@ -15,6 +15,7 @@ from pipeclamp_identification.importing.decoding import decoded
 from pipeclamp_identification.importing.raw import Damaged
 from pipeclamp_identification.units.stated import SETTINGS, conversion
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.law.range import rounded
 
 Settings = dict[str, float | str]
 """Columns of runs.csv and what they hold."""
@@ -83,7 +84,7 @@ class Pattern:
             if field in TEXTS or number is None:
                 settings[column] = text
             else:
-                settings[column] = _rounded(factor * number + offset)
+                settings[column] = rounded(factor * number + offset)
         return settings
 
 
@@ -110,10 +111,6 @@ def _number_in(text: str) -> float | None:
     if not re.fullmatch(NUMBER, text):
         return None
     return float(text.replace(",", ".").replace("p", "."))
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.10g}")
 
 
 def guessed_pattern(stems: Sequence[str]) -> str:

@@ -21,7 +21,7 @@ from pipeclamp_identification.importing.conditions import Pattern, Settings, gue
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.rates import joined_rates
 from pipeclamp_identification.importing.raw import RawTable
-from pipeclamp_identification.importing.reading import SourceFile, printable, read_file
+from pipeclamp_identification.importing.reading import SourceFile, read_file, without_controls
 from pipeclamp_identification.importing.repair import evened, mended
 from pipeclamp_identification.importing.split import Part, split
 from pipeclamp_identification.importing.traces import Trace, trace_of
@@ -214,7 +214,7 @@ class _Maker:
         single: bool,
     ) -> PlannedRun | str:
         """Give a part as a run, or why it can't be one."""
-        clean = mended(_slice(trace.record, part))
+        clean = mended(trace.record.part(part.first, part.last))
         repaired = evened(clean.record)
         done = [*trace.told, *clean.told, *repaired.told]
         try:
@@ -264,7 +264,7 @@ class _Maker:
 
     def _name(self, stem: str, single: bool) -> str:
         """Give a run's name: its file's, with a number where there are several."""
-        candidates = _names(printable(stem) or "run", single)
+        candidates = _names(without_controls(stem) or "run", single)
         name = next(one for one in candidates if one not in self.taken)
         self.taken.add(name)
         return name
@@ -322,11 +322,6 @@ def _pieces(where: str, table: RawTable, mapped: Mapped, rate: float | None) -> 
     y = np.interp(np.arange(len(finite)), np.flatnonzero(finite), trace.motion[finite])
     cut = split(trace.record.time_s, y, trace.segment)
     return trace, list(cut.runs), list(cut.left)
-
-
-def _slice(record: Record, part: Part) -> Record:
-    inside = slice(part.first, part.last)
-    return Record(**{name: values[inside] for name, values in vars(record).items() if values is not None})
 
 
 def _usable(record: Record) -> tuple[Record, Cycles | None, list[str]]:

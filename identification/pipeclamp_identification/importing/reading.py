@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import hashlib
 import logging
-import os
 import pkgutil
 import sys
 import warnings
@@ -21,6 +20,7 @@ from pipeclamp_identification.importing import formats
 from pipeclamp_identification.importing.raw import Damaged, Format, RawTable
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.quiet import quietly
 from pipeclamp_models.base.tables import pl
 
 HEAD = 512
@@ -111,7 +111,7 @@ def read_file(path: Path) -> SourceFile:
         )
     tables: tuple[RawTable, ...] = ()
     failure = ""
-    with _quietly():
+    with _silently():
         try:
             tables = tuple(_told_apart(table) for table in found.read(path) if table.length)
         except Damaged as error:
@@ -133,17 +133,17 @@ def _told_apart(table: RawTable) -> RawTable:
     seen: dict[str, int] = {}
     channels = []
     for channel in table.channels:
-        channel = replace(channel, name=printable(channel.name), unit=printable(channel.unit))
+        channel = replace(channel, name=without_controls(channel.name), unit=without_controls(channel.unit))
         seen[channel.heading] = seen.get(channel.heading, 0) + 1
         if (number := seen[channel.heading]) > 1:
             # before the unit, which must be found as that of the first
             base, unit = unit_in_name(channel.name)
             channel = replace(channel, name=f"{base} #{number} [{unit}]" if unit else f"{channel.name} #{number}")
         channels.append(channel)
-    return replace(table, name=printable(table.name), channels=tuple(channels))
+    return replace(table, name=without_controls(table.name), channels=tuple(channels))
 
 
-def printable(text: str) -> str:
+def without_controls(text: str) -> str:
     """Give a text without control characters, which a terminal would obey."""
     return "".join(one if one.isprintable() else " " for one in text).strip()
 
@@ -175,28 +175,20 @@ def _is_text(head: bytes) -> bool:
 def _first_line(error: BaseException) -> str:
     """Give the first line of a foreign message, cut, without control characters."""
     line = (str(error).strip().splitlines() or [""])[0] or type(error).__name__
-    line = printable(line)
+    line = without_controls(line)
     return line if len(line) <= MOST_TOLD else f"{line[:MOST_TOLD]}..."
 
 
 @contextmanager
-def _quietly() -> Iterator[None]:
+def _silently() -> Iterator[None]:
     """Keep foreign readers from writing warnings, logs, and what destructors and Rust raise between our lines."""
     before, hook = logging.root.manager.disable, sys.unraisablehook
     logging.disable(logging.CRITICAL)
     sys.unraisablehook = lambda unraisable: None
-    errors = os.dup(2)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
-        if sys.stderr:
-            sys.stderr.flush()
-        os.dup2(nowhere, 2)
-        with warnings.catch_warnings():
+        with quietly(), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     finally:
-        os.dup2(errors, 2)
-        os.close(errors)
-        os.close(nowhere)
         logging.disable(before)
         sys.unraisablehook = hook

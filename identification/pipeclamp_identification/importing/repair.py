@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,9 +38,34 @@ class Repaired:
 
 def mended(record: Record) -> Repaired:
     """Take single blanks and spikes out of a record."""
-    bridged = _bridged(record)
+    bridged = _channel_by_channel(record, _bridged)
     clean = without_spikes(bridged.record)
     return Repaired(clean.record, (*bridged.told, *clean.told))
+
+
+def mended_channel(name: str, values: Array) -> Array:
+    """Take single blanks and spikes out of one channel of a record."""
+    return _despiked(name, _bridged(name, values)[0])[0]
+
+
+def without_spikes(record: Record) -> Repaired:
+    """Take single samples that stand far off their neighbours out of a record, by Hampel's filter; lines replace them.
+
+    Hampel (J. Am. Stat. Assoc. 69, 1974): a sample lies many times the median absolute deviation off what is usual.
+    Usual is here the line between its neighbours, so that the slope of a fast motion counts for nothing.
+    """
+    return _channel_by_channel(record, _despiked)
+
+
+def _channel_by_channel(record: Record, repair: Callable[[str, Array], tuple[Array, str]]) -> Repaired:
+    """Repair each channel by a function of name and samples, which gives them with words: "" where nothing was done."""
+    changed, told = {}, []
+    for name, values in record.channels.items():
+        samples, words = repair(name, values)
+        if words:
+            changed[name] = samples
+            told.append(words)
+    return Repaired(replace(record, **changed) if changed else record, tuple(told))
 
 
 def evened(record: Record) -> Repaired:
@@ -78,9 +104,7 @@ def evened(record: Record) -> Repaired:
         return Repaired(record)
     grid = np.linspace(time[0], time[-1], count)
     channels = {
-        name: np.interp(grid, time[kept], values[kept])
-        for name, values in vars(record).items()
-        if name != "time_s" and values is not None
+        name: np.interp(grid, time[kept], values[kept]) for name, values in record.channels.items() if name != "time_s"
     }
     words = (
         f"uneven steps of time, {float(np.min(positive)):.3g} to {float(np.max(step)):.3g} s: put on a grid of "
@@ -89,30 +113,34 @@ def evened(record: Record) -> Repaired:
     return Repaired(Record(time_s=grid, **channels), (words,))
 
 
-def without_spikes(record: Record) -> Repaired:
-    """Take single samples that stand far off their neighbours out of a record, by Hampel's filter; lines replace them.
+def _despiked(name: str, values: Array) -> tuple[Array, str]:
+    found = _spikes(values) if name != "time_s" else np.zeros(len(values), dtype=np.bool_)
+    count = int(np.count_nonzero(found))
+    if not count:
+        return values, ""
+    clean = _on_lines(values, found)
+    worst = float(np.max(np.abs(values - clean)))
+    at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
+    more = f" and {count - 3} more" if count > 3 else ""
+    return clean, (
+        f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more} of it; up to {worst:.3g}): replaced "
+        "by straight lines between their neighbours"
+    )
 
-    Hampel (J. Am. Stat. Assoc. 69, 1974): a sample lies many times the median absolute deviation off what is usual.
-    Usual is here the line between its neighbours, so that the slope of a fast motion counts for nothing.
-    """
-    told, changed = [], {}
-    for name, values in vars(record).items():
-        if name == "time_s" or values is None:
-            continue
-        found = _spikes(values)
-        count = int(np.count_nonzero(found))
-        if not count:
-            continue
-        places = np.arange(len(values))
-        changed[name] = np.where(found, np.interp(places, places[~found], values[~found]), values)
-        worst = float(np.max(np.abs(values - changed[name])))
-        at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
-        more = f" and {count - 3} more" if count > 3 else ""
-        told.append(
-            f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more} of it; up to {worst:.3g}): replaced "
-            "by straight lines between their neighbours"
-        )
-    return Repaired(replace(record, **changed), tuple(told)) if changed else Repaired(record)
+
+def _bridged(name: str, values: Array) -> tuple[Array, str]:
+    blank = ~np.isfinite(values)
+    count = int(np.count_nonzero(blank))
+    if not 0 < count <= MOST_BLANK * len(values):
+        return values, ""
+    told = f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines"
+    return _on_lines(values, blank), told
+
+
+def _on_lines(values: Array, gone: npt.NDArray[np.bool_]) -> Array:
+    """Put samples on straight lines between the others."""
+    places = np.arange(len(values))
+    return np.where(gone, np.interp(places, places[~gone], values[~gone]), values)
 
 
 def _spikes(values: Array) -> npt.NDArray[np.bool_]:
@@ -134,18 +162,3 @@ def _spikes(values: Array) -> npt.NDArray[np.bool_]:
         for step in range(width):
             found[at + step] = True
     return found if np.count_nonzero(found) <= max(MOST_SPIKES * len(values), 3) else none
-
-
-def _bridged(record: Record) -> Repaired:
-    """Replace single blank samples by straight lines."""
-    told, changed = [], {}
-    for name, values in vars(record).items():
-        if values is None:
-            continue
-        blank = ~np.isfinite(values)
-        count = int(np.count_nonzero(blank))
-        if 0 < count <= MOST_BLANK * len(values):
-            places = np.arange(len(values))
-            changed[name] = np.where(blank, np.interp(places, places[~blank], values[~blank]), values)
-            told.append(f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines")
-    return Repaired(replace(record, **changed), tuple(told)) if changed else Repaired(record)

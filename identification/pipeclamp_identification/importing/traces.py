@@ -11,7 +11,7 @@ import numpy as np
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.columns import SEGMENT, Column
 from pipeclamp_identification.importing.raw import RawTable
-from pipeclamp_identification.importing.repair import mended
+from pipeclamp_identification.importing.repair import mended_channel
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS
@@ -76,7 +76,7 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
     }
     return Trace(
         record,
-        mended(record).record.displacement_mm,
+        mended_channel("displacement_mm", record.displacement_mm),
         values.get(SEGMENT),
         further,
         places.astype(np.float64),

@@ -12,8 +12,9 @@ from pipeclamp_identification.importing.answer import Found
 from pipeclamp_identification.importing.delay import common_delay
 from pipeclamp_identification.importing.importer import Options, plan_import
 from pipeclamp_identification.importing.reading import files_in
-from pipeclamp_identification.importing.writing import PAGE, existing_campaign, put_in_place, stage, staged_folder
+from pipeclamp_identification.importing.writing import PAGE, existing_campaign, put_in_place, stage
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import staged_folder
 
 
 def import_whole(

@@ -6,9 +6,7 @@ import csv
 import io
 import re
 import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,7 +24,7 @@ from pipeclamp_identification.campaign.reading import Campaign, read_campaign
 from pipeclamp_identification.campaign.writing import PLAIN, Format, encoded
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import refuse_folder
+from pipeclamp_models.base.files import refuse_folder, staged_folder
 from pipeclamp_models.base.tables import pl
 
 PAGE = "import.html"
@@ -145,21 +143,6 @@ def _value(value: Any) -> str:
     return repr(value)
 
 
-@contextmanager
-def staged_folder(folder: Path) -> Iterator[Path]:
-    """Give a new folder beside the place of another; what is left of it is deleted."""
-    try:
-        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
-    except OSError as error:
-        raise UserError(
-            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
-        ) from error
-    try:
-        yield work
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
-
-
 def stage(
     work: Path,
     folder: Path,
@@ -199,8 +182,7 @@ def stage(
             stem += "_"
         taken.add(f"{stem}.{format}".casefold())
         files[run.name] = f"runs/{stem}.{format}"
-        samples = {key: values for key, values in vars(run.record).items() if values is not None}
-        (work / files[run.name]).write_bytes(encoded(pl.DataFrame(samples), format))
+        (work / files[run.name]).write_bytes(encoded(pl.DataFrame(run.record.channels), format))
     rows = existing.rows if existing else ()
     (work / runs_table.FILE_NAME).write_text(table_text(plan, files, rows), encoding="utf-8", newline="\n")
     before = existing.imported if existing else Imported()

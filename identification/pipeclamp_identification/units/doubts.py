@@ -90,7 +90,7 @@ def contradicted_units(runs: Sequence[ShownRun]) -> str:
             f"the records show {ratio:.3g} times the frequencies that runs.csv states, in all {count} runs: {meant}; "
             f"expected time in s and frequency_Hz in Hz: {remedy}"
         )
-    return _contradicted_temperatures([run.temperature_C for run in runs]) or _below_zero(runs)
+    return _contradicted_temperatures([run.temperature_C for run in runs])
 
 
 def _ratio(settings: Sequence[tuple[float | None, float]], meant: dict[float, str]) -> tuple[float, str, int] | None:
@@ -121,16 +121,6 @@ def _contradicted_temperatures(settings: Sequence[tuple[float | None, float]]) -
                 f"{len(pairs)} runs: {words}; expected °C in both: convert that column"
             )
     return ""
-
-
-def _below_zero(runs: Sequence[ShownRun]) -> str:
-    found = next((run for run in runs if run.temperature_C[1] < -CELSIUS), None)
-    if found is None:
-        return ""
-    return (
-        f"run {found.run!r}: its record's temperature_C is {found.temperature_C[1]:.4g}, below absolute zero; expected "
-        "°C: convert that column"
-    )
 
 
 def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:

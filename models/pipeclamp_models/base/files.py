@@ -6,7 +6,8 @@ import os
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
@@ -155,21 +156,31 @@ def write_folder(folder: Path, files: Iterable[tuple[str, bytes]]) -> tuple[str,
         UserError: the folder exists, or its parent can't be written.
     """
     refuse_folder(folder)
-    try:
-        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
-    except OSError as error:
-        raise UserError(
-            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
-        ) from error
     written = []
-    try:
+    with staged_folder(folder) as work:
         for file, content in files:
             (work / file).parent.mkdir(parents=True, exist_ok=True)
             (work / file).write_bytes(content)
             written.append(file)
         work.chmod(0o755)
         work.rename(folder)
-    except BaseException:
-        shutil.rmtree(work, ignore_errors=True)
-        raise
     return tuple(written)
+
+
+@contextmanager
+def staged_folder(folder: Path) -> Iterator[Path]:
+    """Give a new folder beside the place of another, to be renamed to it when it is whole; what is left is deleted.
+
+    Raises:
+        UserError: it can't be made.
+    """
+    try:
+        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
+    except OSError as error:
+        raise UserError(
+            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
+        ) from error
+    try:
+        yield work
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
