@@ -15,7 +15,7 @@ from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
 from pipeclamp_identification.diagnosis.next_test import next_test
-from pipeclamp_identification.diagnosis.problem import prepare
+from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.diagnosis.revision import ask_again, better_structure
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
@@ -60,7 +60,9 @@ def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):
     plan = rig.TestPlan((0.3, 0.8), (1.0, 3.0), (20.0,), rate=100.0, cycles=3, force_noise=10.0, seed=5)
     loops = loops_of(campaign(plan=plan))
     assert points_enough(loops) < SAMPLES
-    problem, law, _ = prepare(Structure("power", ("loosening",)), loops)
+    structure = Structure("power", ("loosening",))
+    problem, fitted = prepare(structure, loops)
+    law = judge((), structure, [fitted.law.values], problem)
     assert len(law.fitted.residual) == len(problem.loops.run) == 3 * len(loops.run)
 
 

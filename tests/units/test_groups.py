@@ -15,7 +15,7 @@ import pytest
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.diagnosis.left_out import LeftOut, whitened
-from pipeclamp_identification.diagnosis.problem import prepare
+from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.fitting.group_factors import Poolings, mixed
 from pipeclamp_identification.fitting.groups import factors_of, find_groups, strangest_run
 from pipeclamp_identification.fitting.groups_answer import groups_answer
@@ -175,7 +175,7 @@ def test_few_runs_pull_a_group_little_away():
 def test_a_left_out_group_of_conditions_doesnt_tell_its_own_factors(differing):
     """What is foretold of left-out runs is what a fit without them foretells, factors of groups included."""
     result, loops, _ = differing
-    problem, *_ = prepare(LAW, loops, result.law.values)
+    problem, _ = prepare(LAW, loops, result.law.values)
     observations = problem.observations
     assert observations.factors is not None
     law = fit(LAW, observations, start=result.law.values)
@@ -200,7 +200,8 @@ def test_a_left_out_group_of_conditions_doesnt_tell_its_own_factors(differing):
 def test_a_left_out_specimen_counts_as_the_one_in_the_middle(differing):
     """Nothing is known of it: a law that lacks something errs by that and by what specimens differ."""
     _, loops, _ = differing
-    _, law, _ = prepare(Structure("power"), loops)
+    problem, fitted = prepare(Structure("power"), loops)
+    law = judge((), Structure("power"), [fitted.law.values], problem)
     assert law.heldout_by["specimen"] < law.heldout_nrmse + np.std(list(FACTORS.values()))
 
 

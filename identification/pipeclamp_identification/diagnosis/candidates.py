@@ -13,6 +13,7 @@ from pipeclamp_identification.diagnosis.problem import (
     Problem,
     judge,
     judge_each,
+    most_promising_first,
     roughly,
 )
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
@@ -22,7 +23,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, linearised, unfitted
+from pipeclamp_identification.fitting.least_squares import Fit, unfitted
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
@@ -123,8 +124,7 @@ def _with_larger(
     for effect in effects:
         larger = with_effect(larger, effect)
     starts = refined_starts(larger, smaller, problem.observations, judged.result.law.values)
-    starts.sort(key=lambda point: linearised(larger, problem.observations, point).cost_after_one_step())
-    grown = judge(effects, larger, starts, problem)
+    grown = judge(effects, larger, most_promising_first(larger, problem.observations, starts), problem)
     return None if grown.objections or grown.squares > judged.squares - LARGER_MEMBER_SQUARES else grown
 
 
@@ -156,9 +156,7 @@ def pairs(
             contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), [start]))
         seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
     usable = ranked(
-        pair
-        for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell)
-        if not pair.objections
+        pair for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell) if pair.may_be_cause
     )
     return [larger_as_asked(pair, structure, problem, tell) for pair in usable[:1]] + usable[1:]
 

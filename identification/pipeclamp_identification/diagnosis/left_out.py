@@ -8,12 +8,13 @@ other runs agree with it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.fitting.least_squares import Fit
-from pipeclamp_identification.fitting.observations import Rows
+from pipeclamp_identification.fitting.observations import Rows, mean_squares_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 
@@ -102,15 +103,12 @@ class LeftOut:
             if not np.sum(pull**2) < np.sum(self.fitted.residual[own] ** 2):
                 residual, error = self._evaluated(step, own, plain[own])
             squares[own] = np.nan_to_num(np.sum(residual**2, axis=1), nan=np.inf)
-            error = np.where(seen[own], error, 0.0)
-            mean_squares[own] = error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2
+            mean_squares[own] = mean_squares_of(np.where(seen[own], error, 0.0))
         return LeftOutScore(squares, mean_squares)
 
     def _step(self, own: Rows) -> Array:
         """Give how the fitted parameters would move without a group, by the linear formula, inside their bounds."""
-        jacobian = self.fitted.jacobian
-        scale = np.linalg.norm(jacobian, axis=(0, 1))
-        scale = np.where(scale > 0, scale, 1.0)
+        jacobian, scale = self.fitted.jacobian, self._scale
         J = (jacobian[own] / scale).reshape(-1, len(scale))
         rest = (jacobian[~own] / scale).reshape(-1, len(scale))
         # a group's factors come from what is left of its runs
@@ -121,25 +119,31 @@ class LeftOut:
             room = np.concatenate([room, np.array([[-np.inf], [np.inf]]) + np.zeros(len(factors.spreads))], axis=1)
         normal = np.nan_to_num(rest.T @ rest) + np.diag(precision / scale**2)
         pull = np.nan_to_num(J.T @ self.fitted.residual[own].ravel())
-        back, ways = self._without_factors_of(own, scale)
+        back, ways = self._without_factors_of(own)
         # A direction that this group alone determines can't be foretold without it, but by the priors.
         inverse = np.linalg.pinv(ways.T @ normal @ ways, rcond=1e-10, hermitian=True)
         step = back + ways @ (inverse @ (ways.T @ (pull - normal @ back)))
         return np.asarray(np.clip(step / scale, *room))
 
-    def _without_factors_of(self, own: Rows, scale: Array) -> tuple[Array, Array]:
+    @cached_property
+    def _scale(self) -> Array:
+        """Size of each parameter's derivatives, shape (P,); one where there are none."""
+        scale = np.linalg.norm(self.fitted.jacobian, axis=(0, 1))
+        return np.where(scale > 0, scale, 1.0)
+
+    def _without_factors_of(self, own: Rows) -> tuple[Array, Array]:
         """Give the step that takes out the factors of groups that stand in these runs alone, and the ways left, (P, Q).
 
         Nothing is known of such a group: it counts as the one in the middle, and so the law stands for the others.
-        Steps are in units of one over `scale`.
+        Steps are in units of one over `_scale`.
         """
         size = self.fitted.jacobian.shape[2]
         factors = self.observations.factors
         gone = np.zeros((0, 0)) if factors is None else factors.of_groups_in(own)
         if not len(gone):
             return np.zeros(size), np.eye(size)
-        values = np.concatenate([np.zeros(len(self.result.fitted)), self.fitted.factors]) * scale
-        gone = np.concatenate([np.zeros((len(gone), size - gone.shape[1])), gone], axis=1) / scale
+        values = np.concatenate([np.zeros(len(self.result.fitted)), self.fitted.factors]) * self._scale
+        gone = np.concatenate([np.zeros((len(gone), size - gone.shape[1])), gone], axis=1) / self._scale
         _, singular, ways = np.linalg.svd(gone)
         rank = int(np.sum(singular > 1e-8 * singular[0]))
         return -np.linalg.pinv(gone) @ (gone @ values), ways[rank:].T

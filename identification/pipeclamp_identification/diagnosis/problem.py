@@ -16,7 +16,7 @@ from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import ages, fit_structure
-from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised
 from pipeclamp_identification.fitting.observations import (
     LoopObservations,
     Rows,
@@ -141,23 +141,23 @@ class Judged:
         return np.bincount(records, weights=self.score.squares).astype(np.float64)
 
     @property
+    def may_be_cause(self) -> bool:
+        """Whether nothing speaks against naming it as the cause."""
+        return not self.objections and not self.reservations
+
+    @property
     def squares(self) -> float:
         """Sum of squared whitened residuals on left-out groups."""
         return float(self.score.squares.sum())
 
 
-def prepare(
-    structure: Structure, loops: Loops, start: Mapping[str, float] | None = None
-) -> tuple[Problem, Judged, Fit]:
-    """Fit the law as it is, estimate the noise, and fit it again in the noise's units.
+def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | None = None) -> tuple[Problem, Fit]:
+    """Fit the law as it is in N, which leaves least over, and estimate the noise.
 
     Args:
         structure: the law's structure.
         loops: the tests.
         start: values to start from, by name, where they are known.
-
-    Returns:
-        the problem, the law in the noise's units, and its fit in N, which leaves least over.
     """
     loops = per_cycle(loops) if ages(structure.equations) or drifts(loops) else loops
     harmonics = loop_observations(loops, points_enough(loops))
@@ -166,8 +166,7 @@ def prepare(
     residual = harmonics.plain_residual(first.law_force)
     noise = noise_model(loops, residual if factors is None else residual - factors.beside(first.law_force).force())
     groups = condition_groups(loops)
-    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors)
-    return problem, judge((), structure, [first.law.values], problem), first
+    return Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors), first
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:
@@ -184,6 +183,19 @@ def weighed_for(problem: Problem, best: Fit) -> Problem:
     factors = factors_of(problem.groups_beside(best.law_force), problem.loops, problem.harmonics)
     discrepancy = max(float(excess.sum()) / np.count_nonzero(seen), 0.0)
     return replace(problem, noise=noise, discrepancy=discrepancy, factors=factors)
+
+
+def weighed_again(problem: Problem, structure: Structure, best: Fit, starts: Sequence[Fit]) -> tuple[Problem, Judged]:
+    """Weigh the data by noise and discrepancy as the best law so far shows them, and judge a law by that.
+
+    Args:
+        problem: the data.
+        structure: of the law that is judged.
+        best: the best law so far.
+        starts: fits from whose values the law starts, most promising first.
+    """
+    weighed = weighed_for(problem, best)
+    return weighed, judge((), structure, [start.law.values for start in starts], weighed)
 
 
 def judge(
@@ -233,6 +245,13 @@ def roughly(structure: Structure, starts: Sequence[Mapping[str, float]], problem
     """Fit a structure roughly from the most promising starts; give the best."""
     rough = [fit(structure, problem.coarse, start=start, tolerance=ROUGHLY) for start in starts[:VALLEYS]]
     return min(rough, key=lambda result: result.cost)
+
+
+def most_promising_first(
+    structure: Structure, observations: WhitenedObservations, starts: Sequence[Mapping[str, float]]
+) -> list[Mapping[str, float]]:
+    """Order values to start from by what one step of linear least squares promises from each."""
+    return sorted(starts, key=lambda start: linearised(structure, observations, start).cost_after_one_step())
 
 
 def _share_of_force(score: LeftOutScore, loops: Loops) -> float:

@@ -7,11 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.problem import Judged, Problem, judge, prepare, roughly, weighed_for
+from pipeclamp_identification.diagnosis.problem import (
+    Judged,
+    Problem,
+    judge,
+    most_promising_first,
+    prepare,
+    roughly,
+    weighed_again,
+)
 from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
 from pipeclamp_identification.diagnosis.weighing import explained_share, gains, takes_part
-from pipeclamp_identification.fitting.least_squares import Fit, linearised, starting_points
+from pipeclamp_identification.fitting.least_squares import Fit, starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values
 from pipeclamp_identification.loops.loops import Loops
@@ -45,9 +53,8 @@ def ask_again(law: Law, loops: Loops) -> Asked:
     Raises:
         UserError: the tests can't serve the law.
     """
-    problem, _, fitted = prepare(law.structure, loops, law.values)
-    problem = weighed_for(problem, fitted)
-    return Asked(law.structure, problem, judge((), law.structure, [fitted.law.values], problem))
+    problem, fitted = prepare(law.structure, loops, law.values)
+    return Asked(law.structure, *weighed_again(problem, law.structure, fitted, [fitted]))
 
 
 def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
@@ -96,16 +103,12 @@ def _with_another_of_a_family(asked: Asked, progress: Progress) -> list[Judged]:
             structure = replace(asked.structure, effects=effects)
             try:
                 starts = starting_points(structure, asked.problem.coarse, structure.own(asked.values))
-                starts.sort(key=lambda start: _promised_cost(structure, asked.problem, start))
-                rough.append(roughly(structure, starts, asked.problem))
+                promising = most_promising_first(structure, asked.problem.coarse, starts)
+                rough.append(roughly(structure, promising, asked.problem))
             except UserError:  # another effect modifies what only the one before has
                 continue
     rough.sort(key=lambda fit: fit.cost)
     return [judge((), fit.law.structure, [fit.law.values], asked.problem) for fit in rough[:MOST_SWAPPED]]
-
-
-def _promised_cost(structure: Structure, problem: Problem, start: Mapping[str, float]) -> float:
-    return linearised(structure, problem.coarse, start).cost_after_one_step()
 
 
 def _act_alike(effect: Effect, other: str) -> bool:

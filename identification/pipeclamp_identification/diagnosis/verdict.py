@@ -17,7 +17,15 @@ from pipeclamp_identification.diagnosis.candidates import (
 )
 from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
-from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem, judge, judge_each, prepare, weighed_for
+from pipeclamp_identification.diagnosis.problem import (
+    CLOSELY,
+    Judged,
+    Problem,
+    judge,
+    judge_each,
+    prepare,
+    weighed_again,
+)
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.thresholds import (
     FEWEST_RUNS,
@@ -35,7 +43,6 @@ from pipeclamp_identification.diagnosis.weighing import (
     weigh,
 )
 from pipeclamp_identification.fitting.identify import fit_structure
-from pipeclamp_identification.fitting.least_squares import Fit
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
@@ -140,19 +147,20 @@ def diagnose(
     if len(loops.run) < FEWEST_RUNS:
         raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least {FEWEST_RUNS}")
     tell("law as it is")
-    problem, law, in_newtons = prepare(structure, loops, start)
+    problem, in_newtons = prepare(structure, loops, start)
+    law = judge((), structure, [in_newtons.law.values], problem)
     complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
     form = max(complete, min(FORM_SHARE * _bare_lack(structure, problem), FORM_NOISE_SHARE))
     tolerance = Tolerance(complete, form, max(complete, FORM_NOISE_SHARE))
     judged: list[Judged] = []
     screened_out: dict[str, float] = {}
     if not is_complete(law, problem, tolerance):
-        problem, law = _weighed_again(problem, structure, in_newtons, [in_newtons, law.result])
+        problem, law = weighed_again(problem, structure, in_newtons, [in_newtons, law.result])
         promises = screened(structure, problem, law, tell)
         judged, screened_out = candidates(structure, problem, law, promises, jobs, tell)
         if judged and not judged[0].objections:
             tell("evidence weighed by the best law's own residuals")
-            problem, law = _weighed_again(problem, structure, likeliest(judged).result, [law.result])
+            problem, law = weighed_again(problem, structure, likeliest(judged).result, [law.result])
             judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, tell))
         law = law_from_another_valley(law, judged, problem)
     found = weigh(structure, problem, law, judged, tolerance, jobs, tell)
@@ -169,12 +177,6 @@ def diagnose(
 
 def _best(law: Judged, judged: Sequence[Judged], pair: Judged | None) -> Judged:
     return min([law, *judged, *([pair] if pair else [])], key=lambda each: each.squares)
-
-
-def _weighed_again(problem: Problem, structure: Structure, best: Fit, starts: Sequence[Fit]) -> tuple[Problem, Judged]:
-    """Weigh the data, and judge the law as it is, by noise and discrepancy as the best law so far shows them."""
-    weighed = weighed_for(problem, best)
-    return weighed, judge((), structure, [start.law.values for start in starts], weighed)
 
 
 def _bare_lack(structure: Structure, problem: Problem) -> float:

@@ -97,7 +97,7 @@ class Scales:
     @property
     def sound(self) -> list[Judged]:
         """Of these, the ones that may be the cause, for nothing speaks against them; best first."""
-        return [each for each in self.usable if not each.reservations]
+        return [each for each in self.usable if each.may_be_cause]
 
     def explains(self, candidate: Judged) -> bool:
         """Tell whether a law leaves over next to nothing of what is missing, or what may be form."""

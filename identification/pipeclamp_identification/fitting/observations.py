@@ -130,6 +130,11 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
     return averaged(own, loops.force_average, axis=1)
 
 
+def mean_squares_of(harmonics: Array) -> Array:
+    """Give the mean square over the cycle of what has these harmonics, shape (R, m), by Parseval: shape (R,)."""
+    return np.asarray(harmonics[:, 0] ** 2 + np.sum(harmonics[:, 1:] ** 2, axis=1) / 2)
+
+
 @dataclass(frozen=True)
 class LoopObservations:
     """Harmonics of measured loops.
@@ -208,8 +213,7 @@ class LoopObservations:
     def mean_squares(self, law_force: LawForce, explained: Array | float = 0.0) -> Array:
         """Give the mean square of each loop's error, N2, shape (R,), by Parseval; scatter, and what is explained
         besides (harmonics, N), left aside."""
-        error = np.where(self.seen, self.plain_residual(law_force) - explained, 0.0)
-        return np.asarray(error[:, 0] ** 2 + np.sum(error[:, 1:] ** 2, axis=1) / 2)
+        return mean_squares_of(np.where(self.seen, self.plain_residual(law_force) - explained, 0.0))
 
     def with_discrepancy(self, law_force: LawForce, explained: Array | float = 0.0) -> LoopObservations:
         """Widen the uncertainty by what a law leaves over beyond the noise, as if it were spread over all harmonics.
