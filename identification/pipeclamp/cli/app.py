@@ -134,7 +134,7 @@ def main() -> None:
     except InterruptError as error:
         raise KeyboardInterrupt(str(error)) from error
     except (UserError, OSError) as error:
-        told = message(f"pipeclamp: {error}")
+        told = f"pipeclamp: {error if isinstance(error, UserError) else message(str(error))}"
         errors().print(told, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(2 if isinstance(error, UsageError) else 1)
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import re
 import unicodedata
 
-LONGEST = 300
-"""Characters of a line of a message, at most."""
+LONGEST = 289
+"""Characters of a line of a message, at most: 300 with the program's name before it."""
 MOST_LINES = 40
 """Lines of a message, at most: one, and what it lists."""
 ENDING = 120
 """Characters that stay of the end of a line that is cut: there it says what was expected."""
 CUT = " [...] "
-PLACE = re.compile(r"[^\n]*?[/\\][^\n]*?(?=: )")
-"""A file's path at the beginning of a line."""
 END_OF_PLACE = 40
-"""Characters that stay of its end, at least, where a line is too long: folders above say least."""
+"""Characters that stay of a path at the beginning of a line that is too long, at least: upper folders say least."""
 HIDDEN = frozenset(("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"))
 """Categories of Unicode that a terminal obeys, hides or can't show."""
 
@@ -50,10 +48,10 @@ def message(text: str) -> str:
 
 
 def _fitted(line: str) -> str:
-    place = PLACE.match(line)
-    if len(line) > LONGEST and place and len(place[0]) > END_OF_PLACE:
-        left = max(len(place[0]) - (len(line) - LONGEST) - len(CUT.lstrip()), END_OF_PLACE)
-        line = CUT.lstrip() + place[0][-left:] + line[place.end() :]
+    place, colon, rest = line.partition(": ")
+    if len(line) > LONGEST and colon and ("/" in place or "\\" in place) and len(place) > END_OF_PLACE:
+        left = max(LONGEST - len(CUT.lstrip()) - len(colon + rest), END_OF_PLACE)
+        line = CUT.lstrip() + place[-left:] + colon + rest
     if len(line) <= LONGEST:
         return line
     return line[: LONGEST - ENDING - len(CUT)] + CUT + line[-ENDING:]
