@@ -90,6 +90,26 @@ def test_model_exchange_gives_what_co_simulation_gives(native, fmi, track):
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
+def test_a_time_that_differs_by_rounding_is_the_same(native, fmi):
+    """Steps that end at (n - 1) h + h, and again, or a sum of steps later, at n h, which often lies before that."""
+    stepped, clamp = native(fmi, "CoSimulation"), native(fmi, "ModelExchange")
+    earlier, summed = 0, 0.0
+    for n, (s, v) in enumerate(waves(5000), start=1):
+        stepped.step(H, s, v)
+        summed += H
+        for time in ((n - 1) * H + H, n * H, summed, n * H):
+            earlier += time < clamp.time
+            clamp.time = time
+            clamp.place(time, s, v)
+            assert clamp.get("flange.f") == pytest.approx(stepped.get("flange.f"), rel=1e-9, abs=1e-9)
+            assert clamp.fmu.completedIntegratorStep() == (0, 0)
+    assert earlier > 5000
+    clamp.place(clamp.time - H, s, v)
+    with pytest.raises(FMICallException):
+        clamp.get("flange.f")
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
 def test_fmpy_integrates_it_and_the_energy_is_the_loop_area(native_fmus, fmi):
     f, A = 2.0, 5e-4
     time = np.linspace(0.0, 2.0, 4001)

@@ -179,9 +179,17 @@ static Status instance_do_step(Instance *instance, double time, double h)
 
 /* --- Model exchange: every evaluation is a step from the last completed one */
 
-static Status evaluated(Instance *instance)
+/* The time since the last completed step. Times that sums of steps give differ from one to the next by their rounding:
+ * what lies before the step by no more than that is at its end. */
+static double since_done(const Instance *instance)
 {
     const double h = instance->time - instance->done_time;
+    return h < 0.0 && -h <= 1e-9 * fabs(instance->done_time) ? 0.0 : h;
+}
+
+static Status evaluated(Instance *instance)
+{
+    const double h = since_done(instance);
     char reason[TEXT];
     if (instance->co_simulation || !instance->stale)
         return STATUS_OK;
@@ -203,7 +211,7 @@ static Status instance_complete_step(Instance *instance)
     if (status != STATUS_OK)
         return status;
     instance->done = instance->shown;
-    instance->done_time = instance->time;
+    instance->done_time = fmax(instance->done_time, instance->time);
     warn_once(instance);
     return STATUS_OK;
 }
