@@ -22,7 +22,7 @@ ROOMS = {
         "signals", "units", "campaign", "importing", "loops", "fitting", "comparison", "diagnosis", "metrics_only",
         "on_pipe", "attribution", "workflow",
     ),
-    "pipeclamp": ("show", "pages", "api", "cli"),
+    "pipeclamp": ("show", "pages", "api", "studio", "cli"),
 }  # fmt: skip
 """The packages inside, in the same order; what stands beside them in the root may import them all."""
 NEVER = {

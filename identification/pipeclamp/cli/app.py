@@ -20,6 +20,7 @@ from pipeclamp.cli import campaigns as cli_campaigns
 from pipeclamp.cli import catalogue as cli_catalogue
 from pipeclamp.cli import importing as cli_importing
 from pipeclamp.cli import simulation as cli_simulation
+from pipeclamp.cli import studio as cli_studio
 from pipeclamp.cli.terminal import (
     MARKED,
     DeclaredOption,
@@ -83,6 +84,7 @@ app.add_typer(cli_campaigns.app)
 app.add_typer(cli_catalogue.app)
 app.add_typer(cli_importing.app)
 app.add_typer(cli_simulation.app)
+app.add_typer(cli_studio.app)
 
 
 class BaseLaw(StrEnum):

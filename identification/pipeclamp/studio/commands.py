@@ -1,0 +1,96 @@
+"""The shell lines that do what is done in the browser, and the tasks that do it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from pipeclamp.studio.project import Project
+from pipeclamp.studio.work import Task
+
+BASES = {
+    "power": "k₁, k₃, c, α as powers of A and f (Eq. 17): begin here",
+    "memory": "the same with one elastic-slip element (Eq. 14)",
+    "series": "a series in y and v (Eq. 10)",
+}
+
+
+def line(*words: str) -> str:
+    """Join words to a command line; double quotes are understood by the shells of Windows too."""
+    return " ".join(["pipeclamp", *(word if re.fullmatch(r"[\w./\\:+=@,-]+", word) else f'"{word}"' for word in words)])
+
+
+def identify_line(project: Project, law: str, base: str) -> str:
+    """Give the line that fits a base law."""
+    beside = () if base == "power" else ("--base", base)
+    return line("identify", project.campaign, "-o", project.shown(f"{law}.json"), *beside)
+
+
+def identify_task(project: Project, base: str) -> tuple[Task, str]:
+    """Give the task that fits a base law, and the law's name."""
+    law = project.reserve()
+    command = identify_line(project, law, base)
+    given = {
+        "campaign": project.campaign, "law": project.shown(f"{law}.json"), "base": base, "command": _last_parts(command)
+    }  # fmt: skip
+    return Task("identify", f"Fit the base law {base}", command, given), law
+
+
+def add_line(project: Project, of: str, effect: str, law: str) -> str:
+    """Give the line that adds an effect."""
+    return line("add", project.shown(f"{of}.json"), effect, project.campaign, "-o", project.shown(f"{law}.json"))
+
+
+def add_task(project: Project, of: str, effect: str) -> tuple[Task, str]:
+    """Give the task that adds an effect to a law, and the name of the law with it."""
+    law = project.reserve()
+    command = add_line(project, of, effect, law)
+    given = {
+        "campaign": project.campaign, "of": str(project.path_of(of)), "effect": effect,
+        "law": project.shown(f"{law}.json"), "command": _last_parts(command),
+    }  # fmt: skip
+    return Task("add", f"Add {effect} and fit everything again", command, given, of), law
+
+
+def diagnose_line(project: Project, law: str) -> str:
+    """Give the line that diagnoses a law."""
+    return line(
+        "diagnose", project.shown(f"{law}.json"), project.campaign, "--json", project.shown(f"{law}.diagnosis.json"),
+        "--drive", project.shown(f"{law}.next_test.csv"),
+    )  # fmt: skip
+
+
+def diagnose_task(project: Project, law: str) -> Task:
+    """Give the task that diagnoses a law."""
+    given = {
+        "campaign": project.campaign, "law": str(project.path_of(law)),
+        "answer": project.shown(f"{law}.diagnosis.json"), "told": project.shown(f"{law}.told.json"),
+        "drive": project.shown(f"{law}.next_test.csv"),
+    }  # fmt: skip
+    return Task("diagnose", f"Find what {law} lacks", diagnose_line(project, law), given, law)
+
+
+def build_line(project: Project, law: str, kind: str) -> str:
+    """Give the line that builds a law's FMU."""
+    beside = ("--kind", "native") if kind == "native" else ()
+    return line("build-fmu", project.shown(f"{law}.json"), "-o", project.shown(f"{law}.fmu"), "--track", *beside)
+
+
+def build_task(project: Project, law: str, kind: str) -> Task:
+    """Give the task that builds a law's FMU."""
+    given = {"law": str(project.path_of(law)), "fmu": project.shown(f"{law}.fmu"), "kind": kind}
+    return Task("build", f"Build the {kind} FMU of {law}", build_line(project, law, kind), given, law)
+
+
+def import_task(files: Path, folder: Path, columns: str, pattern: str, *, dry_run: bool) -> Task:
+    """Give the task that makes a campaign of uploaded files, or says what it would be."""
+    stated = [*(("--columns", columns) if columns else ()), *(("--pattern", pattern) if pattern else ())]
+    command = line("import", str(files), "-o", str(folder), *stated, *(("--dry-run",) if dry_run else ()))
+    given = {"files": [str(files)], "folder": str(folder), "columns": columns, "pattern": pattern}
+    kind, title = ("look", "Look into the files") if dry_run else ("import", f"Make the campaign {folder.name}")
+    return Task(kind, title, command, given)
+
+
+def _last_parts(command: str) -> str:
+    """Give a line with paths by their last part, as law files keep it."""
+    return re.sub(r'[^\s"]*[/\\]([^\s"/\\]+)', r"\1", command)

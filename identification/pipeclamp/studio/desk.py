@@ -1,0 +1,115 @@
+"""What lies on the desk: the campaigns that are open, the folder that everything is written to, the jobs."""
+
+from __future__ import annotations
+
+import re
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeclamp.studio.bench import Bench, read_bench
+from pipeclamp.studio.jobs import Job, Jobs
+from pipeclamp.studio.project import Project
+from pipeclamp.studio.session import Step
+from pipeclamp.studio.work import Task
+from pipeclamp_identification.campaign.bundled import bundled_campaign, bundled_campaigns
+from pipeclamp_models.base.errors import UserError
+
+HOME = "pipeclamp_studio"
+"""The studio's folder, where no campaign is named."""
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A campaign that is open.
+
+    Attributes:
+        key: its name in addresses.
+        project: its laws.
+        bench: its tests.
+    """
+
+    key: str
+    project: Project
+    bench: Bench
+
+
+class Desk:
+    """All that is open.
+
+    Attributes:
+        home: the folder that everything is written to.
+        first: key of the campaign that the studio was started with; empty where none was named.
+        jobs: of all campaigns.
+    """
+
+    def __init__(self, home: Path, campaign: str = "") -> None:
+        """Open a campaign, where one is named.
+
+        Raises:
+            UserError: it can't be read, or the folder can't be made or holds the laws of another campaign.
+        """
+        self.home = home
+        self.jobs = Jobs()
+        self._opened: dict[str, Opened] = {}
+        self._lock = threading.Lock()
+        self.first = ""
+        if campaign:
+            bench = read_bench(campaign)
+            self.first = key_of(campaign)
+            self._opened[self.first] = Opened(self.first, Project(campaign, home), bench)
+
+    def choices(self) -> tuple[list[str], list[str]]:
+        """Give the campaigns that can be opened: imported ones, and those that come with the program."""
+        imported = sorted(
+            path.parent.name for path in self.home.glob("*/campaign.toml") if not path.parent.is_symlink()
+        )
+        bundled = [name for name in bundled_campaigns() if _has_records(bundled_campaign(name))]
+        return imported, bundled
+
+    def open(self, key: str) -> Opened:
+        """Open a campaign of the studio's folder or a bundled one, or give it where it is open.
+
+        Raises:
+            UserError: there is none of that name, or it can't be read.
+        """
+        with self._lock:
+            found = self._opened.get(key)
+            if found is None:
+                imported, bundled = self.choices()
+                if key not in (*imported, *bundled):
+                    raise UserError(
+                        f"{key!r}: no campaign of this studio; expected one of {', '.join(imported + bundled)}"
+                    )
+                campaign = str(self.home / key) if key in imported else key
+                found = Opened(key, Project(campaign, self.home / f"{key}_laws"), read_bench(campaign))
+                self._opened[key] = found
+            return found
+
+    def forget(self, key: str) -> None:
+        """Read a campaign anew when it is opened next: files have joined it."""
+        with self._lock:
+            if key != self.first:
+                self._opened.pop(key, None)
+
+    def start(self, opened: Opened, task: Task, law: str | None = None) -> Job:
+        """Start a task; what it makes is noted in the campaign's session."""
+
+        def noted(job: Job) -> None:
+            opened.project.note(Step(command=task.command, law=law, of=task.law))
+
+        return self.jobs.start(opened.key, task, noted)
+
+
+def key_of(campaign: str) -> str:
+    """Give the name that a campaign has in addresses."""
+    return re.sub(r"[^\w.-]", "_", Path(campaign).resolve().name, flags=re.ASCII) or "campaign"
+
+
+def default_home(campaign: str) -> Path:
+    """Give the folder that is written to, where none is named: beside where the command was called."""
+    return Path(f"{Path(campaign).resolve().name}_studio" if campaign else HOME)
+
+
+def _has_records(folder: Path) -> bool:
+    return (folder / "runs").is_dir()

@@ -1,0 +1,210 @@
+"""What the first screen says: how far a law errs, how it came there, what is missing, what to do next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from pipeclamp.show.comparison import how_much
+from pipeclamp.studio.bench import Bench
+from pipeclamp.studio.error_map import ErrorMap, error_map
+from pipeclamp.studio.project import Project
+from pipeclamp.studio.told import Told, stamp
+from pipeclamp_identification.comparison.breakdown import conditions_of
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import LawFile, structure_of
+
+MOST_ERRORS = 10.0
+"""A slider reaches this many standard errors, and to zero and twice the value at least."""
+ROOM_ABOVE = 1.15
+"""The waterfall's height over its highest bar."""
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A bar of the waterfall: errors in percent of the rms force."""
+
+    name: str
+    error: float
+    heldout: float | None
+
+
+@dataclass(frozen=True)
+class Waterfall:
+    """The error falling as effects are added.
+
+    Attributes:
+        rungs: in order.
+        scatter: that no law can explain, percent; None where it isn't known.
+        top: of the axis, percent.
+    """
+
+    rungs: tuple[Rung, ...]
+    scatter: float | None
+    top: float
+
+
+@dataclass(frozen=True)
+class LawChip:
+    """A law in the list of laws."""
+
+    name: str
+    words: str
+    error: float | None
+    parent: str | None
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A parameter that can be moved."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+    meaning: str
+    error: float | None
+
+
+@dataclass(frozen=True)
+class LawShown:
+    """A law as its page shows it.
+
+    Attributes:
+        name: law1, law2, ...
+        title: its base and effects.
+        error, scatter: percent of the rms force.
+        words: how much it errs.
+        waterfall: its history.
+        map, before: of the error; that of the law before it, where there is one on the same tests.
+        told: what a diagnosis said of it, where one was made.
+        groups: its parameters, by effect.
+    """
+
+    name: str
+    title: str
+    error: float
+    scatter: float | None
+    words: tuple[str, ...]
+    waterfall: Waterfall
+    map: ErrorMap
+    before: ErrorMap | None
+    told: Told | None
+    groups: tuple[tuple[str, tuple[Slider, ...]], ...]
+
+
+def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawShown:
+    """Give a law as its page shows it.
+
+    Args:
+        project, bench: the campaign.
+        name: of the law.
+        by: key of the condition that the map's panels are levels of.
+
+    Raises:
+        UserError: there is no such law, or it can't be held against the tests.
+    """
+    file = project.law(name)
+    held = bench.held(file)
+    shown = error_map(bench.loops.run, held.conditions, held.sums, by)
+    parent = project.parent(name)
+    scatter = held.known_noise
+    return LawShown(
+        name=name,
+        title=title_of(file),
+        error=100 * held.nrmse,
+        scatter=None if scatter is None else 100 * scatter,
+        words=tuple(how_much(held)),
+        waterfall=waterfall_of(file),
+        map=shown,
+        before=law_map(project, bench, parent, shown.by) if parent else None,
+        told=told_in(project, name, file),
+        groups=sliders_of(file),
+    )
+
+
+def law_map(project: Project, bench: Bench, name: str, by: str) -> ErrorMap:
+    """Give the map of a law."""
+    held = bench.held(project.law(name))
+    return error_map(bench.loops.run, held.conditions, held.sums, by)
+
+
+def tests_map(bench: Bench, by: str = "") -> ErrorMap:
+    """Give the map of tests that no law was fitted to yet."""
+    return error_map(bench.loops.run, conditions_of(bench.tests.campaign, bench.loops), None, by)
+
+
+def title_of(file: LawFile) -> str:
+    """Give base and effects of a law."""
+    return " + ".join((file.base, *file.effects))
+
+
+def chips_of(project: Project) -> list[LawChip]:
+    """Give all laws; those that can't be read any more are left out."""
+    chips = []
+    for name in project.laws():
+        try:
+            file = project.law(name)
+        except UserError:
+            continue
+        error = 100 * file.fit.nrmse if file.fit else None
+        words = file.history[-1].step if file.history else title_of(file)
+        chips.append(LawChip(name, words, error, project.parent(name)))
+    return chips
+
+
+def waterfall_of(file: LawFile) -> Waterfall:
+    """Give a law's history as bars."""
+    steps: Sequence[Any] = file.history
+    rungs = tuple(
+        Rung(step.step, 100 * step.nrmse, None if step.heldout_nrmse is None else 100 * step.heldout_nrmse)
+        for step in steps
+    )
+    if not rungs and file.fit:
+        rungs = (Rung(file.base, 100 * file.fit.nrmse, None),)
+    noise = file.fit.noise_nrmse if file.fit else None
+    top = ROOM_ABOVE * max((max(rung.error, rung.heldout or 0.0) for rung in rungs), default=1.0)
+    return Waterfall(rungs, None if noise is None else 100 * noise, top)
+
+
+def told_in(project: Project, name: str, file: LawFile) -> Told | None:
+    """Give what was told of a law; None where it wasn't diagnosed, or another law of that name was."""
+    path = project.folder / f"{name}.told.json"
+    try:
+        told = Told.model_validate_json(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValidationError, UnicodeDecodeError):
+        return None
+    return told if told.law_command == stamp(file) else None
+
+
+def sliders_of(file: LawFile) -> tuple[tuple[str, tuple[Slider, ...]], ...]:
+    """Give the parameters that can be moved, by effect, the last effect first."""
+    groups: dict[str, list[Slider]] = {}
+    for parameter in structure_of(file).equations.parameters:
+        entry = file.coefficients[parameter.name]
+        if entry.state == "held":
+            continue
+        reach = max(abs(entry.value), MOST_ERRORS * (entry.standard_error or 0.0)) or 1.0
+        groups.setdefault(parameter.effect, []).append(
+            Slider(
+                parameter.name,
+                entry.value,
+                max(entry.value - reach, _bound(parameter.lower, -math.inf)),
+                min(entry.value + reach, _bound(parameter.upper, math.inf)),
+                entry.unit,
+                entry.meaning or parameter.meaning,
+                entry.standard_error,
+            )
+        )
+    return tuple((effect, tuple(sliders)) for effect, sliders in reversed(groups.items()))
+
+
+def _bound(bound: float | str, otherwise: float) -> float:
+    """Give a bound that is a number; one that is in sizes of the data doesn't limit a slider."""
+    return otherwise if isinstance(bound, str) else float(bound)

@@ -1,0 +1,128 @@
+"""A campaign's laws on disk: what the studio knows is in files that the commands read, each written whole."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from pipeclamp.studio.session import Session, Step
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import read_text, write_whole
+from pipeclamp_models.base.toml_file import explained
+from pipeclamp_models.law.file import LawFile, read_law
+
+SESSION = "session.json"
+LAW_NAME = re.compile(r"law[1-9]\d{0,3}")
+FILE_NAME = re.compile(r"law[1-9]\d{0,3}(\.[a-z_]+)?\.(json|csv|fmu)")
+"""What may be downloaded: files of this folder that the studio wrote."""
+
+
+class Project:
+    """A campaign, the folder of its laws, and how each law came about.
+
+    Attributes:
+        campaign: as a command takes it: a folder, or a bundled name.
+        folder: where laws and what is made of them are written.
+    """
+
+    def __init__(self, campaign: str, folder: Path) -> None:
+        """Open the folder, which is made where it isn't there.
+
+        Raises:
+            UserError: it can't be made or read, or holds the laws of another campaign.
+        """
+        self.campaign = campaign
+        self.folder = folder
+        self._lock = threading.Lock()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for left in folder.glob(".*.part"):
+                left.unlink(missing_ok=True)
+        except OSError as error:
+            raise UserError(f"{folder}: can't be made ({error.strerror}); expected a folder for laws") from error
+        self._session = self._read()
+        self._reserved = max((int(name[3:]) for name in self.laws()), default=0)
+
+    def _read(self) -> Session:
+        path = self.folder / SESSION
+        if not path.exists():
+            return Session(campaign=self.campaign)
+        try:
+            session = Session.model_validate_json(read_text(path, "a session that the studio wrote"))
+        except ValidationError as error:
+            raise UserError(f"{path}: {explained(error)}; expected a session that the studio wrote") from error
+        if Path(session.campaign).name != Path(self.campaign).name:
+            raise UserError(
+                f"{self.folder}: holds laws of {session.campaign!r}; expected those of {self.campaign!r}, or another "
+                "folder by -o"
+            )
+        return session.model_copy(update={"campaign": self.campaign})
+
+    def laws(self) -> list[str]:
+        """Give the names of the laws, in the order in which they were made."""
+        names = [path.stem for path in self.folder.glob("law*.json") if LAW_NAME.fullmatch(path.stem)]
+        return sorted(names, key=lambda name: int(name[3:]))
+
+    def path_of(self, name: str) -> Path:
+        """Give the file of a law.
+
+        Raises:
+            UserError: there is no such law in the folder.
+        """
+        return self._inside(f"{name}.json") if LAW_NAME.fullmatch(name) else self._missing(name)
+
+    def file_of(self, name: str) -> Path:
+        """Give a file of the folder that may be downloaded.
+
+        Raises:
+            UserError: it is none that the studio wrote, or leads out of the folder.
+        """
+        return self._inside(name) if FILE_NAME.fullmatch(name) else self._missing(name)
+
+    def _inside(self, name: str) -> Path:
+        path = self.folder / name
+        if path.is_symlink() or not path.is_file() or path.resolve().parent != self.folder.resolve():
+            self._missing(name)
+        return path
+
+    def _missing(self, name: str) -> Path:
+        raise UserError(f"{name}: no such file of this studio; expected one of {', '.join(self.laws()) or 'its laws'}")
+
+    def law(self, name: str) -> LawFile:
+        """Read a law.
+
+        Raises:
+            UserError: there is none of that name, or it isn't a law.
+        """
+        return read_law(self.path_of(name))
+
+    def reserve(self) -> str:
+        """Give the name of the next law; nobody else is given it."""
+        with self._lock:
+            self._reserved += 1
+            return f"law{self._reserved}"
+
+    def shown(self, name: str) -> str:
+        """Give a file of the folder as a command line names it."""
+        return str(self.folder / name)
+
+    def note(self, step: Step) -> None:
+        """Remember what was done."""
+        with self._lock:
+            self._session = self._session.model_copy(update={"steps": (*self._session.steps, step)})
+            write_whole(self.folder / SESSION, self._session.model_dump_json(indent=1, by_alias=True) + "\n")
+
+    @property
+    def steps(self) -> Sequence[Step]:
+        """What was done, in order."""
+        return self._session.steps
+
+    def parent(self, name: str) -> str | None:
+        """Give the law that a law was made from; None of a first one."""
+        known = {step.law: step.of for step in self.steps if step.law}
+        found = known.get(name)
+        return found if found in self.laws() else None

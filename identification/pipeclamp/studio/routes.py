@@ -1,0 +1,321 @@
+"""What is answered to which address."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import AsyncIterator, Callable, Mapping
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
+
+from pipeclamp.api.tests import Tests
+from pipeclamp.studio import commands, overview, uploads
+from pipeclamp.studio.bench import changed, with_candidate
+from pipeclamp.studio.desk import Desk, Opened
+from pipeclamp.studio.error_map import EDGES
+from pipeclamp.studio.loop_picture import law_on, run_picture
+from pipeclamp.studio.security import TooLargeError
+from pipeclamp.studio.told import Told
+from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.law.law import Law
+
+HERE = Path(__file__).parent
+MOST_ASKED = 64 * 1024
+"""Bytes of a request that is no file."""
+MEDIA = {".json": "application/json", ".csv": "text/csv", ".fmu": "application/zip"}
+
+Endpoint = Callable[[Request], Response]
+
+
+def most_bytes(path: str) -> int:
+    """Give the size that a request to a path may have."""
+    return uploads.MOST_BYTES if path.startswith("/uploads/") else MOST_ASKED
+
+
+def application(desk: Desk) -> Starlette:
+    """Give the application."""
+    pages = Pages(desk)
+    routes = [
+        Route("/", pages.home),
+        Route("/campaigns", pages.campaigns),
+        Route("/c/{key}/", pages.campaign),
+        Route("/c/{key}/laws/{law}", pages.law),
+        Route("/c/{key}/runs/{run:path}", pages.run),
+        Route("/c/{key}/moved", pages.moved, methods=["POST"]),
+        Route("/c/{key}/jobs", pages.start, methods=["POST"]),
+        Route("/c/{key}/jobs", pages.events),
+        Route("/c/{key}/jobs/{number:int}/cancel", pages.cancel, methods=["POST"]),
+        Route("/c/{key}/files/{name}", pages.file),
+        Route("/import/jobs", pages.start_import, methods=["POST"]),
+        Route("/uploads/{batch}/{name}", pages.upload, methods=["PUT"]),
+        Route("/plotly.js", pages.plotly),
+        Mount("/static", StaticFiles(directory=HERE / "static")),
+    ]
+    handlers: Mapping[Any, Any] = {UserError: _refused, TooLargeError: _too_large}
+    return Starlette(routes=routes, exception_handlers=handlers)
+
+
+async def _refused(request: Request, error: Exception) -> Response:
+    if "text/html" in request.headers.get("accept", ""):
+        return HTMLResponse(_page("refused.html.jinja", message=str(error)), 400)
+    return JSONResponse({"error": str(error)}, 400)
+
+
+async def _too_large(request: Request, error: Exception) -> Response:
+    return JSONResponse({"error": "too large"}, 413)
+
+
+def _page(template: str, **content: Any) -> str:
+    return _environment().get_template(template).render(**content)
+
+
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("pipeclamp.studio", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
+    return environment
+
+
+def _in_thread(endpoint: Callable[..., Response]) -> Callable[..., Any]:
+    """Answer in a thread, so that a long answer keeps nobody else waiting."""
+
+    @wraps(endpoint)
+    async def answered(self: Pages, request: Request) -> Response:
+        return await run_in_threadpool(endpoint, self, request)
+
+    return answered
+
+
+class Pages:
+    """The endpoints."""
+
+    def __init__(self, desk: Desk) -> None:
+        """Answer from a desk."""
+        self.desk = desk
+
+    def _opened(self, request: Request) -> Opened:
+        return self.desk.open(request.path_params["key"])
+
+    @_in_thread
+    def home(self, request: Request) -> Response:
+        """Give the page of the campaign that the studio was started with, or the list of campaigns."""
+        if self.desk.first:
+            return self._shown(self.desk.open(self.desk.first), None, request)
+        return self._campaigns()
+
+    @_in_thread
+    def campaigns(self, request: Request) -> Response:
+        """Give the list of campaigns, where files are dropped too."""
+        return self._campaigns()
+
+    def _campaigns(self) -> Response:
+        imported, bundled = self.desk.choices()
+        return HTMLResponse(
+            _page(
+                "campaigns.html.jinja", first=self.desk.first, imported=imported, bundled=bundled, home=self.desk.home
+            )
+        )
+
+    @_in_thread
+    def campaign(self, request: Request) -> Response:
+        """Give a campaign's page with its newest law."""
+        return self._shown(self._opened(request), None, request)
+
+    @_in_thread
+    def law(self, request: Request) -> Response:
+        """Give the page of a law."""
+        return self._shown(self._opened(request), request.path_params["law"], request)
+
+    def _shown(self, opened: Opened, name: str | None, request: Request) -> Response:
+        project, bench = opened.project, opened.bench
+        chips = overview.chips_of(project)
+        name = name or (chips[-1].name if chips else None)
+        by, beside = request.query_params.get("by", ""), request.query_params.get("with", "")
+        shown = overview.law_shown(project, bench, name, by) if name else None
+        other = overview.law_shown(project, bench, beside, shown.map.by) if beside and shown else None
+        first_map = shown.map if shown else overview.tests_map(bench, by)
+        worst = first_map.worst()
+        told = shown.told if shown else None
+        lines = {
+            "identify": {base: commands.identify_line(project, "law1", base) for base in commands.BASES},
+            "diagnose": commands.diagnose_line(project, name) if name else "",
+            "add": {
+                each.name: commands.add_line(project, name or "", each.name, "law2")
+                for each in (told.candidates if told else ())
+            },
+            "build": commands.build_line(project, name, "python") if name else "",
+        }
+        return HTMLResponse(
+            _page(
+                "campaign.html.jinja",
+                key=opened.key,
+                campaign=bench.tests.name,
+                summary=_summary(bench.tests),
+                notes=[*map(str, bench.tests.left_out), *bench.tests.remarks],
+                chips=chips,
+                law=shown,
+                other=other,
+                map=first_map,
+                edges=EDGES,
+                worst=worst.runs[0] if worst else "",
+                told=told,
+                lines=lines,
+                bases=commands.BASES,
+                steps=project.steps,
+                parent=project.parent(name) if name else None,
+                folder=project.folder,
+                fmu=bool(name and (project.folder / f"{name}.fmu").is_file()),
+            )
+        )
+
+    @_in_thread
+    def run(self, request: Request) -> Response:
+        """Give one run with the laws that are asked for, and a candidate's prediction."""
+        opened = self._opened(request)
+        names = [name for name in request.query_params.get("laws", "").split(",") if name]
+        laws = {name: law_of(opened.project.law(name)) for name in names[:4]}
+        candidate = request.query_params.get("candidate")
+        if candidate and names:
+            laws[f"{names[0]} + {candidate}"] = _candidate(opened, names[0], candidate)
+        return JSONResponse(run_picture(opened.bench.run(request.path_params["run"]), laws))
+
+    async def moved(self, request: Request) -> Response:
+        """Give what a law gives on a run with other values of parameters."""
+        asked = await _asked(request)
+        return await run_in_threadpool(self._moved, self._opened(request), asked)
+
+    def _moved(self, opened: Opened, asked: Mapping[str, Any]) -> Response:
+        name, candidate = _text(asked, "law"), asked.get("candidate")
+        values = asked.get("values")
+        if not isinstance(values, dict) or not all(map(_is_number, values.values())):
+            raise UserError("values: expected numbers by the names of parameters")
+        law = _candidate(opened, name, str(candidate)) if candidate else law_of(opened.project.law(name))
+        return JSONResponse(law_on(opened.bench.run(_text(asked, "run")), changed(law, values)))
+
+    async def start(self, request: Request) -> Response:
+        """Start a job."""
+        asked = await _asked(request)
+        return await run_in_threadpool(self._start, self._opened(request), asked)
+
+    def _start(self, opened: Opened, asked: Mapping[str, Any]) -> Response:
+        project, kind, law = opened.project, _text(asked, "kind"), None
+        if kind == "identify":
+            base = _text(asked, "base")
+            if base not in commands.BASES:
+                raise UserError(f"base: got {base!r}; expected one of {', '.join(commands.BASES)}")
+            task, law = commands.identify_task(project, base)
+        elif kind == "add":
+            of, effect = _text(asked, "law"), _text(asked, "effect")
+            _candidate(opened, of, effect)
+            task, law = commands.add_task(project, of, effect)
+        elif kind == "diagnose":
+            task = commands.diagnose_task(project, _text(asked, "law"))
+        elif kind == "build":
+            task = commands.build_task(project, _text(asked, "law"), str(asked.get("fmu", "python")))
+        else:
+            raise UserError(f"kind: got {kind!r}; expected identify, diagnose, add or build")
+        return JSONResponse(self.desk.start(opened, task, law).to_dict())
+
+    async def start_import(self, request: Request) -> Response:
+        """Start an import of uploaded files, or a look into them."""
+        asked = await _asked(request)
+        name = uploads.safe_campaign(_text(asked, "name"))
+        files = uploads.batch_folder(self.desk.home, _text(asked, "batch"))
+        task = commands.import_task(
+            files, self.desk.home / name, str(asked.get("columns", "")), str(asked.get("pattern", "")),
+            dry_run=bool(asked.get("dry_run", True)),
+        )  # fmt: skip
+        job = self.desk.jobs.start("", task, lambda job: self.desk.forget(name))
+        return JSONResponse(job.to_dict())
+
+    async def cancel(self, request: Request) -> Response:
+        """Stop a job."""
+        self.desk.jobs.cancel(request.path_params["number"])
+        return JSONResponse({})
+
+    async def events(self, request: Request) -> Response:
+        """Send a campaign's jobs whenever they change, until none runs."""
+        key = request.path_params["key"]
+
+        async def sent() -> AsyncIterator[str]:
+            async for jobs in self.desk.jobs.followed("" if key == "-" else key):
+                yield f"data: {json.dumps(jobs)}\n\n"
+
+        return StreamingResponse(sent(), media_type="text/event-stream")
+
+    @_in_thread
+    def file(self, request: Request) -> Response:
+        """Give a file that the studio wrote."""
+        path = self._opened(request).project.file_of(request.path_params["name"])
+        return FileResponse(path, media_type=MEDIA[path.suffix], filename=path.name)
+
+    async def upload(self, request: Request) -> Response:
+        """Take a file."""
+        parameters = request.path_params
+        name = await uploads.take(self.desk.home, parameters["batch"], parameters["name"], request.stream())
+        return JSONResponse({"name": name})
+
+    @_in_thread
+    def plotly(self, request: Request) -> Response:
+        """Give the library that draws."""
+        from plotly.offline import get_plotlyjs
+
+        return Response(get_plotlyjs(), media_type="text/javascript", headers={"cache-control": "max-age=86400"})
+
+
+def _summary(tests: RecordTests) -> str:
+    """Say how many runs there are, and over which conditions."""
+    told = str(Tests(tests, tests.name)).splitlines()[0]
+    return told.removeprefix(f"{tests.name}: ")
+
+
+def _candidate(opened: Opened, law: str, candidate: str) -> Law:
+    file = opened.project.law(law)
+    found = next((each for each in _told(opened, law, file).candidates if each.name == candidate), None)
+    if found is None:
+        raise UserError(f"{candidate!r}: no candidate of {law}'s diagnosis; diagnose it first")
+    return with_candidate(file, found.effects, found.values)
+
+
+def _told(opened: Opened, law: str, file: LawFile) -> Told:
+    told = overview.told_in(opened.project, law, file)
+    if told is None:
+        raise UserError(f"{law}: hasn't been diagnosed; do that first")
+    return told
+
+
+async def _asked(request: Request) -> Mapping[str, Any]:
+    try:
+        asked = json.loads(await request.body())
+    except (ValueError, RecursionError) as error:
+        raise UserError("got no JSON; expected what the studio's page sends") from error
+    if not isinstance(asked, dict):
+        raise UserError("got no JSON object; expected what the studio's page sends")
+    return asked
+
+
+def _text(asked: Mapping[str, Any], name: str) -> str:
+    value = asked.get(name)
+    if not isinstance(value, str):
+        raise UserError(f"{name}: got {value!r}; expected a text")
+    return value
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

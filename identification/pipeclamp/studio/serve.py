@@ -1,0 +1,72 @@
+"""The server: bound to this machine alone unless told otherwise, until it is stopped."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import webbrowser
+from collections.abc import Callable
+
+import uvicorn
+
+from pipeclamp.studio.desk import Desk
+from pipeclamp.studio.routes import application, most_bytes
+from pipeclamp.studio.security import Door, Guard
+from pipeclamp_models.base.errors import InterruptError, UserError
+
+GRACE_s = 1
+"""So long an answer may take to end when the studio is stopped."""
+
+
+def serve(desk: Desk, host: str, port: int, tell: Callable[[str], None], *, browser: bool) -> None:
+    """Serve until stopped.
+
+    Args:
+        desk: what is open.
+        host: address to bind to.
+        port: likewise; 0 for a free one.
+        tell: is told the URL once requests are taken.
+        browser: whether to open it.
+
+    Raises:
+        UserError: the address can't be bound.
+        InterruptError: it was stopped.
+    """
+    with contextlib.closing(bound(host, port)) as listening:
+        door = Door(host, listening.getsockname()[1])
+        app = Guard(application(desk), door, most_bytes)
+        config = uvicorn.Config(
+            app, log_level="warning", access_log=False, server_header=False, lifespan="off",
+            timeout_graceful_shutdown=GRACE_s, h11_max_incomplete_event_size=64 * 1024, ws="none",
+        )  # fmt: skip
+        tell(door.url)
+        if browser:
+            webbrowser.open(door.url)
+        try:
+            uvicorn.Server(config).run(sockets=[listening])
+        except KeyboardInterrupt as stop:
+            raise InterruptError(f"all laws are in {desk.home}; the same command goes on with them") from stop
+        finally:
+            desk.jobs.end()
+
+
+def bound(host: str, port: int) -> socket.socket:
+    """Give a socket that listens.
+
+    Raises:
+        UserError: the address can't be bound.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listening = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        if hasattr(socket, "SO_REUSEADDR") and not hasattr(socket, "SO_EXCLUSIVEADDRUSE"):
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind((host, port))
+        listening.listen(128)
+    except (OSError, OverflowError) as error:
+        listening.close()
+        raise UserError(
+            f"--host {host} --port {port}: can't be bound ({getattr(error, 'strerror', None) or error}); expected an "
+            "address of this machine and a port that is free, or --port 0 for any"
+        ) from error
+    return listening

@@ -1,0 +1,87 @@
+// What is asked of the server, and jobs that are followed until they end.
+
+export async function ask(path, body) {
+  const how = body === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
+  const answer = await fetch(path, how);
+  const content = await answer.json().catch(() => ({ error: `the studio answered ${answer.status}` }));
+  if (!answer.ok) throw new Error(content.error || `the studio answered ${answer.status}`);
+  return content;
+}
+
+const place = () => document.getElementById("jobs");
+
+export function complain(message) {
+  const box = document.createElement("div");
+  box.className = "job refused";
+  box.append(textOf("b", "This doesn't work."), textOf("span", message, "says"));
+  place().replaceChildren(box);
+}
+
+export function textOf(tag, text, name = "") {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  if (name) made.className = name;
+  return made;
+}
+
+function drawn(job, key) {
+  const box = document.createElement("div");
+  box.className = `job ${job.state}`;
+  box.append(textOf("b", job.title));
+  if (job.state === "running") {
+    const bar = document.createElement("progress");
+    bar.setAttribute("aria-label", job.title);
+    box.append(bar);
+  }
+  box.append(textOf("span", job.says, "says"));
+  const time = textOf("span", `${Math.round(job.seconds)} s`, "time");
+  time.setAttribute("aria-hidden", "true");
+  box.append(time);
+  if (job.state === "running") {
+    const cancel = textOf("button", "Cancel");
+    cancel.type = "button";
+    cancel.addEventListener("click", () => ask(`/c/${key}/jobs/${job.number}/cancel`, {}));
+    box.append(cancel);
+    const began = Date.now() - 1000 * job.seconds;
+    const clock = setInterval(() => {
+      if (!box.isConnected) clearInterval(clock);
+      else time.textContent = `${Math.round((Date.now() - began) / 1000)} s`;
+    }, 1000);
+  }
+  return box;
+}
+
+let following = null;
+
+// Shows a campaign's running jobs, and calls `ended` once with each that ends while the page is open.
+export function follow(key, ended) {
+  if (following) following.close();
+  const seen = new Set();
+  following = new EventSource(`/c/${key}/jobs`);
+  following.onmessage = (event) => {
+    const jobs = JSON.parse(event.data);
+    for (const job of jobs) if (job.state === "running") seen.add(job.number);
+    const over = jobs.filter((job) => seen.has(job.number) && job.state !== "running");
+    const told = jobs.filter((job) => job.state === "running" || (seen.has(job.number) && job.state !== "done"));
+    place().replaceChildren(...told.map((job) => drawn(job, key)));
+    if (!jobs.some((job) => job.state === "running")) following.close();
+    for (const job of over) {
+      seen.delete(job.number);
+      ended(job);
+    }
+  };
+  following.onerror = () => {
+    if (following.readyState === EventSource.CLOSED) complain("The studio doesn't answer; is it still running?");
+  };
+}
+
+export async function start(path, body, key, ended) {
+  try {
+    const job = await ask(path, body);
+    if (job.state === "running") follow(key, ended);
+    return job;
+  } catch (error) {
+    complain(error.message);
+    return null;
+  }
+}

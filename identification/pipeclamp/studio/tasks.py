@@ -1,0 +1,100 @@
+"""The tasks of jobs: each does what a command does, and writes what the command would."""
+
+from __future__ import annotations
+
+import datetime
+import os
+from pathlib import Path
+from typing import Any
+
+from pipeclamp_identification.workflow.reading import read_tests
+from pipeclamp_identification.workflow.tests import Tests
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.file import LawFile, law_text, read_law
+
+
+def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str) -> dict[str, Any]:
+    """Fit a law to all runs and write it."""
+    tests = _tests(tell, campaign)
+    found = tests.identify(base=base, progress=tell)
+    return _written(found.file(name=tests.name, command=command, date=_now()), law)
+
+
+def add(tell: Progress, *, campaign: str, of: str, effect: str, law: str, command: str) -> dict[str, Any]:
+    """Add an effect to a law, refit everything and write it."""
+    from pipeclamp_identification.workflow.change import add_effect
+
+    tests = _tests(tell, campaign)
+    change = add_effect(read_law(Path(of)), effect, tests, command=command, date=_now(), progress=tell)
+    return _written(change.after, law)
+
+
+def diagnose(tell: Progress, *, campaign: str, law: str, answer: str, told: str, drive: str) -> dict[str, Any]:
+    """Find what a law lacks; write the answer, what the studio shows of it, and the next test's drive signal."""
+    from pipeclamp.show.diagnosis_views import diagnosis_view
+    from pipeclamp.studio.told import told_of
+    from pipeclamp_identification.campaign.drive import drive_content
+    from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+    from pipeclamp_identification.workflow.next_command import next_command
+
+    tests, file = _tests(tell, campaign), read_law(Path(law))
+    # one core stays for the studio
+    found = tests.diagnose(file, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
+    assert isinstance(found, Diagnosed)
+    tell("next test")
+    following = next_command(found, law, campaign)
+    view = diagnosis_view(found, (), following)
+    if found.proposal:
+        write_whole(Path(drive), drive_content(found.proposal.plan.signal(), Path(drive)))
+    write_whole(Path(answer), view.answer.json_text())
+    write_whole(Path(told), told_of(found, file, following).json_text())
+    return {"verdict": found.verdict}
+
+
+def build(tell: Progress, *, law: str, fmu: str, kind: str) -> dict[str, Any]:
+    """Build the law's FMU."""
+    from pipeclamp.api.fmu import build_fmu
+
+    tell(f"build a {kind} FMU")
+    build_fmu(law, fmu, "native" if kind == "native" else "python", track=True)
+    return {"file": Path(fmu).name}
+
+
+def look_into(tell: Progress, *, files: list[str], folder: str, columns: str, pattern: str) -> dict[str, Any]:
+    """Say what files would become, and write nothing."""
+    return _imported(tell, files, folder, columns, pattern, dry_run=True)
+
+
+def import_into(tell: Progress, *, files: list[str], folder: str, columns: str, pattern: str) -> dict[str, Any]:
+    """Make a campaign of files."""
+    return _imported(tell, files, folder, columns, pattern, dry_run=False)
+
+
+def _imported(
+    tell: Progress, files: list[str], folder: str, columns: str, pattern: str, *, dry_run: bool
+) -> dict[str, Any]:
+    from pipeclamp.api.importing import import_files
+    from pipeclamp.show.table import cell
+
+    found = import_files(files, folder, columns=columns, pattern=pattern, dry_run=dry_run, progress=tell)
+    view = found.view()
+    tables = [
+        {"caption": table.caption, "header": list(table.header), "rows": [[cell(v) for v in row] for row in table.rows]}
+        for table in view.tables
+    ]
+    return {"lines": [*view.lines, *found.notes], "tables": tables, "written": found.written}
+
+
+def _tests(tell: Progress, campaign: str) -> Tests:
+    tell("reading the tests")
+    return read_tests(Path(campaign)).of_sines()
+
+
+def _written(file: LawFile, law: str) -> dict[str, Any]:
+    write_whole(Path(law), law_text(file))
+    return {"law": Path(law).stem}
+
+
+def _now() -> str:
+    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")

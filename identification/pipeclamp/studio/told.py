@@ -1,0 +1,93 @@
+"""What the studio keeps of a diagnosis beside its answer: the words as `pipeclamp diagnose` prints them, the fits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from pydantic import Field
+
+from pipeclamp.show.diagnosis import against, verdict_lines
+from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.weighing import explained_share
+from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.law.file import LawFile
+
+
+class ToldCandidate(AnswerModel):
+    """An effect that a diagnosis fitted with the law."""
+
+    name: str = Field(description="as `add` takes it")
+    does: str
+    looks_like: str
+    told_apart_by: str
+    heldout_nrmse: float
+    explained: float = Field(description="share of what is missing that it takes, on left-out conditions")
+    against: tuple[str, ...] = Field(description="what speaks against it")
+    effects: tuple[str, ...] = Field(description="of the law with it")
+    values: Mapping[str, float] = Field(description="parameters of the law with it")
+
+
+class Told(AnswerModel):
+    """A diagnosis as it is shown."""
+
+    law_command: str = Field(description="the command that made the law which was diagnosed, and its date")
+    verdict: Verdict
+    kind: Kind | None
+    effects: tuple[str, ...]
+    headline: str
+    words: tuple[str, ...]
+    rung: tuple[str, ...]
+    lines: tuple[str, ...] = Field(description="as the command prints them")
+    heldout_nrmse: float = Field(description="of the law as it is")
+    candidates: tuple[ToldCandidate, ...]
+    next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
+    drive: bool = Field(description="whether there is a drive signal for it")
+
+
+def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
+    """Give a diagnosis as it is shown."""
+    diagnosis = found.diagnosis
+    return Told(
+        law_command=stamp(file),
+        verdict=found.verdict,
+        kind=found.kind,
+        effects=found.effects,
+        headline=found.headline(),
+        words=tuple(found.words()),
+        rung=tuple(found.rung()),
+        lines=tuple(verdict_lines(found, next_command, None)),
+        heldout_nrmse=diagnosis.law.heldout_nrmse,
+        candidates=tuple(
+            _candidate(each, diagnosis.law) for each in diagnosis.candidates if _is_finite(each.result.law.values)
+        ),
+        next_test=found.proposal.words() if found.proposal else found.no_test,
+        drive=found.proposal is not None,
+    )
+
+
+def stamp(file: LawFile) -> str:
+    """Give what tells a law's file from another of the same name."""
+    return f"{file.command} {file.date}"
+
+
+def _is_finite(values: Mapping[str, float]) -> bool:
+    return all(map(math.isfinite, values.values()))
+
+
+def _candidate(judged: Judged, law: Judged) -> ToldCandidate:
+    name = judged.effects[0]
+    effect = next(effect for effect in judged.result.equations.effects if effect.name == name)
+    return ToldCandidate(
+        name=name,
+        does=effect.does,
+        looks_like=effect.looks_like,
+        told_apart_by=effect.told_apart_by,
+        heldout_nrmse=judged.heldout_nrmse,
+        explained=explained_share(judged, law),
+        against=tuple(against(judged, law)),
+        effects=judged.result.law.structure.effects,
+        values=dict(judged.result.law.values),
+    )
