@@ -6,7 +6,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.page import SERIES, styled
-from pipeclamp.pages.response import pieces
+from pipeclamp.pages.system.response import pieces
 from pipeclamp_system.steady.response import FrequencyResponse, amplitudes_of, run_response
 
 SYSTEM = Path(__file__).parent / "system" / "system.toml"

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from importlib import resources
 from math import isfinite
 from pathlib import Path
 
 import plotly.graph_objects as go
 
-from pipeclamp.pages.comparison import loops_section, map_section
-from pipeclamp.pages.cosim import cosim_sections
+from pipeclamp.pages.comparison import difference_section
 from pipeclamp.pages.page import Section, write_report
-from pipeclamp.pages.pictures import overlay_picture, waterfall_picture
-from pipeclamp.pages.sections import law_page, sections_of
+from pipeclamp.pages.pictures import overlay_picture
+from pipeclamp.pages.sections import law_page, metrics_page
+from pipeclamp.pages.system.cosim import cosim_sections
+from pipeclamp.pages.waterfall import Rung, waterfall_picture
 from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import addition_table
 from pipeclamp.show.table import Table
@@ -23,6 +23,7 @@ from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.comparison.laws import stages_held
 from pipeclamp_identification.metrics_only.published import FIGURE_14, READINGS, Step, reading_law, way
 from pipeclamp_identification.workflow.change import Addition, add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -39,6 +40,7 @@ from pipeclamp_system.cosim.result import CosimResult, write_result
 from pipeclamp_system.cosim.run import run_system
 
 EFFECTS = ("damping_temperature", "memory:2")
+UNSEEN = "on tests never seen"
 """What the truth of clamp_a, a campaign of the virtual rig, holds besides a base law."""
 HOT = 300.0
 
@@ -114,9 +116,8 @@ def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
         "A step that rests on one row gains less than half without that one measurement: the tables support it, they "
         "don't prove it.",
     ]
-    falling = waterfall_picture(
-        [(step.title, step.errors[0]) for step in steps], None, "error", "Error against the published tables"
-    )
+    rungs = [Rung(step.title, {"dW and W": step.errors[0]}) for step in steps]
+    falling = waterfall_picture(rungs, None, "Error against the published tables", "rms log ratio")
     return [
         Section("The way", words, [table], [falling]),
         Section(
@@ -139,7 +140,7 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in ("clamp_a", "clamp_a_heldout"))
     command = "pipeclamp demo"
     file = tests.identify().file(name="clamp_a", command=command, date=None)
-    write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, sections_of(tests))
+    write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics_page(tests))
     yield folder / "2_metrics.html"
     on_unseen = [unseen.compare(file)]
     tell(f"   base law: {_errors(file, on_unseen[-1])}")
@@ -173,16 +174,14 @@ def _law_sections(
 ) -> list[Section]:
     steps = ["base law", *(addition.effect for addition in additions)]
     falling = waterfall_picture(
-        [(step, comparison.nrmse) for step, comparison in zip(steps, on_unseen, strict=True)],
+        [Rung(step, {UNSEEN: comparison.nrmse}) for step, comparison in zip(steps, on_unseen, strict=True)],
         on_unseen[-1].noise_nrmse,
-        "error",
         "Error on tests never seen, effect by effect",
     )
     return [
         Section("The error falls", (), [addition_table(addition) for addition in additions], [falling]),
         Section("On tests never seen", how_much(on_unseen[-1])),
-        replace(map_section(on_unseen[-1]), title="Where, on tests never seen"),
-        replace(loops_section(on_unseen[-1]), title="Worst loops never seen"),
+        difference_section(on_unseen[-1], stages_held(file, on_unseen[-1]), "Difference, on tests never seen"),
         *law_page(file, tests.compare(file)),
     ]
 

@@ -101,7 +101,7 @@ def test_one_run_is_enough(compared, campaign_folder):
     assert "over 1 run;" in printed
     assert answer["where"]["conditions"] == {}
     assert whole(answer["where"]["phases"]) == pytest.approx(1.0)
-    assert "All tests are at A 0.8 mm and f 3 Hz." in page
+    assert "A 0.8 mm, f 3 Hz" in page
 
 
 @pytest.mark.parametrize("per_cycle", [40, 2000])

@@ -51,7 +51,7 @@ def test_compare_takes_them(pipeclamp, mixed, tmp_path, sines):
         assert sum(part["share"] for part in parts) == pytest.approx(1.0)
     page = report.read_text(encoding="utf-8")
     assert "NaN" not in re.sub(r"<script.*?</script>", "", page, flags=re.S)
-    for title in ("How much", "Free motions", "Where along free motions", *(["By harmonic"] if sines else [])):
+    for title in ("Answer", "Free motions", "Where along free motions", *(["By harmonic"] if sines else [])):
         assert f"<h2>{title}</h2>" in page
     for sentence in found["where"]["words"]:
         assert sentence in " ".join(done.stdout.split())

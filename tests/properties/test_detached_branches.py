@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cantilever import cantilever
 
-from pipeclamp.pages.response import response_picture
+from pipeclamp.pages.system.response import response_picture
 from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.pipe.description import parse_pipe

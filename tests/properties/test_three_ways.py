@@ -12,7 +12,7 @@ import pytest
 from cantilever import cantilever, shaken
 from scipy.signal import find_peaks
 
-from pipeclamp.pages.response import response_picture
+from pipeclamp.pages.system.response import response_picture
 from pipeclamp_fmu.build import build_clamp, build_pipe
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of, read_law

@@ -20,7 +20,7 @@ import polars as pl
 import pytest
 from cantilever import cantilever
 
-from pipeclamp.pages.cosim import cosim_sections
+from pipeclamp.pages.system.cosim import cosim_sections
 from pipeclamp_fmu.build import build_clamp, build_excitation, build_native_clamp, build_pipe
 from pipeclamp_fmu.contents.excitation import Samples
 from pipeclamp_fmu.ssp import NAMESPACES, Component, SystemStructure, write_ssp

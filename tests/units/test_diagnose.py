@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeclamp.pages.page import render
-from pipeclamp.pages.sections import sections_of
+from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
@@ -142,7 +142,7 @@ def test_answer_and_report(campaign):
     assert content["effects"] == ["asymmetry"]
     assert content["candidates"][0]["effect"] == "asymmetry"
     assert content["nrmse"]["noise"] < content["nrmse"]["best"] < content["nrmse"]["law"]
-    page = render("t", "s", sections_of(answer))
+    page = render("t", "s", diagnosis_page(file, answer, "pipeclamp add"))
     assert "asymmetry" in page
     settled = add_until_settled(file, RecordTests(tests), command="test")
     assert settled.found.verdict == "complete"

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeclamp.pages.diagnosis import evidence_sections
 from pipeclamp.pages.page import render
-from pipeclamp.pages.sections import sections_of
 from pipeclamp.show.diagnosis import next_test_lines
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, drive_content, read_drive
@@ -69,7 +69,7 @@ def test_each_rivals_loop_is_drawn(answer):
     assert proposal.rivals == answer.diagnosis.effects
     assert proposal.forces.shape == (2, proposal.motion.y.shape[1])
     assert proposal.separation > 1.0
-    page = render("t", "s", sections_of(answer))
+    page = render("t", "s", evidence_sections(answer))
     assert all(f"if it is {name}" in page for name in proposal.rivals)
 
 
@@ -132,7 +132,7 @@ def test_limits_that_no_motion_keeps(answer):
 
 
 def test_the_drive_is_drawn_and_named(answer, tmp_path):
-    (section,) = [section for section in sections_of(answer) if section.title == "Next test"]
+    (section,) = [section for section in evidence_sections(answer) if section.title == "Next test"]
     assert "6 at full amplitude" in " ".join(section.paragraphs)
     lines = next_test_lines(answer, tmp_path / "drive.csv")
     assert "drive.csv holds its drive signal" in lines[1]

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from cantilever import shaken
 
-from pipeclamp.pages.attribution import attribution_section
 from pipeclamp.pages.page import render
+from pipeclamp.pages.system.attribution import attribution_section
 from pipeclamp.show.on_pipe import attribution_words
 from pipeclamp_identification.attribution.answer import attribution_answer
 from pipeclamp_identification.attribution.compared import Compared

@@ -10,7 +10,7 @@ import pytest
 from cantilever import cantilever, shaken
 
 from pipeclamp.pages.page import render
-from pipeclamp.pages.pipe import pipe_comparison_sections
+from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp_identification.on_pipe.answer import sines_answer
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 from pipeclamp_identification.on_pipe.where import how_much, where_words

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from cantilever import cantilever, shaken
 
-from pipeclamp.pages.on_pipe import attributed_sections
 from pipeclamp.pages.page import render
-from pipeclamp.pages.pipe_records import records_sections
+from pipeclamp.pages.system.on_pipe import attributed_sections
+from pipeclamp.pages.system.pipe_records import records_sections
 from pipeclamp.show.on_pipe import attributed_view
 from pipeclamp_identification.attribution.answer import SystemComparisonAnswer
 from pipeclamp_identification.attribution.attributed import attributed

@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeclamp.cli.app import app
-from pipeclamp.pages.cosim import cosim_sections
-from pipeclamp.pages.response import response_picture
+from pipeclamp.pages.system.cosim import cosim_sections
+from pipeclamp.pages.system.response import response_picture
 from pipeclamp_system.cosim.building import finished
 from pipeclamp_system.cosim.hidden_motion import hidden_share
 from pipeclamp_system.cosim.result import write_result

@@ -14,7 +14,7 @@ from pathlib import Path
 import polars as pl
 import pytest
 
-from pipeclamp.pages.study import study_sections
+from pipeclamp.pages.system.study import study_sections
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.study.case import evaluate

@@ -10,6 +10,7 @@ from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import PathOrName, Shown, frame_of
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
+from pipeclamp_identification.workflow.next_command import after_comparison
 from pipeclamp_identification.workflow.tests import Held
 from pipeclamp_models.base.one_thread import one_thread
 
@@ -58,11 +59,11 @@ class Comparison(Shown):
 
     def page(self) -> tuple[str, str, Sequence[Section]]:
         """Give the page, as `pipeclamp compare --report` writes it."""
-        from pipeclamp.pages.sections import sections_of
+        from pipeclamp.pages.sections import comparison_page, comparison_title
 
-        effects = ", ".join(self.law.effects) or "none"
-        title = f"Law {self.law.name} against {self.tests.name}"
-        return title, f"base {self.law.base}, effects: {effects}", sections_of(self._held)
+        following = after_comparison(self.law.origin, self.tests.origin)
+        page = comparison_page([(self.law.file, self._held)], following)
+        return *comparison_title([self.law.file], self.tests.name), page
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: its conditions (mm, Hz, degC), error and scatter as shares of the run's rms force."""

@@ -78,7 +78,8 @@ class Diagnosis(Shown):
         """Give the page, as `pipeclamp diagnose --report` writes it."""
         from pipeclamp.pages.sections import diagnosis_page
 
-        return f"Diagnosis of {self.law.name}", self.tests.name, diagnosis_page(self._found, self.next_command)
+        page = diagnosis_page(self.law.file, self._found, self.next_command)
+        return f"Diagnosis of {self.law.name}", f"against {self.tests.name}", page
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a candidate, best first: its error on left-out conditions, and the share that it explains."""

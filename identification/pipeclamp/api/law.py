@@ -132,16 +132,16 @@ class Law:
         return pl.from_dicts(rows, infer_schema_length=None)
 
     def report(self, path: PathOrName) -> Path:
-        """Write the law's page, whole or not at all: equations, parameters, surfaces.
+        """Write the law's page, whole or not at all: how its error fell, equations, parameters, surfaces.
 
         Raises:
             UserError: it can't be written there.
         """
-        from pipeclamp.pages.law import law_sections
         from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import law_alone_page
 
         target = Path(path)
-        write_report(target, f"Law {self.name}", str(self), law_sections(self.file))
+        write_report(target, f"Law {self.name}", str(self), law_alone_page(self.file))
         return target
 
     def __repr__(self) -> str:

@@ -76,7 +76,7 @@ class Cosimulation:
         return target
 
     def _sections(self) -> Sequence[Section]:
-        from pipeclamp.pages.cosim import cosim_sections
+        from pipeclamp.pages.system.cosim import cosim_sections
 
         return cosim_sections(self.result)
 

@@ -61,9 +61,9 @@ class Tests(Shown):
 
     def page(self) -> tuple[str, str, Sequence[Section]]:
         """Give the page of the loops' metrics, as `pipeclamp metrics --report` writes it."""
-        from pipeclamp.pages.sections import sections_of
+        from pipeclamp.pages.sections import metrics_page
 
-        return f"Loop metrics of {self.name}", self.tests.notes, sections_of(self.tests)
+        return f"Loop metrics of {self.name}", self.tests.notes, metrics_page(self.tests)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: conditions (mm, Hz, degC), dW and W (J), loss factor, stiffness (N/mm), scatter."""

@@ -170,7 +170,11 @@ def metrics(
         view = metrics_view(tests)
     if output:
         write_folder(output, metric_files(tests.metrics()))
-    _report(report, f"Loop metrics of {tests.name}", tests.notes, tests)
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import metrics_page
+
+        write_report(report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests), command_called())
     show(view, json)
 
 
@@ -241,16 +245,20 @@ def identify(
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import law_page
 
-        write_report(report, f"Law {file.name}", f"identified from {tests.name}", law_page(file, found.held))
+        about = f"identified from {tests.name}"
+        write_report(report, f"Law {file.name}", about, law_page(file, found.held), command_called())
     write_whole(output, law_text(file))
     _print_law(file, output)
 
 
 @app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
 def compare(
-    law: Annotated[
-        str,
-        typer.Argument(metavar="LAW|SYSTEM.toml", help="Law file, name of a bundled law, or a coupled system."),
+    laws: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="LAW...|SYSTEM.toml",
+            help="Law file or name of a bundled law; several are held against the same tests; or a coupled system.",
+        ),
     ],
     campaign: Annotated[
         Path,
@@ -264,26 +272,36 @@ def compare(
     report: ReportOption = None,
     strict: StrictOption = False,
 ) -> None:
-    """Hold a law, or a pipe with its clamps, against measurements: how much it errs, and where."""
+    """Hold laws, or a pipe with its clamps, against measurements: how much each errs, and where."""
     from pipeclamp_models.law.declaration_files import refuse_declaration
 
-    refuse_declaration(Path(law))
-    spare(law, campaign, outputs=(json, report))
-    if law.endswith(".toml"):
+    for law in laws:
+        refuse_declaration(Path(law))
+    spare(*laws, campaign, outputs=(json, report))
+    if any(law.endswith(".toml") for law in laws):
         from pipeclamp.cli.on_pipe import compare_on_pipe
 
-        compare_on_pipe(Path(law), campaign, json, report)
+        if len(laws) > 1:
+            raise UsageError(f"compare: got {len(laws)} systems or laws with a .toml; expected one SYSTEM.toml")
+        compare_on_pipe(Path(laws[0]), campaign, json, report)
         return
-    from pipeclamp.show.views import comparison_view
+    from pipeclamp.show.views import comparison_view, laws_view
+    from pipeclamp_identification.workflow.next_command import after_comparison
 
     with told("compare") as tell:
-        file = opened_law(law)
+        files = [opened_law(law) for law in laws]
         tests = _read(campaign, strict, tell, free=True)
-        held = tests.compare(file)
-        view = comparison_view(held)
-    effects = ", ".join(file.effects) or "none"
-    _report(report, f"Law {file.name} against {tests.name}", f"base {file.base}, effects: {effects}", held)
+        held = [(file, tests.compare(file)) for file in files]
+        view = comparison_view(held[0][1]) if len(held) == 1 else laws_view(held)
+    best = min(range(len(held)), key=lambda index: held[index][1].nrmse)
+    following = after_comparison(laws[best], str(campaign))
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import comparison_page, comparison_title
+
+        write_report(report, *comparison_title(files, tests.name), comparison_page(held, following), command_called())
     show(view, json)
+    console().print(f"Next: {following}", highlight=False, markup=False, soft_wrap=True)
 
 
 @app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
@@ -340,7 +358,8 @@ def diagnose(
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import diagnosis_page
 
-        write_report(report, f"Diagnosis of {file.name}", tests.name, diagnosis_page(found, following))
+        title, about = f"Diagnosis of {file.name}", f"against {tests.name}"
+        write_report(report, title, about, diagnosis_page(file, found, following), command_called())
     if drive and found.proposal:
         write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
     if auto:
@@ -404,7 +423,8 @@ def schema(
     name: Annotated[
         str,
         typer.Argument(
-            metavar="[law|metrics|comparison|system-comparison|diagnosis|import|effects]", help="Of what is written."
+            metavar="[law|metrics|comparison|laws-comparison|system-comparison|diagnosis|import|effects]",
+            help="Of what is written.",
         ),
     ] = "law",
 ) -> None:
@@ -427,15 +447,6 @@ def _read(folder: Path, strict: bool, tell: Tell, *, free: bool = False) -> Test
     for words in tests.remarks:
         errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
     return tests
-
-
-def _report(path: Path | None, title: str, subtitle: str, found: object) -> None:
-    """Write the page of what was found, where one is wanted."""
-    if path:
-        from pipeclamp.pages.page import write_report
-        from pipeclamp.pages.sections import sections_of
-
-        write_report(path, title, subtitle, sections_of(found))
 
 
 def _change(

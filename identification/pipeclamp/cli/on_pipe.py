@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pipeclamp.cli.terminal import show, told
+from pipeclamp.cli.terminal import command_called, show, told
 
 
 def compare_on_pipe(system: Path, measured: Path, json: Path | None, report: Path | None) -> None:
@@ -18,9 +18,10 @@ def compare_on_pipe(system: Path, measured: Path, json: Path | None, report: Pat
         held = compare_measured(system, measured)
         found = attributed(held, tell)
     if report:
-        from pipeclamp.pages.on_pipe import attributed_sections
         from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.system.on_pipe import attributed_sections
 
         title = f"{held.system.name} against {held.description.name}"
-        write_report(report, title, held.description.notes or "pipe and clamps", attributed_sections(found))
+        about = held.description.notes or "pipe and clamps"
+        write_report(report, title, about, attributed_sections(found), command_called())
     show(attributed_view(found), json)

@@ -15,6 +15,7 @@ from pipeclamp.cli.terminal import (
     JobsOption,
     LawArgument,
     ReportOption,
+    command_called,
     console,
     errors,
     file_option,
@@ -153,7 +154,7 @@ def cosim(
     report: ReportOption = None,
 ) -> None:
     """Couple a pipe FMU with clamp FMUs and run them."""
-    from pipeclamp.pages.cosim import cosim_sections
+    from pipeclamp.pages.system.cosim import cosim_sections
     from pipeclamp_system.cosim.result import write_result
     from pipeclamp_system.cosim.run import run_system
 
@@ -164,7 +165,7 @@ def cosim(
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Co-simulation {system.stem}", "pipe and clamps", sections)
+        write_report(report, f"Co-simulation {system.stem}", "pipe and clamps", sections, command_called())
     write_result(result, output)
     say([*sections[0].paragraphs, str(output)])
 
@@ -176,7 +177,7 @@ def response(
     report: ReportOption = None,
 ) -> None:
     """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
-    from pipeclamp.pages.response import response_sections
+    from pipeclamp.pages.system.response import response_sections
     from pipeclamp_system.steady.response import run_response, write_response
 
     spare(system, outputs=(output, report))
@@ -186,7 +187,7 @@ def response(
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Frequency response {system.stem}", "pipe and clamps", sections)
+        write_report(report, f"Frequency response {system.stem}", "pipe and clamps", sections, command_called())
     write_response(found, output)
     say([*sections[0].paragraphs, str(output)])
 
@@ -235,7 +236,7 @@ def sweep(
         TimeRemainingColumn,
     )
 
-    from pipeclamp.pages.study import study_sections
+    from pipeclamp.pages.system.study import study_sections
     from pipeclamp_system.study.description import read_study
     from pipeclamp_system.study.run import run_study
 
@@ -252,7 +253,7 @@ def sweep(
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Study: {read.description.name}", read.description.notes, sections)
+        write_report(report, f"Study: {read.description.name}", read.description.notes, sections, command_called())
     say([*sections[0].paragraphs, str(output)])
 
 

@@ -77,6 +77,13 @@ def _output_option(refuse: Callable[[Path], None], metavar: str, help: str, name
     return typer.Option(*(names or ("-o", "--output")), metavar=metavar, help=help, callback=checked)
 
 
+def _refuse_report(path: Path) -> None:
+    from pipeclamp.show.report_name import refuse_report_name
+
+    refuse_report_name(path)
+    refuse_file(path)
+
+
 def spare(*inputs: str | Path, outputs: Sequence[Path | None]) -> None:
     """Refuse to write over what a command reads, before the work; and two of its answers into one file.
 
@@ -105,7 +112,9 @@ def spare(*inputs: str | Path, outputs: Sequence[Path | None]) -> None:
 
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
 JsonOption = Annotated[Path | None, file_option("F", "Write the answer as JSON.", "--json")]
-ReportOption = Annotated[Path | None, file_option("F.html", "Write a report with pictures.", "--report")]
+ReportOption = Annotated[
+    Path | None, _output_option(_refuse_report, "F.html", "Write a report with pictures.", ("--report",))
+]
 StrictOption = Annotated[bool, typer.Option("--strict", metavar="", help="A run that can't be used is an error.")]
 EffectsOption = Annotated[
     str, typer.Option("--effects", metavar="a,b,...", help="Effects, see `pipeclamp effects`, or F.toml.")

@@ -3,34 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
 from pipeclamp.pages.error_pictures import (
-    ConditionsMap,
     ErrorBars,
     HarmonicLevels,
     LoopInTime,
     along_loop_picture,
     bars_of,
-    conditions_picture,
     cycles_picture,
     error_bars,
     harmonics_picture,
 )
+from pipeclamp.pages.explorer import explored
 from pipeclamp.pages.free_comparison import free_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.pictures import LoopPanel, loops_picture
 from pipeclamp.show.comparison import how_much, parts_table, worst_table
 from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
 from pipeclamp_identification.comparison.compare import Comparison, where_words
+from pipeclamp_identification.comparison.laws import HeldLaw
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.loops.scatter import PHASE_BINS
-from pipeclamp_identification.signals.levels import Level
-
-WORST_SHOWN = 8
-
 
 EVEN = (
     "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "
@@ -41,81 +37,39 @@ EVEN = (
 HARMONICS_SHOWN = 12
 
 
-def loop_panels(comparison: Comparison, rows: Sequence[int]) -> list[LoopPanel]:
-    """Give the measured and computed loops of some runs."""
-    force = force_of_rows(comparison.law, comparison.loops, DRAWN_SAMPLES)
-    panels = []
-    for row in rows:
-        y, measured = loop_of_run(comparison.loops, row)
-        run = comparison.runs[row]
-        panels.append(LoopPanel(f"{run.run}: {100 * run.nrmse:.2g} %", y, measured, force[row]))
-    return panels
-
-
-def comparison_sections(comparison: Comparison) -> list[Section]:
-    """Give the report of a comparison: the numbers, where it fails, the worst loops."""
-    summary = [*how_much(comparison), *where_words(comparison)]
+def answer_words(comparison: Comparison) -> list[str]:
+    """Say how much a law errs, where, and what to know of the tests."""
+    words = [*how_much(comparison), *where_words(comparison)]
     if comparison.outside:
-        summary.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
-    summary += [f"Left out: {entry}." for entry in comparison.campaign.left_out]
-    summary += [f"Note: {remark}." for remark in comparison.campaign.remarks]
+        words.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
+    words += [f"Left out: {entry}." for entry in comparison.campaign.left_out]
+    return [*words, *(f"Note: {remark}." for remark in comparison.campaign.remarks)]
+
+
+def difference_section(comparison: Comparison, laws: Sequence[HeldLaw], title: str = "Difference") -> Section:
+    """Show what is measured less what each law gives, run by run, with the map over A and f to pick them from."""
+    A, f, *further = comparison.conditions
+    held = sorted((condition for condition in further if condition.varies), key=partial(_evenness, comparison))
+    return Section(title, explorer=explored(comparison.loops, laws, (A, f, *held), comparison.campaign.name))
+
+
+def _evenness(comparison: Comparison, condition: Condition) -> float:
+    return -breakdown.by_condition(comparison.sums, condition).unevenness
+
+
+def detail_sections(comparison: Comparison) -> list[Section]:
+    """Show where a law errs: along free motions, along the loop, by harmonic, along cycles, by condition, all runs."""
     free = free_sections(comparison)
     if not comparison.runs:
-        return [Section("How much", summary), *free]
+        return free
     return [
-        Section("How much", summary),
         *free,
-        map_section(comparison),
-        loops_section(comparison),
         _along_loop_section(comparison),
         _harmonics_section(comparison),
         _cycles_section(comparison),
         *_conditions_sections(comparison),
         Section("All runs", (), [worst_table(comparison)]),
     ]
-
-
-def map_section(comparison: Comparison) -> Section:
-    """Show the error over amplitude and frequency, at each level of every further condition, the most uneven first."""
-
-    def evenness(condition: Condition) -> float:
-        return -breakdown.by_condition(comparison.sums, condition).unevenness
-
-    A, f, *further = comparison.conditions
-    if not comparison.varied:
-        return Section("Where", [f"All tests are at A {A.words(A.levels[0])} and f {f.words(f.levels[0])}."])
-    varied = sorted((condition for condition in further if condition.varies), key=evenness)
-    panelled: Sequence[Condition | None] = varied or [None]
-    maps = []
-    for condition in panelled:
-        beside = "" if condition is None else f", {condition.title}"
-        title = f"Error over A / mm, f / Hz{beside}; in brackets the scatter; the worst is framed"
-        maps.append(conditions_picture(_conditions_map(comparison, A, f, condition), title))
-    return Section("Where", (), (), maps)
-
-
-def _conditions_map(comparison: Comparison, A: Condition, f: Condition, panels: Condition | None) -> ConditionsMap:
-    everything = np.arange(len(comparison.runs))
-    levels = panels.levels if panels else (Level("all tests", "", "", everything),)
-    error = np.full((len(levels), len(A.levels), len(f.levels)), np.nan)
-    scatter = error.copy()
-    for place in np.ndindex(error.shape):
-        chosen = set(levels[place[0]].rows) & set(A.levels[place[1]].rows) & set(f.levels[place[2]].rows)
-        part = breakdown.part_of_runs("", [comparison.sums[row] for row in chosen])
-        if part.nrmse is not None:
-            error[place] = 100 * part.nrmse
-        if part.noise_nrmse is not None:
-            scatter[place] = 100 * part.noise_nrmse
-    names = [panels.words(level) if panels else level.label for level in levels]
-    return ConditionsMap(
-        [level.label for level in A.levels], [level.label for level in f.levels], names, error, scatter
-    )
-
-
-def loops_section(comparison: Comparison) -> Section:
-    """Show the worst loops."""
-    panels = loop_panels(comparison, comparison.worst_first()[:WORST_SHOWN])
-    return Section("Worst loops", (), (), [loops_picture(panels, "Measured (grey) and law (red), worst first")])
 
 
 def _along_loop_section(comparison: Comparison) -> Section:

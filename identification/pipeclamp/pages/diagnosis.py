@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import plotly.graph_objects as go
 
-from pipeclamp.pages.comparison import comparison_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture, waterfall_picture
+from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
+from pipeclamp.pages.waterfall import LEFT_OUT, Rung
 from pipeclamp.show.diagnosis import against, before_physics, candidate_table, sentence
 from pipeclamp.show.table import Table
 from pipeclamp_identification.campaign.drive import DrivePlan
@@ -17,32 +17,48 @@ from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.law.catalogue import effect_id
 
 
-def diagnosis_sections(answer: Diagnosed) -> list[Section]:
-    """Give the report of a diagnosis."""
-    diagnosis, leftover = answer.diagnosis, answer.diagnosis.leftover
-    words = [*before_physics(answer), answer.headline()]
-    words += [sentence(word) for word in (*diagnosis.reasons, *answer.cautions())]
+def diagnosis_answer(answer: Diagnosed) -> Section:
+    """Give the first section of a diagnosis: its verdict, and why."""
+    words = [answer.headline(), *before_physics(answer)]
+    words += [sentence(word) for word in (*answer.diagnosis.reasons, *answer.cautions())]
     if answer.proposal:
         words.append(f"Next test: {answer.proposal.words()}.")
     if answer.no_test:
         words.append(f"No next test: {answer.no_test}.")
-    steps = [("law as it is", diagnosis.law.heldout_nrmse), *_steps(diagnosis)]
-    noise = answer.comparison.noise_nrmse
-    falling = waterfall_picture(steps, noise, "error on left-out conditions", "What the best effects would do")
-    sections = [
-        Section("Verdict", words, [candidate_table(diagnosis)], [falling]),
-        Section("Evidence", _evidence(diagnosis), _screened(diagnosis)),
-        Section("What is left over", _left_over_sentences(answer), (), [
-            curves_picture(
-                "phase / deg after the largest displacement", "residual / N",
-                [("rms over runs", leftover.phase.tolist(), leftover.shape.tolist(), "lines")],
-                f"Residual force along the cycle, {_law_described(diagnosis)}, noise included",
+    return Section("Answer", words)
+
+
+def promised(diagnosis: Diagnosis) -> list[Rung]:
+    """Give the law as it is, and what the effects that the answer names, or the best one, would make of it."""
+    named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
+    alone = named or diagnosis.candidates[:1]
+    together = [diagnosis.pair] if diagnosis.pair else []
+    return [
+        Rung("law as it is", {LEFT_OUT: diagnosis.law.heldout_nrmse}),
+        *(
+            Rung(
+                f"{'or ' if place and len(judged.effects) == 1 else ''}+ {' + '.join(judged.effects)}",
+                {LEFT_OUT: judged.heldout_nrmse},
+                promised=True,
             )
-        ]),
-    ]  # fmt: skip
-    if answer.proposal:
-        sections.append(_proposal_section(answer.proposal))
-    return [*sections, *comparison_sections(answer.comparison)]
+            for place, judged in enumerate([*alone, *together])
+        ),
+    ]
+
+
+def evidence_sections(answer: Diagnosed) -> list[Section]:
+    """Give the evidence of a diagnosis: the candidates, what is left over, the next test."""
+    diagnosis, leftover = answer.diagnosis, answer.diagnosis.leftover
+    residual = curves_picture(
+        "phase / deg after the largest displacement", "residual / N",
+        [("rms over runs", leftover.phase.tolist(), leftover.shape.tolist(), "lines")],
+        f"Residual force along the cycle, {_law_described(diagnosis)}, noise included",
+    )  # fmt: skip
+    sections = [
+        Section("Candidates", _evidence(diagnosis), [candidate_table(diagnosis), *_screened(diagnosis)]),
+        Section("What is left over", _left_over_sentences(answer), (), [residual]),
+    ]
+    return [*sections, _proposal_section(answer.proposal)] if answer.proposal else sections
 
 
 def _law_described(diagnosis: Diagnosis) -> str:
@@ -52,17 +68,6 @@ def _law_described(diagnosis: Diagnosis) -> str:
 
 def _left_over_sentences(answer: Diagnosed) -> list[str]:
     return [sentence(word) for word in answer.left_over()] or ["Nothing that follows the conditions."]
-
-
-def _steps(diagnosis: Diagnosis) -> list[tuple[str, float]]:
-    """Give the effects that the answer names, or the best one, each alone, then the pair, with the error left out."""
-    named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
-    alone = named or diagnosis.candidates[:1]
-    together = [diagnosis.pair] if diagnosis.pair else []
-    return [
-        (f"{'or ' if place and len(judged.effects) == 1 else ''}+ {' + '.join(judged.effects)}", judged.heldout_nrmse)
-        for place, judged in enumerate([*alone, *together])
-    ]
 
 
 def _evidence(diagnosis: Diagnosis) -> list[str]:

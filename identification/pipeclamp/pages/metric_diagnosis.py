@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from pipeclamp.pages.diagnosis import drive_shown
-from pipeclamp.pages.metric_comparison import metric_comparison_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.pictures import waterfall_picture
+from pipeclamp.pages.waterfall import LEFT_OUT, Rung
 from pipeclamp.show.metric_diagnosis import metric_candidate_table
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
+from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 
 
-def metric_diagnosis_sections(answer: MetricDiagnosed) -> list[Section]:
-    """Give the report of a diagnosis on metrics."""
-    diagnosis = answer.diagnosis
+def metric_diagnosis_answer(answer: MetricDiagnosed) -> Section:
+    """Give the first section of a diagnosis on metrics: its verdict, why, and the next test."""
     words = [answer.headline(), *(f"{word[0].upper()}{word[1:]}." for word in answer.words())]
     pictures = []
     if answer.proposal:
@@ -23,13 +20,13 @@ def metric_diagnosis_sections(answer: MetricDiagnosed) -> list[Section]:
         pictures.append(drawn)
     if answer.no_test:
         words.append(f"No next test: {answer.no_test}.")
-    steps = [("law as it is", diagnosis.heldout[""])]
+    return Section("Answer", words, [metric_candidate_table(answer.diagnosis)], pictures)
+
+
+def metric_promised(diagnosis: MetricDiagnosis) -> list[Rung]:
+    """Give the law as it is, and what the best effect would make of it."""
+    rungs = [Rung("law as it is", {LEFT_OUT: diagnosis.heldout[""]})]
     if diagnosis.best.effects:
         name = diagnosis.best.effects[0]
-        steps.append((f"+ {name}", diagnosis.heldout[name]))
-    noise = float(np.sqrt(np.mean(diagnosis.scatter.share**2)))
-    falling = waterfall_picture(steps, noise, "error on left-out conditions", "What the best effect would do")
-    return [
-        Section("Verdict", words, [metric_candidate_table(diagnosis)], [falling, *pictures]),
-        *metric_comparison_sections(answer.comparison),
-    ]
+        rungs.append(Rung(f"+ {name}", {LEFT_OUT: diagnosis.heldout[name]}, promised=True))
+    return rungs

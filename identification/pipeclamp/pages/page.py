@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import datetime
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import jinja2
 import plotly.graph_objects as go
-from plotly.offline import get_plotlyjs
 
+from pipeclamp.pages.alternative import words_of
+from pipeclamp.show.report_name import refuse_report_name
 from pipeclamp.show.table import Table, cell
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_system.description.trust_mark import DOUBT
@@ -26,12 +33,23 @@ MOST_ROWS = 40
 
 @dataclass(frozen=True)
 class Section:
-    """A section of a report: a title, paragraphs, tables and pictures, shown in this order."""
+    """A section of a report, shown in the order of its parts.
+
+    Attributes:
+        title: its heading.
+        paragraphs: sentences.
+        tables: tables.
+        figures: pictures.
+        command: the shell line to run next, ready to be copied.
+        explorer: runs to be picked and drawn, as `explored` gives them.
+    """
 
     title: str
     paragraphs: Sequence[str] = ()
     tables: Sequence[Table] = ()
     figures: Sequence[go.Figure] = ()
+    command: str = ""
+    explorer: Mapping[str, Any] | None = None
 
 
 def styled(figure: go.Figure, title: str, height: int = 420, least_width: int = 0) -> go.Figure:
@@ -59,13 +77,41 @@ def doubted(figure: go.Figure) -> go.Figure:
     return figure.update_layout(title_text=text, margin={"t": 70})
 
 
-def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
+@dataclass(frozen=True)
+class _Drawn:
+    """A picture as the page holds it: what Plotly draws, what it shows in words, and the least width in px."""
+
+    specification: str
+    alternative: str
+    least_width: int
+
+
+def _drawn(figure: go.Figure) -> _Drawn:
+    specification = json.loads(figure.to_json())
+    # it repeats Plotly's own look in each picture
+    specification["layout"].pop("template", None)
+    return _Drawn(_for_script(specification), words_of(figure), figure.layout.meta or 0)
+
+
+def _for_script(content: Mapping[str, Any]) -> str:
+    """Give JSON that can't end the script element that holds it."""
+    return json.dumps(content, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+@lru_cache
+def asset(name: str) -> str:
+    """Give the text of a file beside this module."""
+    return resources.files("pipeclamp.pages").joinpath(name).read_text(encoding="utf-8")
+
+
+def render(title: str, subtitle: str, sections: Sequence[Section], made: str = "") -> str:
     """Give a report as the text of one self-contained HTML file.
 
     Args:
         title: heading of the page.
         subtitle: one line below it.
         sections: the content.
+        made: when, by which version and by which command, at its foot.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("pipeclamp.pages", "templates"),
@@ -75,31 +121,36 @@ def render(title: str, subtitle: str, sections: Sequence[Section]) -> str:
         lstrip_blocks=True,
     )
     environment.filters["cell"] = cell
-    drawn = [
-        [
-            (
-                figure.to_html(full_html=False, include_plotlyjs=False, div_id=f"figure-{row}-{column}",
-                               config={"responsive": True, "displayModeBar": False}),
-                figure.layout.meta or 0,
-            )
-            for column, figure in enumerate(section.figures)
-        ]
-        for row, section in enumerate(sections)
-    ]  # fmt: skip
+    drawn = [[_drawn(figure) for figure in section.figures] for section in sections]
+    explored = [_for_script(section.explorer) if section.explorer else "" for section in sections]
+    scripts = [asset("templates/page.js")]
+    if any(explored):
+        scripts.append(asset("templates/explorer.js"))
     return environment.get_template("report.html.jinja").render(
         title=title,
         subtitle=subtitle,
-        sections=list(zip(sections, drawn, strict=True)),
+        sections=list(zip(sections, drawn, explored, strict=True)),
         doubt=DOUBT,
         most_rows=MOST_ROWS,
-        plotly_script=get_plotlyjs() if any(drawn) else "",
+        made=made,
+        style=asset("templates/page.css"),
+        plotly=asset("plotly/plotly-cartesian.min.js") if any(drawn) or any(explored) else "",
+        scripts=scripts,
     )
 
 
-def write_report(path: Path, title: str, subtitle: str, sections: Sequence[Section]) -> None:
+def write_report(path: Path, title: str, subtitle: str, sections: Sequence[Section], command: str = "") -> None:
     """Write a report, whole or not at all.
 
+    Args:
+        path: the file, .html.
+        title, subtitle, sections: as for `render`.
+        command: the shell line that makes it again, where there is one.
+
     Raises:
-        UserError: the folder can't be written.
+        UserError: the name isn't that of a page, or the folder can't be written.
     """
-    write_whole(path, render(title, subtitle, sections))
+    refuse_report_name(path)
+    by = f": {command}" if command else ""
+    made = f"Made on {datetime.date.today().isoformat()} by pipeclamp {version('pipeclamp')}{by}"
+    write_whole(path, render(title, subtitle, sections, made))

@@ -16,7 +16,6 @@ from pipeclamp_models.base.arrays import Array
 PANELS_PER_ROW = 4
 PANEL_HEIGHT = 250
 LEAST_PANEL_WIDTH = 230
-STEP_WIDTH = 140
 BESIDE = "published "
 
 
@@ -163,32 +162,3 @@ def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str
     )  # fmt: skip
     figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
     return styled(figure, title)
-
-
-def waterfall_picture(steps: Sequence[tuple[str, float]], floor: float | None, label: str, title: str) -> go.Figure:
-    """Draw the error falling step by step, with the scatter that no law can explain as a line.
-
-    Args:
-        steps: what was done and the error after it, as a share.
-        floor: the scatter, as a share, where it is known.
-        label: the error's name.
-        title: the picture's title.
-    """
-    # one effect a line, so that the names stand beside each other
-    names = [name.replace(" + ", "<br>+ ") for name, _ in steps]
-    figure = go.Figure(
-        go.Bar(
-            x=names, y=[100 * error for _, error in steps], marker={"color": SERIES[0]}, name=label,
-            text=[f"{100 * error:.3g} %" for _, error in steps], textposition="outside", cliponaxis=False,
-        )
-    )  # fmt: skip
-    if floor is not None:
-        figure.add_hline(
-            y=100 * floor, line={"color": MODEL, "dash": "dash"},
-            annotation={"text": f"scatter<br>{100 * floor:.2g} %", "x": 1.0, "xanchor": "left", "yanchor": "middle"},
-        )  # fmt: skip
-    figure.update_xaxes(tickangle=0)
-    figure.update_yaxes(title_text=f"{label} / %", rangemode="tozero")
-    return styled(figure, title, least_width=130 + STEP_WIDTH * len(steps)).update_layout(
-        showlegend=False, margin={"r": 70}
-    )

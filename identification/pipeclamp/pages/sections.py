@@ -1,70 +1,184 @@
-"""Pages of what was found, whatever the kind of tests: sections of words, tables and pictures."""
+"""Pages of what was found, whatever the kind of tests: the answer first, then the difference, then the details."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import singledispatch
 
-from pipeclamp.pages.comparison import comparison_sections
-from pipeclamp.pages.diagnosis import diagnosis_sections
+import plotly.graph_objects as go
+
+from pipeclamp.pages.comparison import answer_words, detail_sections, difference_section
+from pipeclamp.pages.diagnosis import diagnosis_answer, evidence_sections, promised
 from pipeclamp.pages.law import law_sections
-from pipeclamp.pages.metric_comparison import metric_comparison_sections
-from pipeclamp.pages.metric_diagnosis import metric_diagnosis_sections
+from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_promised
 from pipeclamp.pages.metrics import metrics_sections
 from pipeclamp.pages.page import Section
+from pipeclamp.pages.waterfall import Rung, rungs_of, waterfall_picture
+from pipeclamp.show.law import fit_words, laws_table, parameters_table
+from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
+from pipeclamp.show.views import scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.comparison.laws import laws_held, stages_held
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
-from pipeclamp_identification.metrics_only.law import MetricComparison
+from pipeclamp_identification.metrics_only.law import METHOD, MetricComparison
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
-from pipeclamp_identification.workflow.tests import Held
+from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
+from pipeclamp_identification.workflow.tests import Held, Tests
 from pipeclamp_models.law.file import LawFile
 
 
+@dataclass(frozen=True)
+class _Parts:
+    """A diagnosis's answer, the law against the tests, the rungs from it on, and the evidence."""
+
+    answer: Section
+    held: Held
+    rungs: Sequence[Rung]
+    evidence: Sequence[Section]
+
+
 @singledispatch
-def sections_of(found: object) -> list[Section]:
-    """Give the page of a comparison or a diagnosis, or of tests by their metrics."""
+def _answer(held: object) -> list[str]:
+    raise TypeError(f"no page of {type(held).__name__}")
+
+
+@singledispatch
+def _details(held: object) -> list[Section]:
+    raise TypeError(f"no page of {type(held).__name__}")
+
+
+@_answer.register
+def _(held: Comparison) -> list[str]:
+    return answer_words(held)
+
+
+@_answer.register
+def _(held: MetricComparison) -> list[str]:
+    return metric_comparison_words(held)
+
+
+@_details.register
+def _(held: Comparison) -> list[Section]:
+    return detail_sections(held)
+
+
+@_details.register
+def _(held: MetricComparison) -> list[Section]:
+    return [Section("All runs", (), [metric_worst_table(held)])]
+
+
+@singledispatch
+def _diagnosed(found: object) -> _Parts:
     raise TypeError(f"no page of {type(found).__name__}")
 
 
-@sections_of.register
-def _(found: Comparison) -> list[Section]:
-    return comparison_sections(found)
+@_diagnosed.register
+def _(found: Diagnosed) -> _Parts:
+    return _Parts(diagnosis_answer(found), found.comparison, promised(found.diagnosis), evidence_sections(found))
 
 
-@sections_of.register
-def _(found: MetricComparison) -> list[Section]:
-    return metric_comparison_sections(found)
+@_diagnosed.register
+def _(found: MetricDiagnosed) -> _Parts:
+    return _Parts(metric_diagnosis_answer(found), found.comparison, metric_promised(found.diagnosis), [])
 
 
-@sections_of.register
-def _(found: Diagnosed) -> list[Section]:
-    return diagnosis_sections(found)
+def comparison_page(laws: Sequence[tuple[LawFile, Held]], next_command: str = "") -> list[Section]:
+    """Give the page of laws held against the same tests, the one that the page is about last.
+
+    Args:
+        laws: each law's file, and how it stands; of a single law the stages of its history are shown too.
+        next_command: the shell line to run next.
+    """
+    file, held = laws[-1]
+    tables, further = [], []
+    if len(laws) > 1:
+        tables = [laws_table([(one, against.nrmse, scatter_of(against)) for one, against in laws])]
+        further = [Section("Parameters", (), [parameters_table([one for one, _ in laws])])]
+    answer = Section("Answer", _answer(held), tables, _falling(file, ()), next_command)
+    return [answer, *_difference(laws), *_details(held), *further]
 
 
-@sections_of.register
-def _(found: MetricDiagnosed) -> list[Section]:
-    return metric_diagnosis_sections(found)
+def comparison_title(files: Sequence[LawFile], tests: str) -> tuple[str, str]:
+    """Give title and subtitle of the page of laws held against the tests of that name."""
+    *others, last = files
+    made_of = f"base {last.base}, effects: {', '.join(last.effects) or 'none'}"
+    if not others:
+        return f"Law {last.name} against {tests}", made_of
+    return f"{len(files)} laws against {tests}", ", ".join(file.name for file in files)
 
 
-@sections_of.register
-def _(found: RecordTests) -> list[Section]:
-    return metrics_sections(found.sines, found.loops)
+def diagnosis_page(file: LawFile, found: AnyDiagnosed, next_command: str) -> list[Section]:
+    """Give the page of a diagnosis, with the command to run next below its verdict.
 
-
-@sections_of.register
-def _(found: MetricTests) -> list[Section]:
-    return [Section("All runs", (), [metric_table(found.campaign)])]
-
-
-def diagnosis_page(found: object, next_command: str) -> list[Section]:
-    """Give the page of a diagnosis, with the command to run next below its verdict."""
-    verdict, *others = sections_of(found)
-    return [replace(verdict, paragraphs=[*verdict.paragraphs, f"Next: {next_command}"]), *others]
+    Args:
+        file: the law.
+        found: the diagnosis.
+        next_command: the shell line to run next.
+    """
+    parts = _diagnosed(found)
+    how_much, *where = _answer(parts.held)
+    words = [*parts.answer.paragraphs, how_much]
+    figures = [*_falling(file, parts.rungs), *parts.answer.figures]
+    answer = replace(parts.answer, paragraphs=words, figures=figures, command=next_command)
+    difference = _difference([(file, parts.held)])
+    if difference and (found.verdict == "unknown" or found.kind == "part"):
+        # what is left over is the first thing to look at
+        answer, difference = replace(answer, explorer=difference[0].explorer), []
+    return [answer, *difference, *parts.evidence, Section("Where", where), *_details(parts.held)]
 
 
 def law_page(file: LawFile, held: Held) -> list[Section]:
     """Give the page of a law and of how it stands against the tests that it was fitted to."""
-    return [*law_sections(file), *sections_of(held)]
+    answer, *others = comparison_page([(file, held)])
+    return [answer, *others[:1], *law_sections(file), *others[1:]]
+
+
+def law_alone_page(file: LawFile) -> list[Section]:
+    """Give the page of a law without tests: how its error fell, its equations, parameters and surfaces."""
+    words = [f"Against its own data: {fit_words(file.fit)}."] if file.fit else []
+    return [Section("Answer", words, figures=_falling(file, ())), *law_sections(file)]
+
+
+def metrics_page(tests: Tests) -> list[Section]:
+    """Give the page of tests by their loop metrics.
+
+    Raises:
+        TypeError: tests of a kind that has none.
+    """
+    if isinstance(tests, RecordTests):
+        return metrics_sections(tests.sines, tests.loops)
+    if isinstance(tests, MetricTests):
+        return [Section("All runs", (), [metric_table(tests.campaign)])]
+    raise TypeError(f"no page of the metrics of {type(tests).__name__}")
+
+
+def _difference(laws: Sequence[tuple[LawFile, Held]]) -> list[Section]:
+    """Show records less laws, or less the stages of the only one; metrics alone hold no difference to show."""
+    records = [(file, held) for file, held in laws if isinstance(held, Comparison)]
+    if not records or not records[-1][1].runs:
+        return []
+    file, held = records[-1]
+    return [difference_section(held, laws_held(records) if len(records) > 1 else stages_held(file, held))]
+
+
+def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
+    """Draw a law's way, where it has one, and what would come next.
+
+    Args:
+        file: the law.
+        next_rungs: the law as it is, by a diagnosis, and what effects would do to it.
+    """
+    rungs = rungs_of(file)
+    if next_rungs:
+        now, *coming = next_rungs
+        last = rungs[-1] if rungs else now
+        rungs = [*rungs[:-1], replace(last, errors={**last.errors, **now.errors}), *coming]
+    if len(rungs) < 2:
+        return []
+    fit = file.fit
+    error = "rms log ratio" if fit and fit.method == METHOD else "RMS error"
+    return [waterfall_picture(rungs, fit.noise_nrmse if fit else None, "The error, effect by effect", error)]

@@ -25,7 +25,7 @@ def how_much(comparison: Comparison) -> list[str]:
     """Say how much the law errs, and what of it is scatter."""
     if not comparison.free:
         return _errs(comparison, "")
-    free = f"The law errs by {overall_nrmse(comparison.free):.2%} of the rms force over {_runs(len(comparison.free))}"
+    free = f"RMS error {overall_nrmse(comparison.free):.2%} of RMS force over {_runs(len(comparison.free))}"
     words = [f"{free} of free motion; no motion repeats, so that no scatter can be known."]
     words += [f"{_MEAN_TAKEN}: {run.run}." for run in comparison.free if run.adrift]
     return [*words, *(_errs(comparison, " of sines") if comparison.runs else [])]
@@ -38,7 +38,7 @@ def _runs(count: int) -> str:
 def _errs(comparison: Comparison, which: str) -> list[str]:
     """Say how much the law errs on sines."""
     runs, single = len(comparison.runs), comparison.single_cycles
-    errs = f"The law errs by {overall_nrmse(comparison.runs):.2%} of the rms force over {_runs(runs)}{which}"
+    errs = f"RMS error {overall_nrmse(comparison.runs):.2%} of RMS force over {_runs(runs)}{which}"
     if single == runs:
         return [f"{errs}; {SINGLE_CYCLES}."]
     words = [f"{errs}; {comparison.noise_nrmse:.2%} is cycle-to-cycle scatter, which no law can explain."]

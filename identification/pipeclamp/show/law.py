@@ -57,15 +57,38 @@ def doubts(file: LawFile) -> list[str]:
 def per_group_table(column: str, files: Mapping[str, LawFile]) -> Table:
     """Give the laws of groups side by side, by the stem of their files."""
     laws = list(files.values())
-    names = dict.fromkeys(name for law in laws for name in law.coefficients)
     rows: list[Sequence[str | float | None]] = [
         ("runs", "", *(float(law.data.runs_used) for law in laws)),
         ("error", "%", *(100 * law.fit.nrmse if law.fit else None for law in laws)),
+        *parameters_table(laws).rows,
     ]
-    for name in names:
-        entries = [law.coefficients.get(name) for law in laws]
-        rows.append((name, next(entry.unit for entry in entries if entry), *(_shown(entry) for entry in entries)))
     return Table(("", "unit", *files), rows, f"A law for each {column}; value ± standard error")
+
+
+def laws_table(laws: Sequence[tuple[LawFile, float, float | None]]) -> Table:
+    """Give laws held against the same tests: file, error, and the scatter of it where it is known; as they came."""
+    rows = [
+        (
+            file.name,
+            " + ".join((file.base, *file.effects)),
+            100 * error,
+            None if scatter is None else 100 * scatter,
+            None if not scatter else error / scatter,
+        )
+        for file, error, scatter in laws
+    ]
+    header = ("law", "made of", "RMS error / %", "scatter / %", "error over scatter")
+    return Table(header, rows, "the same runs; 1 is as good as can be")
+
+
+def parameters_table(files: Sequence[LawFile]) -> Table:
+    """Give the parameters of laws side by side."""
+    names = dict.fromkeys(name for law in files for name in law.coefficients)
+    rows: list[Sequence[str | float | None]] = []
+    for name in names:
+        entries = [law.coefficients.get(name) for law in files]
+        rows.append((name, next(entry.unit for entry in entries if entry), *(_shown(entry) for entry in entries)))
+    return Table(("parameter", "unit", *(law.name for law in files)), rows, "value ± standard error")
 
 
 def _shown(entry: CoefficientEntry | None) -> str | None:

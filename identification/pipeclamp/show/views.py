@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import singledispatch
 
 from pipeclamp.show import comparison, metric_comparison, metrics
+from pipeclamp.show.law import laws_table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.metrics_only.law import MetricComparison
+from pipeclamp_identification.workflow.laws_answer import LawComparison, LawsComparisonAnswer
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_identification.workflow.tests import Held
+from pipeclamp_models.law.file import LawFile
 
 
 @singledispatch
@@ -42,3 +47,22 @@ def _(held: Comparison) -> View:
 @comparison_view.register
 def _(held: MetricComparison) -> View:
     return metric_comparison.metric_comparison_view(held)
+
+
+def laws_view(laws: Sequence[tuple[LawFile, Held]]) -> View:
+    """Tell how several laws stand against the same tests, and where the last one fails."""
+    views = [comparison_view(held) for _, held in laws]
+    answers = [
+        LawComparison.model_validate(
+            {"law": file.name, "base": file.base, "effects": file.effects, "comparison": view.answer}
+        )
+        for (file, _), view in zip(laws, views, strict=True)
+    ]
+    table = laws_table([(file, held.nrmse, scatter_of(held)) for file, held in laws])
+    last = [f"{laws[-1][0].name}: {line}" for line in views[-1].lines]
+    return View(LawsComparisonAnswer(laws=tuple(answers)), [table], last)
+
+
+def scatter_of(held: Held) -> float | None:
+    """Give the scatter of tests as a share of their force; None where it isn't known."""
+    return held.known_noise if isinstance(held, Comparison) else None

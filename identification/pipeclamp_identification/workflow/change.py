@@ -9,7 +9,7 @@ from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import HistoryStep, LawFile, law_of, structure_of
+from pipeclamp_models.law.file import HistoryStep, LawFile, law_of, stage_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 
@@ -118,7 +118,8 @@ def _changed(
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, command=command, date=date)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
-    history = (*history[:-1], history[-1].model_copy(update={"heldout_nrmse": rounded(done.heldout[0])}))
+    left = {"heldout_nrmse": rounded(done.heldout[0]), "stage": stage_of(file)}
+    history = (*history[:-1], history[-1].model_copy(update=left))
     last = HistoryStep(step=step, nrmse=rounded(done.nrmse[1]), heldout_nrmse=rounded(done.heldout[1]))
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
     return Addition(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)

@@ -1,4 +1,4 @@
-"""The command to run after a diagnosis."""
+"""The command to run after a diagnosis or a comparison."""
 
 from __future__ import annotations
 
@@ -33,6 +33,11 @@ def next_command(
             return _line("join", tests, NEXT_TEST, "-o", f"{PurePath(tests).name}_and_{NEXT_TEST}")
         return _line("diagnose", law, tests, "--drive", f"{NEXT_TEST}.csv")
     return _line("compare", law, tests, "--report", "compare.html")
+
+
+def after_comparison(law: str, tests: str) -> str:
+    """Give the shell line to run after a comparison: what is missing, if anything; arguments as for `next_command`."""
+    return _line("diagnose", law, tests, "--report", "diagnosis.html")
 
 
 def _line(*words: str) -> str:

@@ -15,6 +15,7 @@ from pipeclamp_identification.loops.answer import MetricsAnswer
 from pipeclamp_identification.metrics_only.comparison_answer import MetricComparisonAnswer
 from pipeclamp_identification.metrics_only.diagnosis_answer import MetricDiagnosisAnswer
 from pipeclamp_identification.metrics_only.metrics_answer import MetricRowsAnswer
+from pipeclamp_identification.workflow.laws_answer import LawsComparisonAnswer
 from pipeclamp_models.base.errors import UsageError, did_you_mean
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.realise.catalogue_answer import CatalogueAnswer
@@ -23,6 +24,7 @@ WRITTEN: dict[str, tuple[Any, str]] = {
     "law": (LawFile, "parameter files, which identify and add write"),
     "metrics": (MetricsAnswer | MetricRowsAnswer, "metrics --json"),
     "comparison": (ComparisonAnswer | MetricComparisonAnswer, "compare --json of a law"),
+    "laws-comparison": (LawsComparisonAnswer, "compare --json of several laws"),
     "system-comparison": (SystemComparisonAnswer, "compare --json of a coupled system"),
     "import": (ImportAnswer, "import --json"),
     "effects": (CatalogueAnswer, "effects --json"),

@@ -141,12 +141,22 @@ class GroupEntry(Part):
     mean_force_N: Estimate | None = None
 
 
+class Stage(Part):
+    """The law as it stood before it was changed: what its force is computed from, and no more."""
+
+    base: str
+    effects: tuple[str, ...] = ()
+    declared: tuple[Declaration, ...] = ()
+    values: dict[str, Finite]
+
+
 class HistoryStep(Part):
-    """One step of the law's way: what was added and what the error did."""
+    """One step of the law's way: what was done, what the error did, and the law at that step, of all but the last."""
 
     step: str
     nrmse: Finite
     heldout_nrmse: Finite | None = None
+    stage: Stage | None = None
 
 
 class LawFile(Part):
@@ -219,6 +229,24 @@ def law_of(file: LawFile) -> Law:
             )
     values = {name: entry.value for name, entry in file.coefficients.items()}
     return Law(structure, values, file.smoothing["v_r"], file.smoothing["y_r"])
+
+
+def stage_of(file: LawFile) -> Stage:
+    """Give what a later law's history keeps of this one."""
+    values = {name: entry.value for name, entry in file.coefficients.items()}
+    return Stage(base=file.base, effects=file.effects, declared=file.declared, values=values)
+
+
+def law_at(file: LawFile, stage: Stage) -> Law:
+    """Give the law as it stood at an earlier step of a file's history.
+
+    Raises:
+        UserError: an effect is not known, or the values are not those of its structure.
+    """
+    structure = Structure(stage.base, stage.effects, (), stage.declared)
+    if set(structure.equations.names) != set(stage.values):
+        raise UserError(f"law {file.name!r}: history: the values of {list(stage.effects)} aren't its own")
+    return Law(structure, stage.values, file.smoothing["v_r"], file.smoothing["y_r"])
 
 
 def read_law(path: Path) -> LawFile:

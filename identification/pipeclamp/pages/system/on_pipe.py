@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from pipeclamp.pages.attribution import attribution_section
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.pipe import pipe_comparison_sections
-from pipeclamp.pages.pipe_records import records_sections
+from pipeclamp.pages.system.attribution import attribution_section
+from pipeclamp.pages.system.pipe import pipe_comparison_sections
+from pipeclamp.pages.system.pipe_records import records_sections
 from pipeclamp_identification.attribution.attributed import Attributed
 
 

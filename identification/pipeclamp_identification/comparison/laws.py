@@ -1,0 +1,69 @@
+"""Several laws held against the same tests: those that a user names, and the earlier stages of a law's own history."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.fitting.misfit import RunMisfit, misfits, overall_nrmse
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import LawFile, law_at
+from pipeclamp_models.law.law import Law
+
+
+@dataclass(frozen=True)
+class HeldLaw:
+    """A law and its error on each run of a campaign.
+
+    Attributes:
+        label: how it is named beside the others.
+        law: the law.
+        runs: the error on each run, in the campaign's order.
+    """
+
+    label: str
+    law: Law
+    runs: tuple[RunMisfit, ...]
+
+    @property
+    def nrmse(self) -> float:
+        """Error over all samples as a share of the force."""
+        return overall_nrmse(self.runs)
+
+
+def stages_held(file: LawFile, comparison: Comparison) -> tuple[HeldLaw, ...]:
+    """Hold each stage of a law's history against the tests, the law itself last.
+
+    A stage that this version can't compute, or that the tests can't serve, is left out.
+
+    Args:
+        file: the law.
+        comparison: it held against the tests, with runs of sines.
+    """
+    stages: list[HeldLaw] = []
+    for step in file.history[:-1]:
+        if step.stage is None:
+            continue
+        try:
+            law = law_at(file, step.stage)
+            runs = misfits(law, comparison.campaign, comparison.loops)
+        except UserError:
+            continue
+        stages.append(HeldLaw(step.step, law, runs))
+    label = file.history[-1].step if file.history else file.name
+    return (*stages, HeldLaw(label, comparison.law, comparison.runs))
+
+
+def laws_held(comparisons: Iterable[tuple[LawFile, Comparison]]) -> tuple[HeldLaw, ...]:
+    """Give laws of files, each held against the same tests, with labels that tell them apart."""
+    held: list[HeldLaw] = []
+    for file, comparison in comparisons:
+        label, labels = file.name, {law.label for law in held}
+        if label in labels:
+            label = f"{file.name}: {', '.join(file.effects) or file.base}"
+        number = 2
+        while label in labels:
+            label, number = f"{file.name} ({number})", number + 1
+        held.append(HeldLaw(label, comparison.law, comparison.runs))
+    return tuple(held)
