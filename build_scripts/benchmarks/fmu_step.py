@@ -81,7 +81,7 @@ def empty_slave(folder: Path) -> Path:
     groups = (
         f"((Real, {clamp_slave.INPUTS}, 'input'), (Real, {clamp_slave.PARAMETERS}, 'parameter'), "
         f"(Real, {clamp_slave.OUTPUTS}, 'output'), (Boolean, {clamp_slave.BOOLEAN_PARAMETERS}, 'parameter'), "
-        f"(Boolean, {clamp_slave.BOOLEAN_OUTPUTS}, 'output'))"
+        f"(Boolean, {clamp_slave.BOOLEAN_LOCALS}, 'local'))"
     )
     script = folder / "empty_slave.py"
     script.write_text(EMPTY.replace("{groups}", groups), encoding="utf-8")

@@ -31,7 +31,7 @@ typedef struct {
 
 static Functions fmu;
 static const char *guid, *resources;
-static const fmi2ValueReference INPUTS_[2] = {0, 1}, FORCE[1] = {6};
+static const fmi2ValueReference INPUTS_[2] = {1, 2}, FORCE[1] = {7};
 static const double H = 1e-3;
 
 static void logged(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,

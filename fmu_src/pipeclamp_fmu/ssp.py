@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from pipeclamp_fmu.describe.model_description import xml_bytes
+from pipeclamp_fmu.describe.model_description import identifier, xml_bytes
 from pipeclamp_fmu.python.packing import zipped
 from pipeclamp_models.base.archive import read_part
 from pipeclamp_models.base.errors import UserError
@@ -48,7 +48,7 @@ class SystemStructure:
     """A system of FMUs.
 
     Attributes:
-        name: of the system.
+        name: of the system; its identifier where it isn't one, and the name as the description.
         components: its elements.
         connections: from an output to an input; inputs without one are left out.
         stop_time: proposed end, s.
@@ -122,7 +122,8 @@ def _ports(fmu: Path) -> Iterable[tuple[str, str, str]]:
 
 
 def _description(structure: SystemStructure) -> bytes:
-    root = _element(None, "ssd:SystemStructureDescription", {"version": "1.0", "name": structure.name})
+    named = {"name": identifier(structure.name), "description": structure.name}
+    root = _element(None, "ssd:SystemStructureDescription", {"version": "1.0", **named})
     system = _element(root, "ssd:System", {"name": "system"})
     connected = {end for _, end in structure.connections}
     elements = _element(system, "ssd:Elements", {})

@@ -1,7 +1,6 @@
 """The clamp FMU in fmpy, of Python and native: its force, its states, its guards, its range, its tracking."""
 
 import math
-from contextlib import suppress
 from dataclasses import replace
 
 import fmpy
@@ -204,7 +203,7 @@ def test_a_coefficient_can_be_set_until_initialization_ends(drive, memory):
         each.step(H, flange__s=1e-4)
         forces.append(each.get("flange.f"))
     assert forces[1] - forces[0] == pytest.approx(1200.0 * 0.6**-0.2 * 0.1)
-    with suppress(FMICallException):  # a native FMU says so by its status too
+    with pytest.raises(FMICallException):
         clamp.set({"law.k10": 2400.0})
     assert "law.k10 is fixed after initialization; the value is ignored" in clamp.messages.errors[-1]
     assert clamp.get("law.k10") == 1200.0
@@ -219,11 +218,22 @@ def test_an_impossible_coefficient_discards_every_step_in_the_same_words(drive, 
     assert "discarded: the law has no value at A = 0.6 mm, f = 3 Hz" in clamp.discarded(H, flange__s=1e-4)
 
 
-def test_an_output_cannot_be_set(drive):
-    clamp = drive("memory")
-    clamp.set({"flange.f": 5.0})
-    assert clamp.get("flange.f") == 0.0
-    assert "flange.f is no input" in clamp.messages.errors[-1]
+@pytest.mark.parametrize(("name", "words"), [("flange.f", "no input"), ("law.k10", "fixed"), (None, "no input")])
+def test_a_call_that_sets_what_may_not_be_set_fails_and_sets_nothing(drive, memory, shaken, name, words):
+    """Whatever else it sets; and the FMU goes on, and is freed, as if it hadn't been called."""
+    clamp, twin = drive(memory), drive(memory)
+    assert shaken(clamp, 0, 20) == shaken(twin, 0, 20)
+    told, *others = clamp.fmu.references(["A", "flange.s", *([name] if name else [])])
+    with pytest.raises(FMICallException):
+        clamp.slave.setReal([told, *others, *([] if name else [0])], [9e-4, 9e-4, 5.0])
+    assert f"{name or 'value reference 0'} is {words}" in clamp.messages.errors[-1]
+    (track,) = clamp.fmu.references(["track"])
+    with pytest.raises(FMICallException):
+        clamp.slave.setBoolean([track, *clamp.fmu.references(["inRange"])], [True, False])
+    assert "inRange is no input" in clamp.messages.errors[-1]
+    assert clamp.all() == twin.all()
+    assert clamp.get("A") == twin.get("A")
+    assert shaken(clamp, 20, 40) == shaken(twin, 20, 40)
 
 
 OUTSIDE = [
@@ -361,13 +371,40 @@ def test_a_foreign_state_is_refused(drive, shaken, foreign):
     assert shaken(clamp, 50, 100) == shaken(twin, 50, 100)
 
 
-def test_wrong_value_references_do_no_harm(drive):
-    clamp = drive("memory")
+def test_wrong_value_references_fail_and_do_no_harm(drive, memory):
+    clamp = drive(memory)
     last = clamp.fmu.variables["inRange"].reference
-    assert math.isnan(clamp.slave.getReal([last])[0])
-    assert clamp.slave.getBoolean([0]) == [False]
-    clamp.slave.setReal([99], [1.0])
-    clamp.slave.setBoolean([last], [False])
-    assert len(clamp.messages.errors) == 4
+    for _ in range(50):
+        for call, *arguments in (
+            (clamp.slave.getReal, [1, last]),
+            (clamp.slave.getReal, [0]),
+            (clamp.slave.getReal, [2**32 - 1]),
+            (clamp.slave.getBoolean, [0]),
+            (clamp.slave.setReal, [99], [1.0]),
+            (clamp.slave.setReal, [0], [1.0]),
+        ):
+            with pytest.raises(FMICallException):
+                call(*arguments)
+        clamp.step(H)
+        assert clamp.get("inRange")
+    clamp.slave.reset()
+    clamp.start({})
     clamp.step(H)
-    assert clamp.get("inRange")
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_names_and_numbers_are_such_as_every_importer_takes(fmus, native_fmus, native_pipes, fmi):
+    """Names that are identifiers, value references from 1 in the order of the variables, no output but of type Real."""
+    paths = (fmus["memory"], fmus["pipe"], native_fmus[2], native_pipes["pipe"]) if fmi == 2 else (native_fmus[3],)
+    for path in paths:
+        description = fmpy.read_model_description(str(path))
+        variables = description.modelVariables
+        assert description.modelName.isidentifier()
+        assert description.description.startswith(("Pipe clamp, law stand-in: ", "Pipe bench: "))
+        assert [variable.valueReference for variable in variables] == list(range(1, len(variables) + 1))
+        assert {entry.type for entry in variables if entry.causality == "output"} == {"Real" if fmi == 2 else "Float64"}
+        assert {entry.name for entry in variables if entry.type == "Boolean" and entry.causality == "local"} <= {
+            "inRange"
+        }
+        if fmi == 3:
+            assert (variables[-1].name, variables[-1].causality) == ("time", "independent")

@@ -206,6 +206,7 @@ def test_wrong_value_references_are_errors_and_do_no_harm(drive, native_fmus, sh
     slave = clamp.slave
     assert refused(slave.getReal, [999]) == refused(slave.getBoolean, [0]) == ERROR
     assert refused(slave.setReal, [999], [1.0]) == refused(slave.setBoolean, [999], [True]) == ERROR
+    assert refused(slave.setReal, [0], [1.0]) == refused(slave.getReal, [0]) == ERROR
     assert refused(slave.setReal, clamp.fmu.references(["flange.f"]), [5.0]) == ERROR
     assert "flange.f is no input or parameter" in clamp.messages.errors[-1]
     assert refused(slave.setReal, clamp.fmu.references(["law.k10"]), [5.0]) == ERROR

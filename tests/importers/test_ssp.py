@@ -1,6 +1,7 @@
 """A system as an SSP gives in fmpy, Ecos and libcosim what our own parallel scheme gives."""
 
 import zipfile
+from xml.etree import ElementTree
 
 import foreign_ssp
 import numpy as np
@@ -82,6 +83,8 @@ def test_it_holds_every_part(ssp, tmp_path):
     with zipfile.ZipFile(ssp) as archive:
         names = set(archive.namelist())
         archive.extractall(tmp_path)
+    system = ElementTree.parse(tmp_path / "SystemStructure.ssd").getroot()
+    assert (system.get("name"), system.get("description")) == ("two_clamps", "two clamps")
     parts = {f"resources/{name}.fmu" for name in ("excitation", "pipe", "clamp1", "clamp2")}
     assert names == {"SystemStructure.ssd", "resources/clamp1.ssv", "resources/clamp2.ssv", *parts}
     assert [validate_fmu(str(tmp_path / part)) for part in sorted(parts)] == [[], [], [], []]

@@ -106,7 +106,7 @@ def test_an_fmu_runs_without_any_installed_package(tmp_path, kind):
     program = (
         f"import sys; sys.path.insert(0, {str(tmp_path / 'resources')!r}); import {identifier} as module\n"
         f"slave = module.{identifier}(instance_name='a', resources=sys.path[0]); slave.exit_initialization_mode()\n"
-        "slave.set_real([0, 1], [1e-4, 1e-3]); print(slave.do_step(0.0, 1e-3), 'numpy' in sys.modules)"
+        "slave.set_real([1, 2], [1e-4, 1e-3]); print(slave.do_step(0.0, 1e-3), 'numpy' in sys.modules)"
     )
     run = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=False)
     assert run.stdout.split() == ["True", "False"], run.stderr

@@ -130,7 +130,7 @@ def test_the_clamps_variables_are_named():
     text = text_of(ROOT / "docs" / "reference" / "fmu-variables.md")
     names = (
         *clamp_slave.INPUTS, *clamp_slave.PARAMETERS, *clamp_slave.OUTPUTS, *clamp_slave.BOOLEAN_PARAMETERS,
-        *clamp_slave.BOOLEAN_OUTPUTS,
+        *clamp_slave.BOOLEAN_LOCALS,
     )  # fmt: skip
     for name in names:
         assert f"`{name}`" in text

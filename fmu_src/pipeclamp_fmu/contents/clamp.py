@@ -256,7 +256,7 @@ def _further(entry: FurtherCondition) -> Quantity:
 def clamp_text(model: ClampModel, version: str) -> ModelText:
     """Give what the description says of the whole."""
     return ModelText(
-        name=f"Pipe clamp, law {model.name}",
+        title=f"Pipe clamp, law {model.name}",
         description="Hysteretic force of a pipe clamp from displacement, velocity and temperature",
         version=version,
         step_size=usual(1 / (STEPS_PER_CYCLE * model.range_f[1])),
@@ -300,7 +300,7 @@ def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Var
         locals=(),
         fixed=tuple(coefficients),
         boolean_parameters=known(clamp_slave.BOOLEAN_PARAMETERS),
-        boolean_outputs=known(clamp_slave.BOOLEAN_OUTPUTS),
+        boolean_locals=known(clamp_slave.BOOLEAN_LOCALS),
         signals=clamp_slave.T_IN,
         unconnected=int(not told.connected_temperature),
     )
@@ -341,7 +341,7 @@ def clamp_documentation(model: ClampModel, described: Mapping[str, Quantity], us
         use: how to use this kind of FMU.
     """
     text = clamp_text(model, "")
-    return page(text.name, (text.description + ".", *model.notes), _sections(model, described, use))
+    return page(text.title, (text.description + ".", *model.notes), _sections(model, described, use))
 
 
 def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequence[str]) -> list[Section]:

@@ -35,7 +35,7 @@ def signal_quantity(samples: Samples) -> Quantity:
 def excitation_documentation(samples: Samples) -> str:
     """Give the page that travels inside the FMU."""
     text = f"{len(samples.values)} samples, {samples.step:g} s apart, linear between, zero after the last."
-    return page(excitation_text(samples, "").name, (text,), ())
+    return page(excitation_text(samples, "").title, (text,), ())
 
 
 def excitation_content(samples: Samples, version: str) -> Content:

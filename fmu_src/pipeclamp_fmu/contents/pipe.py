@@ -105,7 +105,7 @@ def quantities(pipe: ReducedPipe) -> Mapping[str, Quantity]:
 def pipe_text(pipe: ReducedPipe, version: str) -> ModelText:
     """Give what the description says of the whole."""
     return ModelText(
-        name=f"Pipe {pipe.name}",
+        title=f"Pipe {pipe.name}",
         description="Bending of a straight pipe in modes, with ports for clamps",
         version=version,
         step_size=usual(1 / (STEPS_PER_CYCLE * pipe.up_to_Hz)),
@@ -131,7 +131,7 @@ def pipe_documentation(pipe: ReducedPipe, described: Mapping[str, Quantity], nee
     """Give the page that travels inside the FMU; `needs` says what this kind of FMU runs on."""
     text = pipe_text(pipe, "")
     introduction = (text.description + ".", *pipe.summary().splitlines())
-    return page(text.name, introduction, _sections(pipe, described, needs))
+    return page(text.title, introduction, _sections(pipe, described, needs))
 
 
 def _sections(pipe: ReducedPipe, described: Mapping[str, Quantity], needs: str) -> Sequence[Section]:

@@ -101,12 +101,35 @@ def usual(value: float) -> float:
 
 @dataclass(frozen=True)
 class ModelText:
-    """What the description says of the model as a whole."""
+    """What the description says of the model as a whole.
 
-    name: str
+    Attributes:
+        title: what people call it.
+        description: what it is, in a phrase that begins with a capital.
+        version: of this program.
+        step_size: that importers propose, s.
+    """
+
+    title: str
     description: str
     version: str
     step_size: float
+
+    @property
+    def name(self) -> str:
+        """The model's name as an identifier: some importers make variables or files of it."""
+        return identifier(self.title)
+
+    @property
+    def titled(self) -> str:
+        """Title and description as one phrase."""
+        return f"{self.title}: {self.description[0].lower()}{self.description[1:]}"
+
+
+def identifier(name: str) -> str:
+    """Give a name with letters, digits and underscores alone, a letter first."""
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
+    return plain if plain[:1].isalpha() else f"model_{plain}".rstrip("_")
 
 
 def completed(
@@ -141,7 +164,7 @@ def completed(
     root.attrib |= {
         "modelName": text.name,
         "guid": guid,
-        "description": text.description,
+        "description": text.titled,
         "version": text.version,
         "generationTool": f"pipeclamp {text.version} ({tool})",
     }

@@ -37,11 +37,11 @@ class Range:
 
 @dataclass(frozen=True)
 class Variables:
-    """All variables by what they are; value references count through them in this order.
+    """All variables by what they are; value references count through them in this order, from 1.
 
     Attributes:
         inputs, parameters, outputs, locals, fixed: of type Real; `parameters` are tunable.
-        boolean_parameters, boolean_outputs: of type Boolean.
+        boolean_parameters, boolean_locals: of type Boolean.
         states: how many of the locals, the first, are continuous states; as many after them are their derivatives.
         unconnected: how many of the inputs, the last, aren't to be connected, and are tunable parameters for importers.
         signals: how many of the inputs may change with every step without unsettling the conditions.
@@ -53,7 +53,7 @@ class Variables:
     locals: tuple[Variable, ...]
     fixed: tuple[Variable, ...]
     boolean_parameters: tuple[Variable, ...]
-    boolean_outputs: tuple[Variable, ...]
+    boolean_locals: tuple[Variable, ...]
     signals: int
     states: int = 0
     unconnected: int = 0
@@ -81,11 +81,11 @@ class Variables:
     @property
     def booleans(self) -> tuple[Variable, ...]:
         """The variables of type Boolean."""
-        return (*self.boolean_parameters, *self.boolean_outputs)
+        return (*self.boolean_parameters, *self.boolean_locals)
 
     @property
     def all(self) -> tuple[Variable, ...]:
-        """All variables; a variable's value reference is its place here."""
+        """All variables, in the order of their value references."""
         return (*self.reals, *self.booleans)
 
     @property
@@ -95,12 +95,12 @@ class Variables:
 
     def causality(self, variable: Variable) -> tuple[str, str]:
         """Give a variable's causality and variability."""
-        discrete = variable in self.booleans
         groups: Sequence[tuple[tuple[Variable, ...], str, str]] = (
             (self.connected, "input", "continuous"),
             ((*self.inputs, *self.parameters, *self.boolean_parameters), "parameter", "tunable"),
-            ((*self.outputs, *self.boolean_outputs), "output", "discrete" if discrete else "continuous"),
+            (self.outputs, "output", "continuous"),
             (self.locals, "local", "continuous"),
+            (self.boolean_locals, "local", "discrete"),
             (self.fixed, "parameter", "fixed"),
         )
         return next((causality, variability) for group, causality, variability in groups if variable in group)

@@ -79,7 +79,7 @@ def _fmi2(description: Description) -> bytes:
         "fmiVersion": "2.0",
         "modelName": description.text.name,
         "guid": description.token,
-        "description": description.text.description,
+        "description": description.text.titled,
         "version": description.text.version,
         "generationTool": description.tool,
         "variableNamingConvention": "structured",
@@ -101,9 +101,9 @@ def _fmi2(description: Description) -> bytes:
     _common_elements(root, description)
     listed = SubElement(root, "ModelVariables")
     places: dict[str, str] = {}
-    for reference, variable in enumerate(variables.all):
+    for reference, variable in enumerate(variables.all, start=1):
         causality, variability = variables.causality(variable)
-        places[variable.name] = str(reference + 1)
+        places[variable.name] = str(reference)
         element = SubElement(listed, "ScalarVariable", {
             "name": variable.name,
             "valueReference": str(reference),
@@ -112,15 +112,14 @@ def _fmi2(description: Description) -> bytes:
             "description": variable.quantity.description,
         })  # fmt: skip
         kind = "Boolean" if variable in variables.booleans else "Real"
-        derivative = _derived(variables, variable, 1)
+        derivative = _derived(variables, variable)
         SubElement(element, kind, number_attributes(variable.quantity) | _start(variable) | derivative)
     always, initially = ([places[entry.name] for entry in group] for group in description.dependencies())
     structure = SubElement(root, "ModelStructure")
-    outputs = (*variables.outputs, *variables.boolean_outputs)
     for name, listed_variables, known in (
-        ("Outputs", outputs, always),
+        ("Outputs", variables.outputs, always),
         ("Derivatives", variables.derivatives, always),
-        ("InitialUnknowns", _in_order(variables, outputs), initially),
+        ("InitialUnknowns", _in_order(variables), initially),
     ):
         unknowns = SubElement(structure, name) if listed_variables else structure
         for variable in listed_variables:
@@ -134,7 +133,7 @@ def _fmi3(description: Description) -> bytes:
         "fmiVersion": "3.0",
         "modelName": description.text.name,
         "instantiationToken": description.token,
-        "description": description.text.description,
+        "description": description.text.titled,
         "version": description.text.version,
         "generationTool": description.tool,
         "variableNamingConvention": "structured",
@@ -150,7 +149,7 @@ def _fmi3(description: Description) -> bytes:
     SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
     _common_elements(root, description, TIME)
     listed = SubElement(root, "ModelVariables")
-    places = {variable.name: str(reference) for reference, variable in enumerate(variables.all)}
+    places = {variable.name: str(reference) for reference, variable in enumerate(variables.all, start=1)}
     for variable in variables.all:
         causality, variability = variables.causality(variable)
         SubElement(listed, "Boolean" if variable in variables.booleans else "Float64", {
@@ -159,16 +158,20 @@ def _fmi3(description: Description) -> bytes:
             "causality": causality,
             "variability": variability,
             "description": variable.quantity.description,
-        } | number_attributes(variable.quantity) | _start(variable) | _derived(variables, variable, 0))  # fmt: skip
-    time = {"name": "time", "valueReference": str(len(places)), "causality": "independent", "variability": "continuous"}
+        } | number_attributes(variable.quantity) | _start(variable) | _derived(variables, variable))  # fmt: skip
+    time = {
+        "name": "time",
+        "valueReference": str(len(places) + 1),
+        "causality": "independent",
+        "variability": "continuous",
+    }
     SubElement(listed, "Float64", time | {"description": TIME.description} | number_attributes(TIME))
     always, initially = (" ".join(places[entry.name] for entry in group) for group in description.dependencies())
     structure = SubElement(root, "ModelStructure")
-    outputs = (*variables.outputs, *variables.boolean_outputs)
     for name, listed_variables, known in (
-        ("Output", outputs, always),
+        ("Output", variables.outputs, always),
         ("ContinuousStateDerivative", variables.derivatives, always),
-        ("InitialUnknown", _in_order(variables, outputs), initially),
+        ("InitialUnknown", _in_order(variables), initially),
     ):
         for variable in listed_variables:
             SubElement(structure, name, {"valueReference": places[variable.name], "dependencies": known})
@@ -177,18 +180,18 @@ def _fmi3(description: Description) -> bytes:
     return xml_bytes(root)
 
 
-def _in_order(variables: Variables, outputs: Sequence[Variable]) -> list[Variable]:
+def _in_order(variables: Variables) -> list[Variable]:
     """Give what is calculated at initialisation, outputs, states and derivatives, in the order of the variables."""
-    unknown = {variable.name for variable in (*outputs, *variables.state_variables, *variables.derivatives)}
+    unknown = {variable.name for variable in (*variables.outputs, *variables.state_variables, *variables.derivatives)}
     return [variable for variable in variables.all if variable.name in unknown]
 
 
-def _derived(variables: Variables, variable: Variable, first: int) -> dict[str, str]:
-    """Give the attribute that tells whose derivative a variable is; places count from `first`."""
+def _derived(variables: Variables, variable: Variable) -> dict[str, str]:
+    """Give the attribute that tells whose derivative a variable is."""
     if variable not in variables.derivatives:
         return {}
     state = variables.state_variables[variables.derivatives.index(variable)]
-    return {"derivative": str(variables.all.index(state) + first)}
+    return {"derivative": str(variables.all.index(state) + 1)}
 
 
 def _common_elements(root: Element, description: Description, *further: Quantity) -> None:

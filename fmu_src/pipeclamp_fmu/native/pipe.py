@@ -35,7 +35,7 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
         locals=(*states, *(Variable(f"der({entry.name})", _rate(entry.quantity)) for entry in states)),
         fixed=(),
         boolean_parameters=(Variable("inputsAtStepEnd", flag, False),),
-        boolean_outputs=(),
+        boolean_locals=(),
         signals=len(inputs),
         states=len(states),
     )

@@ -66,7 +66,7 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
         "FIXED": len(variables.fixed),
         "STATES": variables.states,
         "FLAG_PARAMETERS": len(variables.boolean_parameters),
-        "FLAG_OUTPUTS": len(variables.boolean_outputs),
+        "FLAG_LOCALS": len(variables.boolean_locals),
         "RANGES": len(model.ranges),
         "INDICATORS": int(bool(model.indicator)),
     }

@@ -61,7 +61,7 @@ UNITS = (" mm", " Hz", " K", *[unit and f" {unit}" for _, unit, _, _ in FURTHER]
 SCALES = tuple([scale for _, _, scale, _ in FURTHER])
 
 BOOLEAN_PARAMETERS = ("useTemperatureInput", "track")
-BOOLEAN_OUTPUTS = ("inRange",)
+BOOLEAN_LOCALS = ("inRange",)
 USE_T_IN, TRACK, IN_RANGE = range(3)
 
 HUGE = 1e30
@@ -116,7 +116,7 @@ class ClampSlave(Fmi2Slave):
     KEPT = ("_motion", "_conditions", "_counted", "_inside", "_follows", "_cycle", "_seen")
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(INPUTS, PARAMETERS, OUTPUTS, BOOLEAN_PARAMETERS, BOOLEAN_OUTPUTS, kwargs, FIXED)
+        super().__init__(INPUTS, PARAMETERS, OUTPUTS, BOOLEAN_PARAMETERS, BOOLEAN_LOCALS, kwargs, FIXED)
         ends = ("minimum", "maximum") * len(PARAMETERS)
         names = (*INPUTS, *PARAMETERS, *FIXED, *BOOLEAN_PARAMETERS, *ends)
         self._law, numbers = read_values(str(self.resources), names)

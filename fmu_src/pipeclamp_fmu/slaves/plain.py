@@ -3,15 +3,15 @@
 The slaves' common part. Its text goes into each FMU's one module, and its class keeps pythonfmu's name, because
 pythonfmu's library takes the first `class ...(Fmi2Slave):` of the module's file for the model.
 
-No exception leaves a slave where it can be helped: after one, pythonfmu 0.7 ends the instance, and frees it a second
-time when the host does, which kills the host later.
+A step that can't be done is discarded. Of the other calls pythonfmu can fail none but by an exception, which becomes the
+status "fatal"; see `refused` for what keeps the host alive then.
 """
 
 from __future__ import annotations
 
+import ctypes
 import json
-import math
-from typing import Any
+from typing import Any, NoReturn
 
 import pythonfmu
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Variability, Real
@@ -26,9 +26,9 @@ def tuples(value: Any) -> Any:
 
 
 class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
-    """A slave with Real inputs, parameters, outputs and fixed parameters, then Boolean parameters and outputs.
+    """A slave with Real inputs, parameters, outputs and fixed parameters, then Boolean parameters and locals.
 
-    A value reference is a variable's position in that order. pythonfmu's own getters and setters cost more than a
+    Value references count from 1 in that order. pythonfmu's own getters and setters cost more than a
     clamp's law; its saved states hold registered variables only, and not exactly. A subclass keeps what else changes
     in attributes named in `KEPT`, as immutable values that JSON can hold.
     """
@@ -41,7 +41,7 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
         parameters: Names,
         outputs: Names,
         boolean_parameters: Names,
-        boolean_outputs: Names,
+        boolean_locals: Names,
         kwargs: dict[str, Any],
         fixed: Names = (),
     ) -> None:
@@ -52,13 +52,14 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
             (Real, outputs, "output", "continuous"),
             (Real, fixed, "parameter", "fixed"),
             (Boolean, boolean_parameters, "parameter", "tunable"),
-            (Boolean, boolean_outputs, "output", "discrete"),
+            (Boolean, boolean_locals, "local", "discrete"),
         ):
-            for name in names:
+            for reference, name in enumerate(names, start=len(self.vars) + 1):
                 variable = kind(name, causality=Fmi2Causality[causality], variability=Fmi2Variability[variability])
-                self.register_variable(variable, nested=False)
+                variable.value_reference = reference
+                self.vars[reference] = variable
         self._reals = [0.0] * (len(inputs) + len(parameters) + len(outputs) + len(fixed))
-        self._flags = [False] * (len(boolean_parameters) + len(boolean_outputs))
+        self._flags = [False] * (len(boolean_parameters) + len(boolean_locals))
         self._signals = len(inputs)  # these many, the first, may change with every step and unsettle nothing
         self._settable = len(inputs) + len(parameters)
         self._first_fixed = self._settable + len(outputs)
@@ -74,51 +75,57 @@ class Fmi2Slave(pythonfmu.Fmi2Slave):  # type: ignore[misc]
         if self._initialising:
             self._evaluate_start()
         reals = self._reals
-        try:
-            return [reals[vr] for vr in vrs]
-        except IndexError:
-            self.log(f"value references {vrs}: expected Real variables, below {len(reals)}", Fmi2Status.error)
-            return [math.nan] * len(vrs)
+        if min(vrs, default=1) < 1 or max(vrs, default=1) > len(reals):
+            self.refused(f"value references {vrs}: expected Real variables, from 1 to {len(reals)}")
+        return [reals[vr - 1] for vr in vrs]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Set inputs and parameters; what is set shows in the outputs after the next step."""
+        """Set inputs and parameters, or none where one may not be set; outputs show it after the next step."""
         reals = self._reals
-        signals = self._signals
+        if min(vrs, default=1) < 1 or max(vrs, default=1) > self._signals:
+            for vr in vrs:
+                if not (0 < vr <= self._settable or (self._initialising and self._first_fixed < vr <= len(reals))):
+                    self._refuse_setting(vr)
+            self._settled = self._settled and all(
+                vr <= self._signals or reals[vr - 1] == value for vr, value in zip(vrs, values, strict=True)
+            )
         for vr, value in zip(vrs, values):  # noqa: B905 (equally long by the standard; `strict` costs time)
-            if vr < signals:
-                reals[vr] = value
-            elif vr < self._settable or (self._initialising and self._first_fixed <= vr < len(reals)):
-                if reals[vr] != value:
-                    reals[vr] = value
-                    self._settled = False
-            else:
-                self._refuse_setting(vr)
+            reals[vr - 1] = value
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
         """Give Boolean variables."""
         if self._initialising:
             self._evaluate_start()
-        first = len(self._reals)
+        first = len(self._reals) + 1
         if not all(0 <= vr - first < len(self._flags) for vr in vrs):
-            self.log(f"value references {vrs}: expected Boolean variables, from {first} on", Fmi2Status.error)
-            return [False] * len(vrs)
+            self.refused(f"value references {vrs}: expected Boolean variables, from {first} on")
         return [self._flags[vr - first] for vr in vrs]
 
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
-        """Set Boolean parameters."""
-        first = len(self._reals)
-        for vr, value in zip(vrs, values, strict=True):
-            if 0 <= vr - first < self._settable_flags:
-                self._flags[vr - first] = bool(value)
-                self._settled = False
-            else:
+        """Set Boolean parameters, or none where one may not be set."""
+        first = len(self._reals) + 1
+        for vr in vrs:
+            if not 0 <= vr - first < self._settable_flags:
                 self._refuse_setting(vr)
+        for vr, value in zip(vrs, values, strict=True):
+            self._flags[vr - first] = bool(value)
+            self._settled = False
 
-    def _refuse_setting(self, vr: int) -> None:
+    def _refuse_setting(self, vr: int) -> NoReturn:
         name = self.vars[vr].name if vr in self.vars else f"value reference {vr}"
-        fixed = self._first_fixed <= vr < len(self._reals)
+        fixed = self._first_fixed < vr <= len(self._reals)
         reason = "fixed after initialization" if fixed else "no input or parameter of this type"
-        self.log(f"{name} is {reason}; the value is ignored", Fmi2Status.error)
+        self.refused(f"{name} is {reason}; the value is ignored")
+
+    def refused(self, reason: str) -> NoReturn:
+        """Fail a call that has changed nothing.
+
+        pythonfmu 0.7 then lets go of the instance, its class and its messages, and does so again when the host frees
+        the instance: they are held once more, and the host may also go on.
+        """
+        for held in (self, type(self), self._get_log_queue()):
+            ctypes.pythonapi.Py_IncRef(ctypes.py_object(held))
+        raise ValueError(reason)
 
     # --- Initialisation
 

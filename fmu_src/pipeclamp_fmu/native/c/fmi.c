@@ -68,13 +68,15 @@ static Status get_flags(Instance *instance, const unsigned references[], size_t 
 
 static Status set_flags(Instance *instance, const unsigned references[], size_t count, const Boolean values[])
 {
-    Status status = STATUS_OK;
     size_t i;
     if (count > 0 && (!references || !values))
         return instance_misses(instance, "an array of value references or values");
     for (i = 0; i < count; i++)
-        status = worse(status, instance_set_flag(instance, references[i], values[i]));
-    return status;
+        if (!instance_may_set_flag(instance, references[i]))
+            return STATUS_ERROR;
+    for (i = 0; i < count; i++)
+        instance_set_flag(instance, references[i], values[i]);
+    return STATUS_OK;
 }
 
 /* --- Saved states; the versions write these functions' names in ways of their own */

@@ -63,7 +63,8 @@ static Status worse(Status first, Status second);
 
 static Status instance_set_reals(Instance *instance, const unsigned references[], size_t count, const double values[]);
 static Status instance_get_reals(Instance *instance, const unsigned references[], size_t count, double values[]);
-static Status instance_set_flag(Instance *instance, unsigned reference, int value);
+static int instance_may_set_flag(const Instance *instance, unsigned reference); /* complains where it may not */
+static void instance_set_flag(Instance *instance, unsigned reference, int value);
 static Status instance_get_flag(Instance *instance, unsigned reference, int *value);
 
 static Status instance_begin(Instance *instance, double time);

@@ -3,7 +3,7 @@
  * All sources are compiled as one file, `fmu.c`, so that several FMUs can be linked into one program.
  *
  * `layout.h` is generated: it counts and names the variables and says what memory the model has. Variables of type Real
- * are, in this order: inputs, tunable parameters, outputs, locals, fixed parameters. Booleans: parameters, outputs.
+ * are, in this order: inputs, tunable parameters, outputs, locals, fixed parameters. Booleans: parameters, locals.
  */
 #ifndef MODEL_H
 #define MODEL_H
@@ -16,10 +16,10 @@ enum {
     FIRST_LOCAL = FIRST_OUTPUT + OUTPUTS,
     FIRST_FIXED = FIRST_LOCAL + LOCALS,
     REALS = FIRST_FIXED + FIXED,
-    FLAGS = FLAG_PARAMETERS + FLAG_OUTPUTS,
+    FLAGS = FLAG_PARAMETERS + FLAG_LOCALS,
     ROWS = OUTPUTS + STATES,
     COLUMNS = FIRST_OUTPUT + STATES,
-    TIME = REALS + FLAGS, /* in FMI 3.0, the variable after all others */
+    TIME = REALS + FLAGS, /* in FMI 3.0, the place after all others */
     TEXT = 512
 };
 

@@ -1,58 +1,63 @@
 /* Setting and getting an instance's variables, and their derivatives. */
 #include "instance.h"
 
-RARE static int refused(const Instance *instance, const char *name, unsigned reference)
+/* Value references count variables from 1; places count them from 0, and what is no reference has a place beyond all. */
+static unsigned place_of(unsigned reference)
+{
+    return reference - 1u;
+}
+
+RARE static int refused(const Instance *instance, const char *name, unsigned place)
 {
     if (name)
         instance_say(instance, STATUS_ERROR, "%s is no input or parameter of this type; the value is ignored", name);
     else
         instance_say(instance, STATUS_ERROR,
-                     "value reference %u is no input or parameter of this type; the value is ignored", reference);
+                     "value reference %u is no input or parameter of this type; the value is ignored", place + 1u);
     return 0;
 }
 
-static int is_state(unsigned reference)
+static int is_state(unsigned place)
 {
-    return reference >= FIRST_LOCAL && reference < FIRST_LOCAL + STATES;
+    return place >= FIRST_LOCAL && place < FIRST_LOCAL + STATES;
 }
 
 /* Tell whether a variable may be set now, and complain where it may not. States have a function of their own, but some
  * importers (CasADi) set them as variables. */
-static int settable(const Instance *instance, unsigned reference)
+static int settable(const Instance *instance, unsigned place)
 {
-    if (reference < FIRST_OUTPUT || (is_state(reference) && instance->mode & (EVENT | CONTINUOUS)))
+    if (place < FIRST_OUTPUT || (is_state(place) && instance->mode & (EVENT | CONTINUOUS)))
         return 1;
-    if (reference < FIRST_FIXED || reference >= REALS)
-        return refused(instance, reference < REALS ? REAL_NAMES[reference] : NULL, reference);
+    if (place < FIRST_FIXED || place >= REALS)
+        return refused(instance, place < REALS ? REAL_NAMES[place] : NULL, place);
     if (instance->mode & (INSTANTIATED | INITIALIZATION))
         return 1;
-    instance_say(instance, STATUS_ERROR, "%s is fixed after initialization; the value is ignored",
-                 REAL_NAMES[reference]);
+    instance_say(instance, STATUS_ERROR, "%s is fixed after initialization; the value is ignored", REAL_NAMES[place]);
     return 0;
 }
 
-/* Set variables of which some unsettle the model, or may not be set. */
+/* Set variables of which some unsettle the model, or none where one of them may not be set. */
 APART static Status set_others(Instance *instance, const unsigned references[], size_t count, const double values[])
 {
     Model *model = &instance->done;
-    Status status = STATUS_OK;
     size_t i;
+    for (i = 0; i < count; i++)
+        if (!settable(instance, place_of(references[i])))
+            return STATUS_ERROR;
     for (i = 0; i < count; i++) {
-        const unsigned reference = references[i];
-        if (!settable(instance, reference)) {
-            status = STATUS_ERROR;
-        } else if (is_state(reference)) {
+        const unsigned place = place_of(references[i]);
+        if (is_state(place)) {
             model_get_states(model, model->real + FIRST_LOCAL);
-            model->real[reference] = values[i];
+            model->real[place] = values[i];
             model_set_states(model, model->real + FIRST_LOCAL);
             instance->stale = 1;
-        } else if (model->real[reference] != values[i]) {
-            model->real[reference] = values[i];
-            model->settled = model->settled && reference < SIGNALS;
+        } else if (model->real[place] != values[i]) {
+            model->real[place] = values[i];
+            model->settled = model->settled && place < SIGNALS;
             instance->stale = 1;
         }
     }
-    return status;
+    return STATUS_OK;
 }
 
 static Status instance_set_reals(Instance *instance, const unsigned references[], size_t count, const double values[])
@@ -60,28 +65,32 @@ static Status instance_set_reals(Instance *instance, const unsigned references[]
     size_t i;
     if (count > 0 && (!references || !values))
         return instance_misses(instance, "an array of value references or values");
+    for (i = 0; i < count; i++)
+        if (place_of(references[i]) >= SIGNALS)
+            return set_others(instance, references, count, values);
     for (i = 0; i < count; i++) {
-        if (references[i] >= SIGNALS)
-            return set_others(instance, references + i, count - i, values + i);
-        if (instance->done.real[references[i]] != values[i]) {
-            instance->done.real[references[i]] = values[i];
+        double *const signal = &instance->done.real[place_of(references[i])];
+        if (*signal != values[i]) {
+            *signal = values[i];
             instance->stale = 1;
         }
     }
     return STATUS_OK;
 }
 
-static Status instance_set_flag(Instance *instance, unsigned reference, int value)
+static int instance_may_set_flag(const Instance *instance, unsigned reference)
 {
-    if (reference < REALS || reference >= REALS + FLAG_PARAMETERS) {
-        const unsigned flag = reference - REALS;
-        refused(instance, reference < REALS ? REAL_NAMES[reference] : flag < FLAGS ? FLAG_NAMES[flag] : NULL, reference);
-        return STATUS_ERROR;
-    }
-    instance->done.flag[reference - REALS] = value != 0;
+    const unsigned place = place_of(reference), flag = place - REALS;
+    if (place >= REALS && flag < FLAG_PARAMETERS)
+        return 1;
+    return refused(instance, place < REALS ? REAL_NAMES[place] : flag < FLAGS ? FLAG_NAMES[flag] : NULL, place);
+}
+
+static void instance_set_flag(Instance *instance, unsigned reference, int value)
+{
+    instance->done.flag[place_of(reference) - REALS] = value != 0;
     instance->done.settled = 0;
     instance->stale = 1;
-    return STATUS_OK;
 }
 
 /* Bring results up to date and give the model that shows them. */
@@ -108,17 +117,17 @@ APART static Status get_evaluated(Instance *instance, const unsigned references[
     Status status = STATUS_OK;
     size_t i;
     for (i = 0; i < count; i++) {
-        const unsigned reference = references[i];
-        if (reference < FIRST_OUTPUT || (reference >= FIRST_FIXED && reference < REALS)) {
-            values[i] = instance->done.real[reference];
-        } else if (reference < REALS) {
+        const unsigned place = place_of(references[i]);
+        if (place < FIRST_OUTPUT || (place >= FIRST_FIXED && place < REALS)) {
+            values[i] = instance->done.real[place];
+        } else if (place < REALS) {
             if (!shown)
                 shown = showing(instance, &status);
-            values[i] = shown->real[reference];
-        } else if (FMI_VERSION == 3 && reference == TIME) {
+            values[i] = shown->real[place];
+        } else if (FMI_VERSION == 3 && place == TIME) {
             values[i] = instance->time;
         } else {
-            status = expected(instance, reference, "a real variable, below", REALS);
+            status = expected(instance, references[i], "a real variable, from 1 to", REALS);
         }
     }
     return status;
@@ -130,9 +139,10 @@ static Status instance_get_reals(Instance *instance, const unsigned references[]
     if (count > 0 && (!references || !values))
         return instance_misses(instance, "an array of value references or values");
     for (i = 0; i < count; i++) {
-        if (instance->mode != STEPPING || references[i] >= REALS)
+        const unsigned place = place_of(references[i]);
+        if (instance->mode != STEPPING || place >= REALS)
             return get_evaluated(instance, references, count, values);
-        values[i] = instance->done.real[references[i]];
+        values[i] = instance->done.real[place];
     }
     return STATUS_OK;
 }
@@ -141,30 +151,33 @@ static Status instance_get_flag(Instance *instance, unsigned reference, int *val
 {
     Status status = STATUS_OK;
     const Model *model = &instance->done;
-    if (reference < REALS || reference >= REALS + FLAGS)
-        return expected(instance, reference, "a Boolean variable, from", REALS);
-    if (reference >= REALS + FLAG_PARAMETERS)
+    const unsigned place = place_of(reference);
+    if (place < REALS || place >= REALS + FLAGS)
+        return expected(instance, reference, "a Boolean variable, from", REALS + 1);
+    if (place >= REALS + FLAG_PARAMETERS)
         model = showing(instance, &status);
-    *value = model->flag[reference - REALS];
+    *value = model->flag[place - REALS];
     return status;
 }
 
-/* The place of a variable among what has derivatives, or among what they are taken by; -1 for none. */
+/* Where a variable stands among what has derivatives, or among what they are taken by; -1 for nowhere. */
 static int row_of(const Instance *instance, unsigned reference)
 {
-    if (reference >= FIRST_OUTPUT && reference < FIRST_LOCAL)
-        return (int)reference - FIRST_OUTPUT;
-    if (!instance->co_simulation && reference >= FIRST_LOCAL + STATES && reference < FIRST_LOCAL + 2 * STATES)
-        return (int)reference - FIRST_LOCAL - STATES + OUTPUTS;
+    const unsigned place = place_of(reference);
+    if (place >= FIRST_OUTPUT && place < FIRST_LOCAL)
+        return (int)place - FIRST_OUTPUT;
+    if (!instance->co_simulation && place >= FIRST_LOCAL + STATES && place < FIRST_LOCAL + 2 * STATES)
+        return (int)place - FIRST_LOCAL - STATES + OUTPUTS;
     return -1;
 }
 
 static int column_of(const Instance *instance, unsigned reference)
 {
-    if (reference < FIRST_OUTPUT)
-        return (int)reference;
-    if (!instance->co_simulation && is_state(reference))
-        return (int)reference - FIRST_LOCAL + FIRST_OUTPUT;
+    const unsigned place = place_of(reference);
+    if (place < FIRST_OUTPUT)
+        return (int)place;
+    if (!instance->co_simulation && is_state(place))
+        return (int)place - FIRST_LOCAL + FIRST_OUTPUT;
     return -1;
 }
 
