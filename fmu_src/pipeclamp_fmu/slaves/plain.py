@@ -3,8 +3,8 @@
 The slaves' common part. Its text goes into each FMU's one module, and its class keeps pythonfmu's name, because
 pythonfmu's library takes the first `class ...(Fmi2Slave):` of the module's file for the model.
 
-A step that can't be done is discarded. Of the other calls pythonfmu can fail none but by an exception, which becomes the
-status "fatal"; see `refused` for what keeps the host alive then.
+A step that can't be done is discarded. Other calls fail by an exception alone, of which pythonfmu makes the status
+"fatal"; see `refused` for what keeps the host alive then.
 """
 
 from __future__ import annotations
