@@ -68,13 +68,7 @@ def law_on(run: OneRun, law: Law) -> dict[str, Any]:
 
 def force_on(run: OneRun, law: Law) -> Array:
     """Give a law's force over a run's cycle, N, shape (POINTS,)."""
-    return force_of_rows(law, run.loops)[0, :: _fine(POINTS)]
-
-
-def _fine(points: int) -> int:
-    from pipeclamp_identification.fitting.misfit import FINE_SAMPLES
-
-    return FINE_SAMPLES // points
+    return force_of_rows(law, run.loops, DRAWN_SAMPLES)[0, :: DRAWN_SAMPLES // POINTS]
 
 
 def _amplitudes(squares: Array, samples: int) -> list[float]:

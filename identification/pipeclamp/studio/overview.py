@@ -17,7 +17,7 @@ from pipeclamp.studio.project import Project
 from pipeclamp.studio.told import Told, stamp
 from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.law.file import LawFile, structure_of
+from pipeclamp_models.law.file import CoefficientEntry, LawFile, structure_of
 
 MOST_ERRORS = 10.0
 """A slider reaches this many standard errors, and to zero and twice the value at least."""
@@ -181,6 +181,23 @@ def told_in(project: Project, name: str, file: LawFile) -> Told | None:
     except (OSError, ValidationError, UnicodeDecodeError):
         return None
     return told if told.law_command == stamp(file) else None
+
+
+def side_by_side(one: LawFile, other: LawFile) -> list[tuple[str, str, str, str]]:
+    """Give the parameters of two laws: name, value with standard error in each, unit."""
+    names = dict.fromkeys((*one.coefficients, *other.coefficients))
+
+    def shown(entry: CoefficientEntry | None) -> str:
+        if entry is None:
+            return "–"
+        error = "" if entry.standard_error is None else f" ± {entry.standard_error:.1g}"
+        return f"{entry.value:.4g}{error}"
+
+    rows = []
+    for name in names:
+        first, second = one.coefficients.get(name), other.coefficients.get(name)
+        rows.append((name, shown(first), shown(second), next(entry.unit for entry in (first, second) if entry)))
+    return rows
 
 
 def sliders_of(file: LawFile) -> tuple[tuple[str, tuple[Slider, ...]], ...]:

@@ -171,6 +171,9 @@ class Pages:
                 chips=chips,
                 law=shown,
                 other=other,
+                side_by_side=overview.side_by_side(project.law(shown.name), project.law(other.name))
+                if shown and other
+                else [],
                 map=first_map,
                 edges=EDGES,
                 worst=worst.runs[0] if worst else "",

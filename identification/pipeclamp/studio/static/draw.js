@@ -43,6 +43,8 @@ function band(run, axis) {
   });
 }
 
+let drawn = 0;
+
 // `lines`: what is drawn over the measured loop, each { name, force, colour, dash, harmonics }.
 export function drawRun(run, lines, axis) {
   const line = (y, name, look, x) => ({ x, y: closed(y), name, mode: "lines", line: { simplify: false, ...look }, hovertemplate: `${name}<br>%{x:.4g}, %{y:.4g} N<extra></extra>` });
@@ -54,7 +56,8 @@ export function drawRun(run, lines, axis) {
   const left = lines.map((each) => line(run.measured.map((force, index) => force - each.force[index]), each.name, looked(each), x));
   const ticks = axis === "phase" ? { range: [0, 360], dtick: 45 } : {};
   Plotly.react("residual", [...band(run, axis), ...left], layout(190, AXES[axis], "N", { xaxis: ticks, yaxis: { rangemode: "normal" } }), CONFIG);
-  drawHarmonics(lines);
+  const number = ++drawn; // harmonics come a frame later: the loop first
+  requestAnimationFrame(() => setTimeout(() => number === drawn && drawHarmonics(lines)));
   for (const [id, what] of [["loop", "Loop: force over displacement"], ["residual", "Measured less law"], ["harmonics", "Harmonics of the force"]]) {
     const place = document.getElementById(id);
     place.setAttribute("role", "img");
@@ -70,6 +73,9 @@ function drawHarmonics(lines) {
   const orders = known[0].harmonics.measured.map((_, index) => index + 1);
   const bars = (y, name, fill) => ({ type: "bar", x: orders, y, name, marker: { color: colour(fill) }, hovertemplate: `${name}, harmonic %{x}: %{y:.3g} N<extra></extra>` });
   const data = [bars(known[0].harmonics.measured, "measured", "measured"), ...known.map((each) => bars(each.harmonics.computed, each.name, each.colour))];
-  const decades = { type: "log", dtick: 1, exponentformat: "none" };
+  const least = Math.max(Math.min(...known[0].harmonics.measured), 1e-6); // what a law gives far below it says nothing
+  const most = Math.max(...known.flatMap((each) => [...each.harmonics.measured, ...each.harmonics.computed]));
+  const range = [Math.floor(Math.log10(least)), Math.log10(most) + 0.2];
+  const decades = { type: "log", dtick: 1, exponentformat: "none", range };
   Plotly.react(place, data, layout(170, "harmonic", "N", { xaxis: { dtick: 1 }, yaxis: decades, layout: { barmode: "group", bargap: 0.25 } }), CONFIG);
 }

@@ -25,14 +25,24 @@ function remember(run) {
   }
 }
 
+// Laws' files don't change: what was fetched of a run once stays right. A pointer on a cell fetches ahead of the click.
+const fetched = new Map();
+function fetchRun(run) {
+  const candidate = chosen("candidate");
+  const query = new URLSearchParams({ laws: [law, beside].filter(Boolean).join(","), ...(candidate ? { candidate } : {}) });
+  const path = `${base}/runs/${encodeURIComponent(run)}?${query}`;
+  if (!fetched.has(path)) {
+    fetched.set(path, ask(path));
+    fetched.get(path).catch(() => fetched.delete(path));
+  }
+  return fetched.get(path);
+}
+
 let asked = 0;
 async function look(run, scroll = false) {
   const number = ++asked;
-  const candidate = chosen("candidate");
-  const laws = [law, beside].filter(Boolean).join(",");
-  const query = new URLSearchParams({ laws, ...(candidate ? { candidate } : {}) });
   try {
-    const found = await ask(`${base}/runs/${encodeURIComponent(run)}?${query}`);
+    const found = await fetchRun(run);
     if (number !== asked) return; // a later click is under way
     shown = found;
     moved = null;
@@ -197,6 +207,12 @@ document.addEventListener("change", (event) => {
     location.assign(address);
   }
 });
+for (const event of ["pointerover", "focusin"]) {
+  document.addEventListener(event, ({ target }) => {
+    const cell = target.closest?.(".map .cell");
+    if (cell) fetchRun(cell.dataset.runs.split("|")[0]).catch(() => {});
+  });
+}
 for (const slider of sliders) {
   slider.addEventListener("input", () => {
     slider.dataset.moved = "yes";
