@@ -1,4 +1,4 @@
-"""One run as the page draws it: the measured loop, what laws give, the difference, the harmonics."""
+"""One run as the page draws it: the measured loop, what laws give on it, the harmonics."""
 
 from __future__ import annotations
 
@@ -10,16 +10,15 @@ import numpy as np
 
 from pipeclamp.studio.bench import OneRun
 from pipeclamp_identification.comparison.breakdown import squared_harmonics
+from pipeclamp_identification.comparison.drawn import MOST_POINTS, drawn_runs
+from pipeclamp_identification.comparison.laws import HeldLaw
 from pipeclamp_identification.comparison.sums import error_sums
-from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
+from pipeclamp_identification.fitting.misfit import RunMisfit, loop_of_run
 from pipeclamp_identification.loops.loops import displacement_on_grid
-from pipeclamp_identification.loops.scatter import PHASE_BINS
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.law import Law
 
-POINTS = DRAWN_SAMPLES // 2
-"""Points of a loop that is drawn."""
 ORDERS = 9
 """Harmonics that are shown: of most loops all that stand out of the scatter."""
 DIGITS = 6
@@ -33,42 +32,46 @@ def run_picture(run: OneRun, laws: Mapping[str, Law]) -> dict[str, Any]:
         laws: by the name that each is drawn under.
 
     Returns:
-        displacement (mm), velocity (mm/s), measured force (N) over the cycle from the largest displacement on; the
-        scatter's standard deviation (N) by phase, null where it isn't known; errors as shares of the rms force.
+        phase (deg), displacement (mm), velocity (mm/s), measured force (N) and each law's over the cycle, as pages
+        draw them (`drawn_runs`); of each law its error and that of scatter as shares of the rms force, null where not
+        known, and its harmonics.
     """
-    loops = run.loops
-    loop = loops.rows[0]
-    y, measured = loop_of_run(loops, 0, POINTS)
-    _, v, _ = displacement_on_grid(loops, POINTS)
-    deviation = loop.scatter_rms_N * np.sqrt(PHASE_BINS * loop.scatter_by_phase) if loop.shows_scatter else None
+    loop = run.loops.rows[0]
+    held = [HeldLaw(name, law, (run.misfit(law),)) for name, law in laws.items()]
+    shown = {"run": loop.run, "conditions": _conditions(run), "cycles": len(loop.cycles)}
+    if not held:
+        return {**shown, **_measured(run), "laws": [], "told": []}
+    (drawn,) = drawn_runs(run.loops, held)
     return {
-        "run": loop.run,
-        "conditions": _conditions(run),
-        "cycles": len(loop.cycles),
-        "y": _numbers(y),
-        "v": _numbers(v[0]),
-        "measured": _numbers(measured),
-        "scatter": None if deviation is None else _numbers(deviation),
-        "laws": {name: law_on(run, law) for name, law in laws.items()},
+        **shown,
+        "phase": _numbers(drawn.phase),
+        "y": _numbers(drawn.y),
+        "v": _numbers(drawn.v),
+        "measured": _numbers(drawn.measured),
+        "scatter": None if drawn.scatter is None else _numbers(drawn.scatter),
+        "laws": [_numbers(force) for force in drawn.laws],
+        "told": [_told(run, law.label, law.runs[0]) for law in held],
     }
 
 
-def law_on(run: OneRun, law: Law) -> dict[str, Any]:
-    """Give what a law gives on a run: its force over the cycle, its error, its harmonics beside the measured ones."""
-    misfit = run.misfit(law)
+def _measured(run: OneRun) -> dict[str, Any]:
+    y, measured = loop_of_run(run.loops, 0, MOST_POINTS)
+    _, v, _ = displacement_on_grid(run.loops, MOST_POINTS)
+    phase = np.linspace(0.0, 360.0, MOST_POINTS, endpoint=False)
+    known = {"phase": phase, "y": y, "v": v[0], "measured": measured}
+    return {**{name: _numbers(values) for name, values in known.items()}, "scatter": None}
+
+
+def _told(run: OneRun, name: str, misfit: RunMisfit) -> dict[str, Any]:
     sums = error_sums(run.tests.campaign, run.loops, (misfit,))
     measured, computed = (_amplitudes(squares, len(misfit.measured)) for squares in squared_harmonics(sums, run.loops))
     return {
-        "force": _numbers(force_on(run, law)),
+        "name": name,
         "nrmse": misfit.nrmse,
-        "noise_nrmse": misfit.noise_nrmse if run.loops.rows[0].shows_scatter else None,
-        "harmonics": {"measured": measured, "computed": computed},
+        "noise_nrmse": misfit.noise_nrmse if run.loops.shows_scatter[0] else None,
+        "measured": measured,
+        "computed": computed,
     }
-
-
-def force_on(run: OneRun, law: Law) -> Array:
-    """Give a law's force over a run's cycle, N, shape (POINTS,)."""
-    return force_of_rows(law, run.loops, DRAWN_SAMPLES)[0, :: DRAWN_SAMPLES // POINTS]
 
 
 def _amplitudes(squares: Array, samples: int) -> list[float]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
+from pipeclamp.pages.alternative import words_of
+from pipeclamp.pages.waterfall import LEFT_OUT, USED, Rung, rungs_of, waterfall_picture
 from pipeclamp.show.comparison import how_much
 from pipeclamp.studio.bench import Bench
 from pipeclamp.studio.error_map import ErrorMap, error_map
@@ -21,32 +22,15 @@ from pipeclamp_models.law.file import CoefficientEntry, LawFile, structure_of
 
 MOST_ERRORS = 10.0
 """A slider reaches this many standard errors, and to zero and twice the value at least."""
-ROOM_ABOVE = 1.15
-"""The waterfall's height over its highest bar."""
+WATERFALL_HEIGHT = 270
 
 
 @dataclass(frozen=True)
-class Rung:
-    """A bar of the waterfall: errors in percent of the rms force."""
+class Picture:
+    """What Plotly draws, as JSON, and what it shows in words."""
 
-    name: str
-    error: float
-    heldout: float | None
-
-
-@dataclass(frozen=True)
-class Waterfall:
-    """The error falling as effects are added.
-
-    Attributes:
-        rungs: in order.
-        scatter: that no law can explain, percent; None where it isn't known.
-        top: of the axis, percent.
-    """
-
-    rungs: tuple[Rung, ...]
-    scatter: float | None
-    top: float
+    specification: str
+    words: str
 
 
 @dataclass(frozen=True)
@@ -92,7 +76,7 @@ class LawShown:
     error: float
     scatter: float | None
     words: tuple[str, ...]
-    waterfall: Waterfall
+    waterfall: Picture
     map: ErrorMap
     before: ErrorMap | None
     told: Told | None
@@ -113,7 +97,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
     file = project.law(name)
     held = bench.held(file)
     shown = error_map(bench.loops.run, held.conditions, held.sums, by)
-    parent = project.parent(name)
+    parent, told = project.parent(name), told_in(project, name, file)
     scatter = held.known_noise
     return LawShown(
         name=name,
@@ -121,10 +105,10 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
         error=100 * held.nrmse,
         scatter=None if scatter is None else 100 * scatter,
         words=tuple(how_much(held)),
-        waterfall=waterfall_of(file),
+        waterfall=waterfall_of(file, told),
         map=shown,
         before=law_map(project, bench, parent, shown.by) if parent else None,
-        told=told_in(project, name, file),
+        told=told,
         groups=sliders_of(file),
     )
 
@@ -159,18 +143,24 @@ def chips_of(project: Project) -> list[LawChip]:
     return chips
 
 
-def waterfall_of(file: LawFile) -> Waterfall:
-    """Give a law's history as bars."""
-    steps: Sequence[Any] = file.history
-    rungs = tuple(
-        Rung(step.step, 100 * step.nrmse, None if step.heldout_nrmse is None else 100 * step.heldout_nrmse)
-        for step in steps
-    )
+def waterfall_of(file: LawFile, told: Told | None) -> Picture:
+    """Give a law's history as bars, and what the effects that a diagnosis names would make of it."""
+    rungs = rungs_of(file)
     if not rungs and file.fit:
-        rungs = (Rung(file.base, 100 * file.fit.nrmse, None),)
-    noise = file.fit.noise_nrmse if file.fit else None
-    top = ROOM_ABOVE * max((max(rung.error, rung.heldout or 0.0) for rung in rungs), default=1.0)
-    return Waterfall(rungs, None if noise is None else 100 * noise, top)
+        rungs = [Rung(file.base, {USED: file.fit.nrmse})]
+    if told and rungs:
+        if LEFT_OUT not in rungs[-1].errors:
+            rungs[-1] = replace(rungs[-1], errors={**rungs[-1].errors, LEFT_OUT: told.heldout_nrmse})
+        named = [each for each in told.candidates if each.name in told.effects]
+        rungs += [
+            Rung(f"{'or ' if place else ''}+ {each.name}", {LEFT_OUT: each.heldout_nrmse}, promised=True)
+            for place, each in enumerate(named)
+        ]
+    figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
+    figure.update_layout(height=WATERFALL_HEIGHT, margin={"t": 10, "b": 75}, title_text=None)
+    specification = json.loads(figure.to_json())
+    specification["layout"].pop("template", None)
+    return Picture(json.dumps(specification), words_of(figure))
 
 
 def told_in(project: Project, name: str, file: LawFile) -> Told | None:

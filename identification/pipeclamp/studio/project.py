@@ -100,6 +100,11 @@ class Project:
         """
         return read_law(self.path_of(name))
 
+    @property
+    def upcoming(self) -> str:
+        """The name that the next law will have, where nobody else makes one before."""
+        return f"law{self._reserved + 1}"
+
     def reserve(self) -> str:
         """Give the name of the next law; nobody else is given it."""
         with self._lock:

@@ -9,7 +9,6 @@ from functools import wraps
 from pathlib import Path
 from typing import Any
 
-import jinja2
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -17,15 +16,14 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Respon
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from pipeclamp.api.tests import Tests
+from pipeclamp.pages.page import asset
 from pipeclamp.studio import commands, overview, uploads
 from pipeclamp.studio.bench import changed, with_candidate
 from pipeclamp.studio.desk import Desk, Opened
-from pipeclamp.studio.error_map import EDGES
-from pipeclamp.studio.loop_picture import law_on, run_picture
+from pipeclamp.studio.loop_picture import run_picture
+from pipeclamp.studio.rendering import campaign_page, page
 from pipeclamp.studio.security import TooLargeError
 from pipeclamp.studio.told import Told
-from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
@@ -33,6 +31,8 @@ from pipeclamp_models.law.law import Law
 HERE = Path(__file__).parent
 MOST_ASKED = 64 * 1024
 """Bytes of a request that is no file."""
+MOST_LAWS = 4
+"""Drawn over one loop."""
 MEDIA = {".json": "application/json", ".csv": "text/csv", ".fmu": "application/zip"}
 
 Endpoint = Callable[[Request], Response]
@@ -60,6 +60,8 @@ def application(desk: Desk) -> Starlette:
         Route("/import/jobs", pages.start_import, methods=["POST"]),
         Route("/uploads/{batch}/{name}", pages.upload, methods=["PUT"]),
         Route("/plotly.js", pages.plotly),
+        Route("/page.js", pages.page_script),
+        Route("/explorer.js", pages.explorer_script),
         Mount("/static", StaticFiles(directory=HERE / "static")),
     ]
     handlers: Mapping[Any, Any] = {UserError: _refused, TooLargeError: _too_large}
@@ -68,28 +70,12 @@ def application(desk: Desk) -> Starlette:
 
 async def _refused(request: Request, error: Exception) -> Response:
     if "text/html" in request.headers.get("accept", ""):
-        return HTMLResponse(_page("refused.html.jinja", message=str(error)), 400)
+        return HTMLResponse(page("refused.html.jinja", message=str(error)), 400)
     return JSONResponse({"error": str(error)}, 400)
 
 
 async def _too_large(request: Request, error: Exception) -> Response:
     return JSONResponse({"error": "too large"}, 413)
-
-
-def _page(template: str, **content: Any) -> str:
-    return _environment().get_template(template).render(**content)
-
-
-def _environment() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("pipeclamp.studio", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
-    return environment
 
 
 def _in_thread(endpoint: Callable[..., Response]) -> Callable[..., Any]:
@@ -127,9 +113,7 @@ class Pages:
     def _campaigns(self) -> Response:
         imported, bundled = self.desk.choices()
         return HTMLResponse(
-            _page(
-                "campaigns.html.jinja", first=self.desk.first, imported=imported, bundled=bundled, home=self.desk.home
-            )
+            page("campaigns.html.jinja", first=self.desk.first, imported=imported, bundled=bundled, home=self.desk.home)
         )
 
     @_in_thread
@@ -143,59 +127,19 @@ class Pages:
         return self._shown(self._opened(request), request.path_params["law"], request)
 
     def _shown(self, opened: Opened, name: str | None, request: Request) -> Response:
-        project, bench = opened.project, opened.bench
-        chips = overview.chips_of(project)
-        name = name or (chips[-1].name if chips else None)
-        by, beside = request.query_params.get("by", ""), request.query_params.get("with", "")
-        shown = overview.law_shown(project, bench, name, by) if name else None
-        other = overview.law_shown(project, bench, beside, shown.map.by) if beside and shown else None
-        first_map = shown.map if shown else overview.tests_map(bench, by)
-        worst = first_map.worst()
-        told = shown.told if shown else None
-        lines = {
-            "identify": {base: commands.identify_line(project, "law1", base) for base in commands.BASES},
-            "diagnose": commands.diagnose_line(project, name) if name else "",
-            "add": {
-                each.name: commands.add_line(project, name or "", each.name, "law2")
-                for each in (told.candidates if told else ())
-            },
-            "build": commands.build_line(project, name, "python") if name else "",
-        }
-        return HTMLResponse(
-            _page(
-                "campaign.html.jinja",
-                key=opened.key,
-                campaign=bench.tests.name,
-                summary=_summary(bench.tests),
-                notes=[*map(str, bench.tests.left_out), *bench.tests.remarks],
-                chips=chips,
-                law=shown,
-                other=other,
-                side_by_side=overview.side_by_side(project.law(shown.name), project.law(other.name))
-                if shown and other
-                else [],
-                map=first_map,
-                edges=EDGES,
-                worst=worst.runs[0] if worst else "",
-                told=told,
-                lines=lines,
-                bases=commands.BASES,
-                steps=project.steps,
-                parent=project.parent(name) if name else None,
-                folder=project.folder,
-                fmu=bool(name and (project.folder / f"{name}.fmu").is_file()),
-            )
-        )
+        asked = request.query_params
+        return HTMLResponse(campaign_page(opened, name, by=asked.get("by", ""), beside=asked.get("with", "")))
 
     @_in_thread
     def run(self, request: Request) -> Response:
         """Give one run with the laws that are asked for, and a candidate's prediction."""
         opened = self._opened(request)
         names = [name for name in request.query_params.get("laws", "").split(",") if name]
-        laws = {name: law_of(opened.project.law(name)) for name in names[:4]}
+        laws = {name: law_of(opened.project.law(name)) for name in names[:MOST_LAWS]}
         candidate = request.query_params.get("candidate")
         if candidate and names:
-            laws[f"{names[0]} + {candidate}"] = _candidate(opened, names[0], candidate)
+            # the law that the page is about stays last
+            laws = {f"{names[-1]} + {candidate}": _candidate(opened, names[-1], candidate), **laws}
         return JSONResponse(run_picture(opened.bench.run(request.path_params["run"]), laws))
 
     async def moved(self, request: Request) -> Response:
@@ -209,7 +153,10 @@ class Pages:
         if not isinstance(values, dict) or not all(map(_is_number, values.values())):
             raise UserError("values: expected numbers by the names of parameters")
         law = _candidate(opened, name, str(candidate)) if candidate else law_of(opened.project.law(name))
-        return JSONResponse(law_on(opened.bench.run(_text(asked, "run")), changed(law, values)))
+        shown = run_picture(
+            opened.bench.run(_text(asked, "run")), {f"{candidate or name}, moved": changed(law, values)}
+        )
+        return JSONResponse({"force": shown["laws"][0], "told": shown["told"][0]})
 
     async def start(self, request: Request) -> Response:
         """Start a job."""
@@ -277,15 +224,21 @@ class Pages:
     @_in_thread
     def plotly(self, request: Request) -> Response:
         """Give the library that draws."""
-        from plotly.offline import get_plotlyjs
+        return _script("plotly/plotly-cartesian.min.js", "max-age=86400")
 
-        return Response(get_plotlyjs(), media_type="text/javascript", headers={"cache-control": "max-age=86400"})
+    @_in_thread
+    def page_script(self, request: Request) -> Response:
+        """Give what pages draw pictures with."""
+        return _script("templates/page.js", "no-cache")
+
+    @_in_thread
+    def explorer_script(self, request: Request) -> Response:
+        """Give what pages draw a run with."""
+        return _script("templates/explorer.js", "no-cache")
 
 
-def _summary(tests: RecordTests) -> str:
-    """Say how many runs there are, and over which conditions."""
-    told = str(Tests(tests, tests.name)).splitlines()[0]
-    return told.removeprefix(f"{tests.name}: ")
+def _script(name: str, kept: str) -> Response:
+    return Response(asset(name), media_type="text/javascript", headers={"cache-control": kept})
 
 
 def _candidate(opened: Opened, law: str, candidate: str) -> Law:

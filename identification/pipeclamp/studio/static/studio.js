@@ -1,3 +1,4 @@
+/* global drawIn, inLook, lawLine, onLookChanged */
 // A campaign's page: the map, the run that is looked at, candidates, sliders, jobs.
 import { ask, complain, follow, start, textOf } from "./ask.js";
 import { drawRun } from "./draw.js";
@@ -29,7 +30,7 @@ function remember(run) {
 const fetched = new Map();
 function fetchRun(run) {
   const candidate = chosen("candidate");
-  const query = new URLSearchParams({ laws: [law, beside].filter(Boolean).join(","), ...(candidate ? { candidate } : {}) });
+  const query = new URLSearchParams({ laws: [beside, law].filter(Boolean).join(","), ...(candidate ? { candidate } : {}) });
   const path = `${base}/runs/${encodeURIComponent(run)}?${query}`;
   if (!fetched.has(path)) {
     fetched.set(path, ask(path));
@@ -56,31 +57,34 @@ async function look(run, scroll = false) {
   }
 }
 
-function lines() {
-  const colours = [...(law ? ["law"] : []), ...(beside ? ["beside"] : []), "candidate"];
-  const found = Object.entries(shown.laws).map(([name, given], index) => ({ name, ...given, colour: colours[index], dash: index ? "dash" : "solid" }));
-  if (moved) found.push({ name: `${law}, moved`, ...moved, colour: "moved", dash: "dot" });
-  return found;
+// The run with what is drawn over it: the law with parameters moved among the others, the law itself last.
+function drawnRun() {
+  if (!moved) return shown;
+  const last = shown.laws.length - 1;
+  const among = (list, one) => [...list.slice(0, last), one, list[last]];
+  return { ...shown, laws: among(shown.laws, moved.force), told: among(shown.told, moved.told) };
 }
 
 function draw() {
-  const drawnLines = lines();
-  drawRun(shown, drawnLines, chosen("against") || "phase");
+  const run = drawnRun();
+  drawRun(run, chosen("against") || "y");
   document.getElementById("run-title").textContent = shown.run;
   const words = Object.entries(shown.conditions).map(([name, value]) => {
     const [symbol, unit] = name.split(" / ");
     return unit ? `${symbol} ${value} ${name.slice(symbol.length + 3)}` : `${symbol} ${value}`;
   });
   document.getElementById("conditions").textContent = [...words, `${shown.cycles} cycle${shown.cycles > 1 ? "s" : ""}`].join(", ");
-  const errors = drawnLines.map((each) => {
-    const told = textOf("span", "");
+  const errors = run.told.map((each, index) => {
+    const { color, dash } = inLook(lawLine(index, run.told.length));
     const sample = textOf("i", "", "line");
-    sample.style.borderTopColor = `var(--${each.colour})`;
-    sample.style.borderTopStyle = { dash: "dashed", dot: "dotted" }[each.dash] || "solid";
-    told.append(sample, `${each.name} errs by `, textOf("b", percent(each.nrmse)));
+    sample.style.borderTopColor = color;
+    sample.style.borderTopStyle = { dot: "dotted" }[dash] || (dash ? "dashed" : "solid");
+    const told = textOf("span", "");
+    told.append(sample, `${each.name}: error `, textOf("b", percent(each.nrmse)));
     return told;
   });
-  const noise = drawnLines[0]?.noise_nrmse;
+  const noise = run.told[0]?.noise_nrmse;
+  errors.reverse();
   if (noise) errors.push(textOf("span", `scatter ${percent(noise)}`));
   document.getElementById("errors").replaceChildren(...errors);
 }
@@ -172,12 +176,7 @@ function ended(job) {
 
 const begin = (body) => start(`${base}/jobs`, body, encodeURIComponent(key), ended);
 
-document.addEventListener("click", async (event) => {
-  const copy = event.target.closest("[data-copy]");
-  if (copy) {
-    await navigator.clipboard.writeText(copy.dataset.copy).then(() => { copy.textContent = "Copied"; }, () => { copy.textContent = "Select and copy"; });
-    return;
-  }
+document.addEventListener("click", (event) => {
   const starter = event.target.closest("[data-start]");
   if (starter) begin({ kind: starter.dataset.start, law, effect: starter.dataset.effect });
   const cell = event.target.closest(".map .cell");
@@ -197,7 +196,6 @@ document.addEventListener("change", (event) => {
   }
   if (name === "base") {
     form.querySelector("code").textContent = event.target.dataset.line;
-    form.querySelector("[data-copy]").dataset.copy = event.target.dataset.line;
   }
   if (name === "with" || name === "by") {
     const address = new URL(location.href);
@@ -224,7 +222,9 @@ document.getElementById("reset")?.addEventListener("click", () => { sliders.forE
 const walk = (step) => shown && look(runs[(runs.indexOf(shown.run) + step + runs.length) % runs.length]);
 document.getElementById("previous").addEventListener("click", () => walk(-1));
 document.getElementById("next").addEventListener("click", () => walk(1));
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => shown && draw());
+onLookChanged(() => { if (shown) draw(); });
+const waterfall = document.getElementById("waterfall");
+if (waterfall) onLookChanged(() => drawIn(waterfall, JSON.parse(waterfall.dataset.specification)));
 
 // The map fades from what it was with the law before.
 for (const cell of cells.filter((each) => each.dataset.before)) {

@@ -1,0 +1,98 @@
+"""Pages as text, from templates."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import jinja2
+
+from pipeclamp.api.tests import Tests
+from pipeclamp.studio import commands, overview
+from pipeclamp.studio.desk import Opened
+from pipeclamp.studio.error_map import EDGES
+from pipeclamp_identification.workflow.on_records import RecordTests
+
+
+def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> str:
+    """Give the page of a campaign with a law.
+
+    Args:
+        opened: the campaign.
+        name: of the law; the newest by default.
+        by: key of the condition that the map's panels are levels of.
+        beside: another law to set beside it; empty for none.
+
+    Raises:
+        UserError: there is no such law.
+    """
+    project, bench = opened.project, opened.bench
+    chips = overview.chips_of(project)
+    name = name or (chips[-1].name if chips else None)
+    shown = overview.law_shown(project, bench, name, by) if name else None
+    other = overview.law_shown(project, bench, beside, shown.map.by) if beside and shown else None
+    first_map = shown.map if shown else overview.tests_map(bench, by)
+    worst = first_map.worst()
+    told = shown.told if shown else None
+    lines = {
+        "identify": {base: commands.identify_line(project, project.upcoming, base) for base in commands.BASES},
+        "diagnose": commands.diagnose_line(project, name) if name else "",
+        "add": {
+            each.name: commands.add_line(project, name or "", each.name, project.upcoming)
+            for each in (told.candidates if told else ())
+        },
+        "build": commands.build_line(project, name, "python") if name else "",
+    }
+    return page(
+        "campaign.html.jinja",
+        key=opened.key,
+        campaign=bench.tests.name,
+        summary=_summary(bench.tests),
+        notes=[*map(str, bench.tests.left_out), *bench.tests.remarks],
+        chips=chips,
+        law=shown,
+        other=other,
+        side_by_side=overview.side_by_side(project.law(shown.name), project.law(other.name)) if shown and other else [],
+        map=first_map,
+        edges=EDGES,
+        worst=worst.runs[0] if worst else "",
+        told=told,
+        lines=lines,
+        bases=commands.BASES,
+        steps=project.steps,
+        parent=project.parent(name) if name else None,
+        folder=project.folder,
+        fmu=bool(name and (project.folder / f"{name}.fmu").is_file()),
+    )
+
+
+def _summary(tests: RecordTests) -> str:
+    """Say how many runs there are, and over which conditions."""
+    told = str(Tests(tests, tests.name)).splitlines()[0]
+    return told.removeprefix(f"{tests.name}: ")
+
+
+def page(template: str, **content: Any) -> str:
+    """Give a page as text."""
+    return _environment().get_template(template).render(**content)
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("pipeclamp.studio", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
+    environment.filters["sentence"] = _sentence
+    return environment
+
+
+def _sentence(words: str) -> str:
+    """Give words as a sentence; a name of the catalogue that begins them stays as `add` takes it."""
+    first = words.split(maxsplit=1)[0] if words.split() else ""
+    begun = words if set("_:") & set(first) else f"{words[:1].upper()}{words[1:]}"
+    return begun if begun.endswith(".") else f"{begun}."

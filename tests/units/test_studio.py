@@ -1,0 +1,176 @@
+"""What the studio answers is what the commands answer, and what it makes are files that the commands read."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import shutil
+import signal
+import time
+import zipfile
+
+import pytest
+
+pytest.importorskip("starlette", reason="needs the extra 'studio'")
+pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
+
+from studio_server import running
+
+import pipeclamp as pc
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
+
+PLAN = rig.TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
+JOBS = "/c/virtual/jobs"
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tests") / "virtual"
+    write_campaign(folder, rig.virtual_runs(law_of(open_law("emwm2")), PLAN), name="virtual", notes="")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    return tmp_path_factory.mktemp("studio") / "home"
+
+
+@pytest.fixture(scope="module")
+def studio(campaign, home):
+    with running(home, str(campaign)) as started:
+        assert started.done(started.json(JOBS, {"kind": "identify", "base": "power"}))["result"] == {"law": "law1"}
+        yield started
+
+
+def test_a_law_is_the_one_that_its_command_makes(studio, campaign, home):
+    law, same = pc.open_law(home / "law1.json"), pc.identify(campaign)
+    assert law.values == same.values
+    assert law.file.command == "pipeclamp identify virtual -o law1.json"
+    session = json.loads((home / "session.json").read_text())
+    assert session["steps"][0]["command"] == f"pipeclamp identify {campaign} -o {home / 'law1.json'}"
+
+
+def test_a_run_errs_as_compare_says(studio, campaign, home):
+    answer = pc.compare(home / "law1.json", campaign).to_dict()
+    for expected in answer["runs"]:
+        run = studio.json(f"/c/virtual/runs/{expected['run']}?laws=law1")
+        (told,) = run["told"]
+        assert told["nrmse"] == pytest.approx(expected["nrmse"])
+        assert told["noise_nrmse"] == pytest.approx(expected["noise_nrmse"])
+        assert len(run["y"]) == len(run["measured"]) == len(run["laws"][0])
+
+
+def test_the_page_says_what_compare_says(studio, campaign, home):
+    nrmse = pc.compare(home / "law1.json", campaign).nrmse
+    page = studio.ask("/c/virtual/laws/law1")[2].decode()
+    assert f'<span class="big">{100 * nrmse:.2f} %</span>' in page
+    assert page.count('class="cell') == 8
+
+
+def test_a_slider_gives_the_law_with_that_value(studio, campaign, home):
+    law = pc.open_law(home / "law1.json")
+    name = studio.desk.open("virtual").bench.loops.run[3]
+    stiffer = {"k10": 1.2 * law.values["k10"]}
+    moved = studio.json("/c/virtual/moved", {"law": "law1", "run": name, "values": stiffer})
+    coefficients = {
+        key: entry.model_copy(update={"value": stiffer.get(key, entry.value)})
+        for key, entry in law.file.coefficients.items()
+    }
+    other = pc.Law(law.file.model_copy(update={"coefficients": coefficients}))
+    expected = {run["run"]: run["nrmse"] for run in pc.compare(other, campaign).to_dict()["runs"]}
+    assert moved["told"]["nrmse"] == pytest.approx(expected[name])
+    assert moved["told"]["nrmse"] > 0.05
+
+
+REFUSED = {
+    "no run of that name": ("/c/virtual/runs/none?laws=law1", None),
+    "no law of that name": ("/c/virtual/laws/law7", None),
+    "a law by its path": ("/c/virtual/runs/x?laws=../law1", None),
+    "no campaign": ("/c/other/", None),
+    "no JSON": (JOBS, b"{"),
+    "no object": (JOBS, b"[]"),
+    "a nest": (JOBS, b"[" * 60000),
+    "no such job": (JOBS, {"kind": "rm"}),
+    "no such base": (JOBS, {"kind": "identify", "base": "../x"}),
+    "an effect that no diagnosis named": (JOBS, {"kind": "add", "law": "law1", "effect": "memory"}),
+    "no number": ("/c/virtual/moved", {"law": "law1", "run": "x", "values": {"k10": "1"}}),
+    "no finite number": ("/c/virtual/moved", b'{"law": "law1", "run": "x", "values": {"k10": NaN}}'),
+    "no parameter": ("/c/virtual/moved", {"law": "law1", "run": "", "values": {"zz": 1}}),
+    "an unsafe campaign": ("/import/jobs", {"batch": "0123456789abcdef", "name": "../x"}),
+    "no batch": ("/import/jobs", {"batch": "../../etc", "name": "x"}),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_cannot_serve_is_told_in_a_sentence(studio, what):
+    path, body = REFUSED[what]
+    status, _, content = studio.ask(path, "GET" if body is None else "POST", body)
+    assert status == 400
+    assert json.loads(content)["error"]
+
+
+def test_a_job_that_is_cancelled_leaves_nothing_and_keeps_nobody_waiting(studio, home):
+    before = sorted(path.name for path in home.iterdir())
+    job = studio.json(JOBS, {"kind": "diagnose", "law": "law1"})
+    assert job["state"] == "running"
+    begin = time.monotonic()
+    assert studio.ask("/c/virtual/laws/law1")[0] == 200
+    assert time.monotonic() - begin < 2.0
+    studio.json(f"{JOBS}/{job['number']}/cancel", {})
+    ended = studio.done(job)
+    assert ended["state"] == "cancelled"
+    assert sorted(path.name for path in home.iterdir()) == before
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="kills a process by a signal")
+def test_a_job_whose_process_dies_is_told(studio):
+    job = studio.json(JOBS, {"kind": "diagnose", "law": "law1"})
+    (process,) = studio.desk.jobs._processes.values()
+    os.kill(process.pid, signal.SIGKILL)
+    assert studio.done(job)["state"] == "failed"
+
+
+def test_jobs_are_followed_until_none_runs(studio):
+    job = studio.json(JOBS, {"kind": "build", "law": "law1"})
+    _, headers, content = studio.ask(JOBS)
+    assert headers["content-type"].startswith("text/event-stream")
+    *_, last = [json.loads(line.removeprefix("data: ")) for line in content.decode().split("\n\n") if line]
+    (told,) = (each for each in last if each["number"] == job["number"])
+    assert told["state"] == "done"
+    status, headers, content = studio.ask("/c/virtual/files/law1.fmu")
+    assert status == 200
+    assert "attachment" in headers["content-disposition"]
+    assert zipfile.ZipFile(io.BytesIO(content)).testzip() is None
+
+
+def test_a_studio_that_was_killed_finds_all_again(studio, campaign, home, tmp_path):
+    later = tmp_path / "home"
+    shutil.copytree(home, later)
+    (later / ".law2.json.abc.part").write_text("cut")
+    with running(later, str(campaign)) as again:
+        assert 'aria-current="page"><b>law1</b>' in again.ask("/")[2].decode()
+        assert again.desk.open("virtual").project.reserve() == "law2"
+    assert not list(later.glob(".*.part"))
+
+
+def test_files_become_a_campaign_once_they_are_confirmed(studio, campaign, home):
+    batch, name = "00112233aabbccdd", "clamp_7"
+    for path in sorted((campaign / "runs").iterdir()):
+        assert studio.ask(f"/uploads/{batch}/{path.name}", "PUT", path.read_bytes())[0] == 200
+
+    def asked(dry_run):
+        job = studio.json("/import/jobs", {"batch": batch, "name": name, "dry_run": dry_run})
+        return studio.done(job)
+
+    looked = asked(True)
+    assert looked["state"] == "done", looked
+    assert not looked["result"]["written"]
+    assert [table["header"][0] for table in looked["result"]["tables"]] == ["column", "run"]
+    assert not (home / name).exists()
+    assert asked(False)["state"] == "done"
+    assert "8 runs" in studio.ask(f"/c/{name}/")[2].decode()
+    assert name in studio.ask("/campaigns")[2].decode()
