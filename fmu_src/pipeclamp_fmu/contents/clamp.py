@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.passivity import Interval, ScalarLaw, loaded
 from pipeclamp_fmu.contents.reference import reference_files
@@ -317,13 +318,14 @@ def clamp_content(model: ClampModel, version: str) -> Content:
     described = quantities(model)
     variables = clamp_variables(model, described)
     icon, references = clamp_extras(model, variables)
+    further = [entry.name for entry in model.further]
     return Content(
         kind="clamp",
         source=clamp_module(model),
         class_name=clamp_slave.ClampSlave.__name__,
         text=clamp_text(model, version),
         quantities={variable.name: variable.quantity for variable in variables.all},
-        initial_inputs=tuple(variable.name for variable in variables.settable),
+        initially=clamp_dependencies(model.source, variables, further).initially,
         documentation=clamp_documentation(model, described, PYTHON_USE),
         further={"model.png": icon, **references},
         name=model.name,

@@ -21,7 +21,7 @@ class Content:
         class_name: name of the slave's class in it.
         text: what the description says of the whole.
         quantities: what it says of each variable.
-        initial_inputs: the variables that outputs depend on at initialisation.
+        initially: the variables that each output depends on at initialisation, if it does.
         documentation: `documentation/index.html`.
         further: further files by name.
         name: the name that messages use.
@@ -34,7 +34,7 @@ class Content:
     class_name: str
     text: ModelText
     quantities: Mapping[str, Quantity]
-    initial_inputs: tuple[str, ...]
+    initially: Mapping[str, Sequence[str]]
     documentation: str
     further: Mapping[str, bytes] = field(default_factory=dict)
     name: str = ""

@@ -53,6 +53,6 @@ def excitation_content(samples: Samples, version: str) -> Content:
         class_name=excitation_slave.ExcitationSlave.__name__,
         text=excitation_text(samples, version),
         quantities={"signal": signal_quantity(samples)},
-        initial_inputs=(),
+        initially={},
         documentation=excitation_documentation(samples),
     )

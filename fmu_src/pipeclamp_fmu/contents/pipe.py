@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 
 from pipeclamp_fmu.contents.content import Content
+from pipeclamp_fmu.contents.pipe_dependencies import pipe_dependencies
 from pipeclamp_fmu.describe.documentation import Section, page, variables_section
 from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
 from pipeclamp_fmu.slaves import pipe as pipe_slave
@@ -115,14 +116,13 @@ def pipe_text(pipe: ReducedPipe, version: str) -> ModelText:
 def pipe_content(pipe: ReducedPipe, version: str) -> Content:
     """Give all that goes into the pipe's Python FMU."""
     described = quantities(pipe)
-    inputs = (excitation_input(pipe), *(f"{name}.f" for name in pipe.clamp_names))
     return Content(
         kind="pipe",
         source=pipe_module(pipe),
         class_name=pipe_slave.PipeSlave.__name__,
         text=pipe_text(pipe, version),
         quantities=described,
-        initial_inputs=inputs,
+        initially=pipe_dependencies(pipe, excitation_input(pipe)).initially,
         documentation=pipe_documentation(pipe, described, "Standard library of Python only."),
     )
 

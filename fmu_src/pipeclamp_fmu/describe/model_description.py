@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -137,7 +137,7 @@ def completed(
     guid: str,
     text: ModelText,
     quantities: Mapping[str, Quantity],
-    initial_inputs: tuple[str, ...],
+    initially: Mapping[str, Sequence[str]],
     starts: Mapping[str, float],
     tunable: tuple[str, ...] = (),
 ) -> Element:
@@ -148,8 +148,8 @@ def completed(
         guid: identifies this content.
         text: what is said of the whole.
         quantities: what is said of each variable, by name.
-        initial_inputs: names of the variables that outputs depend on at initialisation. After that, outputs are those
-            of the last step, so no output depends on an input that is set at the same instant.
+        initially: names of the variables that each output depends on at initialisation, if it does. After that, outputs
+            are those of the last step, so none depends on an input that is set at the same instant.
         starts: start values by name, which pythonfmu writes to 16 digits only.
         tunable: names of inputs that are to be tunable parameters.
 
@@ -187,7 +187,7 @@ def completed(
     structure = root.find("ModelStructure")
     if structure is not None:
         root.remove(structure)
-    root.append(_structure(variables, [str(names.index(name) + 1) for name in initial_inputs]))
+    root.append(_structure(variables, initially))
     return root
 
 
@@ -241,12 +241,15 @@ def unit_definitions(quantities: Iterable[Quantity]) -> Element:
     return definitions
 
 
-def _structure(variables: list[Element], initial_inputs: list[str]) -> Element:
+def _structure(variables: Sequence[Element], initially: Mapping[str, Sequence[str]]) -> Element:
     structure = Element("ModelStructure")
-    indices = [str(index) for index, variable in enumerate(variables, start=1) if variable.get("causality") == "output"]
+    places = {variable.get("name", ""): str(index) for index, variable in enumerate(variables, start=1)}
     outputs = SubElement(structure, "Outputs")
     unknowns = SubElement(structure, "InitialUnknowns")
-    for index in indices:
-        SubElement(outputs, "Unknown", {"index": index, "dependencies": ""})
-        SubElement(unknowns, "Unknown", {"index": index, "dependencies": " ".join(initial_inputs)})
+    for variable in variables:
+        name = variable.get("name", "")
+        if variable.get("causality") == "output":
+            SubElement(outputs, "Unknown", {"index": places[name], "dependencies": ""})
+            known = " ".join(places[entry] for entry in initially.get(name, ()))
+            SubElement(unknowns, "Unknown", {"index": places[name], "dependencies": known})
     return structure

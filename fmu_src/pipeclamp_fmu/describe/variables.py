@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_fmu.slaves.values_file import TOLD
@@ -88,11 +88,6 @@ class Variables:
         """All variables, in the order of their value references."""
         return (*self.reals, *self.booleans)
 
-    @property
-    def settable(self) -> tuple[Variable, ...]:
-        """The variables that outputs depend on at initialisation."""
-        return (*self.inputs, *self.parameters, *self.fixed, *self.boolean_parameters)
-
     def causality(self, variable: Variable) -> tuple[str, str]:
         """Give a variable's causality and variability."""
         groups: Sequence[tuple[tuple[Variable, ...], str, str]] = (
@@ -104,6 +99,23 @@ class Variables:
             (self.fixed, "parameter", "fixed"),
         )
         return next((causality, variability) for group, causality, variability in groups if variable in group)
+
+
+TIME = "time"
+"""The independent variable's name among dependencies."""
+
+
+@dataclass(frozen=True)
+class Dependencies:
+    """What outputs and states' derivatives depend on, by name; what isn't listed depends on nothing.
+
+    Attributes:
+        always: on which inputs and states at the same time, and on TIME.
+        initially: on which inputs and parameters at initialisation.
+    """
+
+    always: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    initially: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
 def numbers_of(variables: Variables, ranges: Sequence[Range]) -> list[tuple[str, float, str]]:

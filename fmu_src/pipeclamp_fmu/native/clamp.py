@@ -15,6 +15,7 @@ from pipeclamp_fmu.contents.clamp import (
     clamp_variables,
     quantities,
 )
+from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_fmu.describe.variables import Variable
 from pipeclamp_fmu.native.description import FLANGE, Terminal
@@ -56,6 +57,7 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
                 {"s": ("flange.s", "signal"), "v": ("flange.v", "signal"), "f": ("flange.f", "inflow")},
             ),
         ),
+        dependencies=clamp_dependencies(model.source, variables, [entry.name for entry in model.further]),
         documentation=clamp_documentation(model, described, NATIVE_USE),
         icon=icon,
         further=references,

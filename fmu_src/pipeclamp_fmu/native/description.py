@@ -14,7 +14,7 @@ from pipeclamp_fmu.describe.model_description import (
     unit_definitions,
     xml_bytes,
 )
-from pipeclamp_fmu.describe.variables import Variable, Variables
+from pipeclamp_fmu.describe.variables import TIME, Dependencies, Variable, Variables
 from pipeclamp_fmu.native.compiler import MAIN_SOURCE
 
 LOG_CATEGORIES = {
@@ -25,7 +25,7 @@ LOG_CATEGORIES = {
     "logAll": "All messages",
 }
 
-TIME = Quantity("time", "s")
+TIME_QUANTITY = Quantity("time", "s")
 """FMI 3.0's independent variable."""
 
 FLANGE = "Modelica.Mechanics.Translational.Interfaces.Flange_a"
@@ -52,6 +52,7 @@ class Description:
         variables: all variables.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
         terminals: connectors.
+        dependencies: of outputs and states' derivatives.
         tool: program that wrote the FMU, with its version.
     """
 
@@ -61,11 +62,16 @@ class Description:
     variables: Variables
     indicator: str
     terminals: Sequence[Terminal]
+    dependencies: Dependencies
     tool: str
 
-    def dependencies(self) -> tuple[list[Variable], list[Variable]]:
-        """Give what outputs and derivatives depend on at any time, and at initialisation."""
-        return [*self.variables.connected, *self.variables.state_variables], list(self.variables.settable)
+    def structure(self) -> tuple[tuple[Sequence[Variable], Mapping[str, Sequence[str]]], ...]:
+        """Give outputs, derivatives, and what is calculated at initialisation, each with what it depends on."""
+        variables = self.variables
+        known = {variable.name for variable in (*variables.outputs, *variables.locals[: 2 * variables.states])}
+        initial = [variable for variable in variables.all if variable.name in known]
+        always, initially = self.dependencies.always, self.dependencies.initially
+        return (variables.outputs, always), (variables.derivatives, always), (initial, initially)
 
 
 def model_description(description: Description, fmi: int) -> bytes:
@@ -114,16 +120,14 @@ def _fmi2(description: Description) -> bytes:
         kind = "Boolean" if variable in variables.booleans else "Real"
         derivative = _derived(variables, variable)
         SubElement(element, kind, number_attributes(variable.quantity) | _start(variable) | derivative)
-    always, initially = ([places[entry.name] for entry in group] for group in description.dependencies())
     structure = SubElement(root, "ModelStructure")
-    for name, listed_variables, known in (
-        ("Outputs", variables.outputs, always),
-        ("Derivatives", variables.derivatives, always),
-        ("InitialUnknowns", _in_order(variables), initially),
+    for kind, (group, known) in zip(
+        ("Outputs", "Derivatives", "InitialUnknowns"), description.structure(), strict=True
     ):
-        unknowns = SubElement(structure, name) if listed_variables else structure
-        for variable in listed_variables:
-            SubElement(unknowns, "Unknown", {"index": places[variable.name], "dependencies": " ".join(known)})
+        unknowns = SubElement(structure, kind) if group else structure
+        for variable in group:
+            listed_known = _listed(places, known.get(variable.name, ()))
+            SubElement(unknowns, "Unknown", {"index": places[variable.name], "dependencies": listed_known})
     return xml_bytes(root)
 
 
@@ -147,7 +151,7 @@ def _fmi3(description: Description) -> bytes:
     }
     SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
     SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
-    _common_elements(root, description, TIME)
+    _common_elements(root, description, TIME_QUANTITY)
     listed = SubElement(root, "ModelVariables")
     places = {variable.name: str(reference) for reference, variable in enumerate(variables.all, start=1)}
     for variable in variables.all:
@@ -160,30 +164,27 @@ def _fmi3(description: Description) -> bytes:
             "description": variable.quantity.description,
         } | number_attributes(variable.quantity) | _start(variable) | _derived(variables, variable))  # fmt: skip
     time = {
-        "name": "time",
+        "name": TIME,
         "valueReference": str(len(places) + 1),
         "causality": "independent",
         "variability": "continuous",
     }
-    SubElement(listed, "Float64", time | {"description": TIME.description} | number_attributes(TIME))
-    always, initially = (" ".join(places[entry.name] for entry in group) for group in description.dependencies())
+    SubElement(listed, "Float64", time | {"description": TIME_QUANTITY.description} | number_attributes(TIME_QUANTITY))
+    places[TIME] = time["valueReference"]
     structure = SubElement(root, "ModelStructure")
-    for name, listed_variables, known in (
-        ("Output", variables.outputs, always),
-        ("ContinuousStateDerivative", variables.derivatives, always),
-        ("InitialUnknown", _in_order(variables), initially),
-    ):
-        for variable in listed_variables:
-            SubElement(structure, name, {"valueReference": places[variable.name], "dependencies": known})
+    kinds = ("Output", "ContinuousStateDerivative", "InitialUnknown")
+    for kind, (group, known) in zip(kinds, description.structure(), strict=True):
+        for variable in group:
+            listed_known = _listed(places, known.get(variable.name, ()))
+            SubElement(structure, kind, {"valueReference": places[variable.name], "dependencies": listed_known})
     if description.indicator:
         SubElement(structure, "EventIndicator", {"valueReference": places[description.indicator]})
     return xml_bytes(root)
 
 
-def _in_order(variables: Variables) -> list[Variable]:
-    """Give what is calculated at initialisation, outputs, states and derivatives, in the order of the variables."""
-    unknown = {variable.name for variable in (*variables.outputs, *variables.state_variables, *variables.derivatives)}
-    return [variable for variable in variables.all if variable.name in unknown]
+def _listed(places: Mapping[str, str], names: Sequence[str]) -> str:
+    """Give the places of variables as a list in their order; FMI 2.0 has none for the time."""
+    return " ".join(sorted((places[name] for name in names if name in places), key=int))
 
 
 def _derived(variables: Variables, variable: Variable) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeclamp_fmu.contents.excitation import Samples, excitation_documentation, excitation_text, signal_quantity
-from pipeclamp_fmu.describe.variables import Variable, Variables
+from pipeclamp_fmu.describe.variables import TIME, Dependencies, Variable, Variables
 from pipeclamp_fmu.native.packing import NativeContent
 from pipeclamp_fmu.native.sources import NativeModel
 
@@ -29,6 +29,7 @@ def native_excitation(samples: Samples, version: str) -> NativeContent:
             (),
         ),
         terminals=(),
+        dependencies=Dependencies(always={"signal": (TIME,)}),
         documentation=excitation_documentation(samples),
         icon=b"",
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipeclamp_fmu.describe.model_description import ModelText
-from pipeclamp_fmu.describe.variables import numbers_of
+from pipeclamp_fmu.describe.variables import Dependencies, numbers_of
 from pipeclamp_fmu.native.compiler import PLATFORMS, compile_sources, refuse_unknown_platforms
 from pipeclamp_fmu.native.description import (
     Description,
@@ -32,6 +32,7 @@ class NativeContent:
         text: what the description says of the whole.
         model: the model in C.
         terminals: its connectors.
+        dependencies: of its outputs and its states' derivatives.
         documentation: `documentation/index.html`.
         icon: a PNG, empty for none.
         further: further files by name.
@@ -41,6 +42,7 @@ class NativeContent:
     text: ModelText
     model: NativeModel
     terminals: Sequence[Terminal]
+    dependencies: Dependencies
     documentation: str
     icon: bytes
     further: Mapping[str, bytes] = field(default_factory=dict)
@@ -90,6 +92,7 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         repr(content.text),
         values_text("", model.name, numbers),
         repr(model.variables),
+        repr(content.dependencies),
         content.documentation,
     )
     description = Description(
@@ -99,6 +102,7 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         variables=model.variables,
         indicator=model.indicator,
         terminals=content.terminals,
+        dependencies=content.dependencies,
         tool=f"pipeclamp {content.text.version}",
     )
     files = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipeclamp_fmu.contents.pipe import excitation_input, pipe_documentation, pipe_text, quantities
+from pipeclamp_fmu.contents.pipe_dependencies import WORKS, displacement, pipe_dependencies, velocity
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_fmu.describe.variables import Variable, Variables
 from pipeclamp_fmu.native.description import FLANGE, Terminal
@@ -50,6 +51,7 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
             (),
         ),
         terminals=[_port(name) for name in pipe.clamp_names],
+        dependencies=pipe_dependencies(pipe, excitation_input(pipe)),
         documentation=pipe_documentation(pipe, quantities(pipe), NEEDS),
         icon=b"",
     )
@@ -57,14 +59,16 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
 
 def _states(pipe: ReducedPipe) -> tuple[Variable, ...]:
     """Give the continuous states in the order in which pipe.c has them: modes of unit mass, then works."""
-    modes = range(1, len(pipe.omega) + 1)
+    modes = range(len(pipe.omega))
     slowest = min((omega for omega in pipe.omega if omega > 0), default=1.0)
     q, p = 1e-3, 1e-3 * slowest
     return (
-        *(Variable(f"mode.q[{n}]", Quantity(f"displacement of mode {n}, sqrt(kg) m", nominal=q)) for n in modes),
-        *(Variable(f"mode.p[{n}]", Quantity(f"velocity of mode {n}, sqrt(kg) m/s", nominal=p)) for n in modes),
-        Variable("work.excitation", Quantity("work of the excitation", "J", nominal=p * p)),
-        Variable("work.clamps", Quantity("work done on the clamps", "J", nominal=p * p)),
+        *(Variable(displacement(n), Quantity(f"displacement of mode {n + 1}, sqrt(kg) m", nominal=q)) for n in modes),
+        *(Variable(velocity(n), Quantity(f"velocity of mode {n + 1}, sqrt(kg) m/s", nominal=p)) for n in modes),
+        *(
+            Variable(name, Quantity(meaning, "J", nominal=p * p))
+            for name, meaning in zip(WORKS, ("work of the excitation", "work done on the clamps"), strict=True)
+        ),
     )
 
 

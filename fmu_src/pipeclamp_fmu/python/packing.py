@@ -58,6 +58,7 @@ def python_files(content: Content) -> dict[str, bytes]:
         repr(content.text),
         repr(sorted(content.quantities.items())),
         repr(content.tunable),
+        repr(sorted(content.initially.items())),
         content.documentation,
         named,
     )
@@ -68,7 +69,7 @@ def python_files(content: Content) -> dict[str, bytes]:
                 token,
                 content.text,
                 content.quantities,
-                content.initial_inputs,
+                content.initially,
                 content.starts,
                 content.tunable,
             )

@@ -40,6 +40,9 @@ FASTEST = 15.0
 WARM = 50.0
 """K by which a pipe may be beyond the table of its fluid or its material, before it is said."""
 
+ROUNDING = 1e-10
+"""Share of a shape's largest entry below which another is rounding."""
+
 RIGID: dict[str, tuple[float, float]] = {
     "free": (0.0, 0.0),
     "pinned": (inf, 0.0),
@@ -334,10 +337,15 @@ def _moving(full: _FullModel, reduced: ModalModel, kept: int) -> _Moving:
         coupling_stiffness=tuple(map(_floats, reduced.coupling[0])) if reduced.coupling else (),
         coupling_damping=tuple(map(_floats, reduced.coupling[1])) if reduced.coupling else (),
         kept=kept,
-        clamp_shapes=tuple(map(_floats, reduced.shapes[:clamps])),
-        probe_shapes=tuple(map(_floats, reduced.shapes[clamps:])),
-        excitation_participation=_floats(reduced.loads[:, -1]),
+        clamp_shapes=tuple(map(_without_rounding, reduced.shapes[:clamps])),
+        probe_shapes=tuple(map(_without_rounding, reduced.shapes[clamps:])),
+        excitation_participation=_without_rounding(reduced.loads[:, -1]),
     )
+
+
+def _without_rounding(shape: Array) -> tuple[float, ...]:
+    """Give a shape (n,) with zeros where a mode has a node, of which the eigenvalue solver makes some 1e-12."""
+    return _floats(np.where(np.abs(shape) > ROUNDING * np.abs(shape).max(initial=0.0), shape, 0.0))
 
 
 def _about_reduction(description: PipeDescription, kept: int, errors: ReductionErrors) -> list[str]:
