@@ -27,10 +27,11 @@ WATERFALL_HEIGHT = 270
 
 @dataclass(frozen=True)
 class Picture:
-    """What Plotly draws, as JSON, and what it shows in words."""
+    """What Plotly draws, as JSON, what it shows in words, and the least width in px."""
 
     specification: str
     words: str
+    least_width: int
 
 
 @dataclass(frozen=True)
@@ -157,10 +158,11 @@ def waterfall_of(file: LawFile, told: Told | None) -> Picture:
             for place, each in enumerate(named)
         ]
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
+    figure.update_yaxes(title_text="% of rms force")
     figure.update_layout(height=WATERFALL_HEIGHT, margin={"t": 10, "b": 75}, title_text=None)
     specification = json.loads(figure.to_json())
     specification["layout"].pop("template", None)
-    return Picture(json.dumps(specification), words_of(figure))
+    return Picture(json.dumps(specification), words_of(figure), int(figure.layout.meta or 0))
 
 
 def told_in(project: Project, name: str, file: LawFile) -> Told | None:

@@ -1,7 +1,7 @@
 // Pictures of one run, as the pages draw them (page.js, explorer.js), and its harmonics.
 /* global drawIn, lawLine, runPicture */
 
-const HEIGHT = 560;
+const HEIGHT = 520;
 
 // `run`: as the studio gives it; its last law is the one that the page is about.
 export function drawRun(run, axis) {

@@ -1,0 +1,129 @@
+"""The studio in a real browser: the whole job on the bundled campaign, wide and narrow, with keys alone once."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("starlette", reason="needs the extra 'studio'")
+pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
+
+NARROW = {"width": 420, "height": 900}
+LOOP = "#loop .main-svg"
+A_JOB_ms = 120_000
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    return tmp_path_factory.mktemp("studio") / "home"
+
+
+@pytest.fixture(scope="module")
+def url(home):
+    command = [sys.executable, "-m", "pipeclamp", "studio", "clamp_a", "-o", str(home), "--no-browser"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, encoding="utf-8") as process:
+        yield process.stdout.readline().strip()
+        process.terminate()
+
+
+def tab_to(page, text):
+    """Press Tab until what has the focus says `text`."""
+    for _ in range(200):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.textContent.trim()").startswith(text):
+            return
+    raise AssertionError(f"no way to {text!r} by Tab")
+
+
+def no_wider_than_the_window(page):
+    return page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_the_whole_job(page, url, violations, home):
+    page.goto(url)
+    page.wait_for_selector(LOOP)
+    assert page.locator(".map .cell").count() == 48
+    assert violations(page) == []
+
+    tab_to(page, "Fit the law")  # the first step with keys alone
+    page.keyboard.press("Enter")
+    page.wait_for_selector("text=Find what is missing", timeout=A_JOB_ms)
+    page.wait_for_selector(LOOP)
+    assert page.inner_text(".big") == "2.55 %"
+
+    page.locator(".map .cell").nth(4).focus()
+    page.keyboard.press("ArrowRight")
+    (run,) = {page.evaluate("document.activeElement.dataset.runs")}
+    page.wait_for_function("run => document.getElementById('run-title').textContent === run", arg=run)
+    assert f"run={run}" in page.url
+
+    page.click("text=Find what is missing")
+    page.wait_for_selector(".job progress")
+    page.locator(".map .cell").nth(0).click()  # it answers while the diagnosis runs
+    page.wait_for_function("document.getElementById('run-title').textContent !== ''")
+    page.wait_for_selector("#candidates", timeout=A_JOB_ms)
+    assert page.inner_text("#answer-title") == "Missing: damping_temperature."
+    page.wait_for_selector(LOOP)
+    page.check("input[name=candidate][value=damping_temperature]")
+    page.wait_for_selector("#errors :text('law1 + damping_temperature')")
+    assert violations(page) == []
+
+    page.click(".answer button:has-text('Add damping_temperature')")
+    page.wait_for_selector(".chip[aria-current]:has-text('law2')", timeout=A_JOB_ms)
+    page.wait_for_selector("#waterfall .main-svg")
+    assert page.inner_text(".big") == "1.29 %"
+    assert "took 79%" in page.inner_text("#waterfall").replace("\n", " ")
+    page.wait_for_timeout(1600)  # the map fades
+    before = page.evaluate("[...document.querySelectorAll('.cell')].filter(c => c.dataset.before).length")
+    assert before == 48
+    assert {"law1.json", "law2.json", "law1.diagnosis.json"} <= {path.name for path in home.iterdir()}
+
+    slider = page.locator("input[data-parameter=c_T1]")
+    slider.focus()
+    for _ in range(3):
+        page.keyboard.press("PageUp")
+    page.wait_for_selector("#errors :text('moved')")
+
+    page.select_option("#with", "law1")
+    page.wait_for_selector("#errors :text('law1')")
+    assert page.locator(".map .cell").count() == 96
+    page.set_viewport_size(NARROW)
+    page.wait_for_timeout(300)
+    assert no_wider_than_the_window(page)
+    assert violations(page) == []
+
+    other = page.context.new_page()  # another tab has its own law
+    other.goto(re.sub(r"/\?.*", "/c/clamp_a/laws/law1", url))
+    other.wait_for_selector(LOOP)
+    page.reload()
+    page.wait_for_selector(LOOP)
+    assert (page.inner_text(".big"), other.inner_text(".big")) == ("1.29 %", "2.55 %")
+
+    page.click("text=Step back to law1")
+    page.wait_for_selector(".chip[aria-current]:has-text('law1')")
+    page.wait_for_selector(LOOP)
+    assert no_wider_than_the_window(page)
+
+
+def test_files_are_dropped_and_looked_into(page, url, violations, home):
+    folder = Path(__file__).parents[2] / "identification/pipeclamp_identification/data/campaigns/clamp_a_heldout/runs"
+    page.goto(url)
+    page.click(".brand")
+    assert violations(page) == []
+    page.set_input_files("#files", sorted(folder.iterdir())[:6])
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    assert "displacement_mm" in page.inner_text("#found")
+    assert violations(page) == []
+    page.fill("#name", "clamp_7")
+    page.click("text=Look into them")
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    page.click("#write")
+    page.wait_for_selector(LOOP, timeout=A_JOB_ms)
+    assert page.inner_text("h1") == "clamp_7"
+    assert (home / "clamp_7" / "campaign.toml").is_file()
