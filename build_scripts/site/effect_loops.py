@@ -2,125 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-import sympy as sp
 
-from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.signals import CONDITION
-from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.equations import symbols
-from pipeclamp_models.equations.effect import Effect, Parameter
-from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.law.file import law_of
-from pipeclamp_models.law.law import BASES, Law, Structure, with_effect
-from pipeclamp_models.realise.force import force_of_equations
-from pipeclamp_models.realise.motion import Motion, sinusoids
-from pipeclamp_models.realise.sizes import law_sizes, number_of
-from pipeclamp_models.realise.text import symbols_of
+from pipeclamp_models.equations.effect import Effect
+from pipeclamp_models.realise.effect_loops import EffectLoops, loops_with_and_without
 
 mpl.use("svg")
 from matplotlib.figure import Figure
 
-CLAMP = "emwm2"
-"""The bundled law whose base law stands for the clamp."""
-BARE = Structure("power")
-AMPLITUDE, FREQUENCY, TEMPERATURE = 0.8, 3.0, 20.0 + CELSIUS
-AMPLITUDES, FREQUENCIES = (0.3, 0.6, 1.0), (1.0, 5.0, 20.0)
-TEMPERATURES = tuple(value + CELSIUS for value in (20.0, 250.0, 300.0))
-CYCLES, DENSITIES, COLUMN = (0.0, 300.0, 2000.0), (2.0, 2.286, 2.571), (0.0, 0.5, 1.0)
-SEEN = 0.08
-"""A difference is drawn larger until it is this share of the force: a typical one may be too small to see."""
-MAGNIFICATIONS = (1, 2, 5, 10, 20, 50)
 WITHOUT, WITH = "#52606d", "#d64545"
 
 
-@dataclass(frozen=True)
-class Loops:
-    """Loops of a clamp, R motions of n samples.
-
-    Attributes:
-        labels: what is special about each motion.
-        displacement: mm, shape (R, n).
-        without, with_it: N, shape (R, n); the difference is drawn `times` as large as it is.
-        times: the magnification.
-    """
-
-    labels: tuple[str, ...]
-    displacement: Array
-    without: Array
-    with_it: Array
-    times: int
-
-
-def loops_with_and_without(effect: Effect) -> Loops:
-    """Give a clamp's loops with an effect of typical size and without it, on motions that show it."""
-    labels, motion = _motions(effect)
-    known = law_of(open_law(CLAMP))
-    slow = {name: float(values[-1, 0]) for name, values in motion.slow.items() if name not in ("A", "f", "T")}
-    sizes = law_sizes(replace(known, structure=BARE), AMPLITUDES, FREQUENCIES[:2], TEMPERATURES, slow)
-    structure = Structure(_base_of(effect)) if effect.part == "base" else with_effect(BARE, effect.name)
-    own = {} if effect.part == "base" else {one.name: number_of(one.size, sizes) for one in effect.parameters}
-    values = {one.name: number_of(one.size, sizes) for one in structure.equations.composed.parameters}
-    values |= {name: value for name, value in known.values.items() if name in values} | own
-    others = values | {one.name: 0.0 for one in effect.parameters if effect.part == "base" and _is_force(one)}
-    with_it = _force(replace(known, structure=structure, values=values), motion)
-    without = _force(replace(known, structure=structure if effect.part == "base" else BARE, values=others), motion)
-    difference = with_it - without
-    share = float(np.max(np.abs(difference)) / np.max(np.abs(with_it)))
-    times = next((times for times in MAGNIFICATIONS if times * share > SEEN), MAGNIFICATIONS[-1])
-    return Loops(labels, motion.y, without, without + times * difference, times)
-
-
-def _base_of(effect: Effect) -> str:
-    """Give a base law that a term belongs to."""
-    return next(name for name, base in BASES.items() if effect.id in base.terms)
-
-
-def _is_force(parameter: Parameter) -> bool:
-    """Tell whether a parameter is in proportion to the force that its term adds."""
-    return parameter.unit.startswith("N")
-
-
-def _force(law: Law, motion: Motion) -> Array:
-    return force_of_equations(law.equations, law.vector(law.equations), (law.v_r, law.y_r), motion).force
-
-
-def _motions(effect: Effect) -> tuple[tuple[str, ...], Motion]:
-    """Give three motions: what the effect follows is varied, a condition, the frequency or the amplitude."""
-    used = {signal.symbol for signal in symbols_of(effect)}
-    if effect.part == "base":
-        return _over_amplitude()
-    for symbol, levels, words in _further(used):
-        motion = sinusoids([AMPLITUDE] * len(levels), FREQUENCY, TEMPERATURE)
-        slow = {**motion.slow, str(symbol): np.array(levels)[:, None]}
-        return tuple(words.format(level) for level in levels), replace(motion, slow=slow)
-    if symbols.T in used:
-        words = tuple(f"{value - CELSIUS:.0f} °C" for value in TEMPERATURES)
-        return words, sinusoids(AMPLITUDE, FREQUENCY, TEMPERATURES)
-    in_time = used & {symbols.f, symbols.v, symbols.a, symbols.h} and "damping" not in effect.scales
-    if in_time or effect.lag != 0:
-        return tuple(f"{value:g} Hz" for value in FREQUENCIES), sinusoids(AMPLITUDE, FREQUENCIES, TEMPERATURE)
-    return _over_amplitude()
-
-
-def _over_amplitude() -> tuple[tuple[str, ...], Motion]:
-    return tuple(f"{value:g} mm" for value in AMPLITUDES), sinusoids(AMPLITUDES, FREQUENCY, TEMPERATURE)
-
-
-def _further(used: Iterable[sp.Symbol]) -> list[tuple[sp.Symbol, tuple[float, ...], str]]:
-    """Give the conditions besides A, f and T that an effect follows, with levels and how to label them."""
-    levels = {symbols.N: (CYCLES, "{:g} cycles"), symbols.rho: (DENSITIES, "{:g} g/cm³")}
-    found = [(symbol, *levels[symbol]) for symbol in used if symbol in levels]
-    columns = [symbol for symbol in used if str(symbol).startswith(CONDITION)]
-    return found + [(symbol, COLUMN, f"{str(symbol).removeprefix(CONDITION)} = {{:g}}") for symbol in columns]
-
-
-def draw(effect: Effect, path: Path) -> Loops:
+def draw(effect: Effect, path: Path) -> EffectLoops:
     """Draw the loops side by side, on one scale, into an SVG file; give what was drawn."""
     loops = loops_with_and_without(effect)
     with mpl.rc_context(

@@ -206,6 +206,7 @@ def identify(
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
     from pipeclamp.show.law import per_group_table
+    from pipeclamp_identification.workflow.next_command import after_identification
     from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
     from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.file import law_text
@@ -249,6 +250,7 @@ def identify(
         write_report(report, f"Law {file.name}", about, law_page(file, found.held), command_called())
     write_whole(output, law_text(file))
     _print_law(file, output)
+    _print_next(after_identification(str(output), str(campaign)))
 
 
 @app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
@@ -301,7 +303,7 @@ def compare(
 
         write_report(report, *comparison_title(files, tests.name), comparison_page(held, following), command_called())
     show(view, json)
-    console().print(f"Next: {following}", highlight=False, markup=False, soft_wrap=True)
+    _print_next(following)
 
 
 @app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
@@ -460,6 +462,7 @@ def _change(
 ) -> None:
     """Change a law by an effect, refit it, write it, and print what that did."""
     from pipeclamp.show.law import addition_table
+    from pipeclamp_identification.workflow.next_command import after_change
     from pipeclamp_models.law.file import law_text
 
     spare(campaign, outputs=(output,))
@@ -470,13 +473,24 @@ def _change(
         changed = change(file, tests=tests, command=command_called(), date=date, progress=tell)
     write_whole(output, law_text(changed.after))
     print_table(addition_table(changed))
-    _print_law(changed.after, output)
+    _print_fit(changed.after, output)
+    _print_next(after_change(str(output), str(campaign)))
+
+
+def _print_next(following: str) -> None:
+    console().print(f"Next: {following}", highlight=False, markup=False, soft_wrap=True)
 
 
 def _print_law(file: Any, output: Path) -> None:
-    from pipeclamp.show.law import coefficient_table, doubts, fit_words
+    from pipeclamp.show.law import coefficient_table
 
     print_table(coefficient_table(file))
+    _print_fit(file, output)
+
+
+def _print_fit(file: Any, output: Path) -> None:
+    from pipeclamp.show.law import doubts, fit_words
+
     for line in doubts(file):
         console().print(line, highlight=False, markup=False)
     if file.fit:

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import Section
+from pipeclamp.pages.page import Card, Section
 from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
 from pipeclamp.pages.waterfall import LEFT_OUT, Rung
-from pipeclamp.show.diagnosis import against, before_physics, candidate_table, sentence
-from pipeclamp.show.table import Table
+from pipeclamp.show.diagnosis import against, before_physics, candidate_table, helpful, sentence
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.next_test import Proposal
+from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing import explained_share
+from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.realise.effect_loops import loops_with_and_without
+
+SHOWN_PROMISE = 0.001
+"""Less than this share of the best effect's promise is shown as none."""
+SKETCHED = 4
+"""Candidates that are told of and drawn, best first."""
 
 
 def diagnosis_answer(answer: Diagnosed) -> Section:
@@ -54,11 +61,42 @@ def evidence_sections(answer: Diagnosed) -> list[Section]:
         [("rms over runs", leftover.phase.tolist(), leftover.shape.tolist(), "lines")],
         f"Residual force along the cycle, {_law_described(diagnosis)}, noise included",
     )  # fmt: skip
+    cards = [_card(candidate, diagnosis.law) for candidate in helpful(diagnosis)[:SKETCHED]]
     sections = [
-        Section("Candidates", _evidence(diagnosis), [candidate_table(diagnosis), *_screened(diagnosis)]),
+        Section("Candidates", _screened(diagnosis), [candidate_table(diagnosis)], cards=cards),
         Section("What is left over", _left_over_sentences(answer), (), [residual]),
     ]
     return [*sections, _proposal_section(answer.proposal)] if answer.proposal else sections
+
+
+def _card(candidate: Judged, law: Judged) -> Card:
+    """Tell of a candidate what to look at and what speaks against it, beside what it does to a loop."""
+    name, effect = candidate.effects[0], _effect(candidate)
+    words = [
+        f"In the picture: {effect.looks_like}.",
+        f"It takes the error on left-out conditions from {law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and "
+        f"takes {explained_share(candidate, law):.0%} of what is missing.",
+        f"Imitated by {', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}.",
+        f"Against it: {'; '.join(against(candidate, law)) or 'nothing in this data'}.",
+    ]
+    return Card(name, words, _sketch(name, effect))
+
+
+def _sketch(name: str, effect: Effect) -> go.Figure:
+    """Draw what an effect of typical size does to a clamp's loops, from its own equation."""
+    loops = loops_with_and_without(effect)
+    panels = [
+        LoopPanel(label, y, without, with_it)
+        for label, y, without, with_it in zip(
+            loops.labels, loops.displacement, loops.without, loops.with_it, strict=True
+        )
+    ]
+    larger = f", drawn {loops.times} times as large" if loops.times > 1 else ""
+    return loops_picture(panels, f"{name} on a loop: without (grey), with (red){larger}", names=("without", "with"))
+
+
+def _effect(candidate: Judged) -> Effect:
+    return candidate.result.law.structure.effect(candidate.effects[0])
 
 
 def _law_described(diagnosis: Diagnosis) -> str:
@@ -70,26 +108,15 @@ def _left_over_sentences(answer: Diagnosed) -> list[str]:
     return [sentence(word) for word in answer.left_over()] or ["Nothing that follows the conditions."]
 
 
-def _evidence(diagnosis: Diagnosis) -> list[str]:
-    """Say of the best candidates what to look at and what would speak against them."""
-    words = []
-    for candidate in diagnosis.candidates[:4]:
-        name = candidate.effects[0]
-        effect = next(effect for effect in candidate.result.equations.effects if effect.name == name)
-        objections = "; ".join(against(candidate, diagnosis.law)) or "nothing in this data"
-        words.append(
-            f"{name}, in the picture: {effect.looks_like}. It takes the error on left-out conditions from "
-            f"{diagnosis.law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and takes "
-            f"{explained_share(candidate, diagnosis.law):.0%} of what is missing. Imitated by "
-            f"{', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}. "
-            f"Against it: {objections}."
-        )
-    return words
-
-
-def _screened(diagnosis: Diagnosis) -> list[Table]:
-    rows = [(name, 100 * max(share, 0.0)) for name, share in diagnosis.screened_out.items()]
-    return [Table(("screened out", "promise, % of the best's"), rows, "effects that one step showed can't help")]
+def _screened(diagnosis: Diagnosis) -> list[str]:
+    """Say which effects weren't refitted, since one step towards them showed that they can't help."""
+    shares = diagnosis.screened_out
+    if not shares:
+        return []
+    some = ", ".join(f"{name} ({share:.1%})" for name, share in shares.items() if share >= SHOWN_PROMISE)
+    none = ", ".join(name for name, share in shares.items() if share < SHOWN_PROMISE)
+    told = "; ".join(filter(None, (some, none)))
+    return [f"One step towards each showed that these can't help (what they promise beside the best one): {told}."]
 
 
 def _proposal_section(proposal: Proposal) -> Section:

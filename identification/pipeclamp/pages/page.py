@@ -32,6 +32,15 @@ MOST_ROWS = 40
 
 
 @dataclass(frozen=True)
+class Card:
+    """Words with their picture beside them."""
+
+    title: str
+    paragraphs: Sequence[str]
+    figure: go.Figure
+
+
+@dataclass(frozen=True)
 class Section:
     """A section of a report, shown in the order of its parts.
 
@@ -42,6 +51,7 @@ class Section:
         figures: pictures.
         command: the shell line to run next, ready to be copied.
         explorer: runs to be picked and drawn, as `explored` gives them.
+        cards: words with a picture each.
     """
 
     title: str
@@ -50,6 +60,7 @@ class Section:
     figures: Sequence[go.Figure] = ()
     command: str = ""
     explorer: Mapping[str, Any] | None = None
+    cards: Sequence[Card] = ()
 
 
 def styled(figure: go.Figure, title: str, height: int = 420, least_width: int = 0) -> go.Figure:
@@ -122,6 +133,7 @@ def render(title: str, subtitle: str, sections: Sequence[Section], made: str = "
     )
     environment.filters["cell"] = cell
     drawn = [[_drawn(figure) for figure in section.figures] for section in sections]
+    cards = [[(card, _drawn(card.figure)) for card in section.cards] for section in sections]
     explored = [_for_script(section.explorer) if section.explorer else "" for section in sections]
     scripts = [asset("templates/page.js")]
     if any(explored):
@@ -129,12 +141,12 @@ def render(title: str, subtitle: str, sections: Sequence[Section], made: str = "
     return environment.get_template("report.html.jinja").render(
         title=title,
         subtitle=subtitle,
-        sections=list(zip(sections, drawn, explored, strict=True)),
+        sections=list(zip(sections, drawn, cards, explored, strict=True)),
         doubt=DOUBT,
         most_rows=MOST_ROWS,
         made=made,
         style=asset("templates/page.css"),
-        plotly=asset("plotly/plotly-cartesian.min.js") if any(drawn) or any(explored) else "",
+        plotly=asset("plotly/plotly-cartesian.min.js") if any(drawn) or any(cards) or any(explored) else "",
         scripts=scripts,
     )
 

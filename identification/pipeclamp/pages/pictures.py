@@ -35,8 +35,8 @@ class LoopPanel:
     computed: Array | None
 
 
-def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
-    """Draw loops, one a panel, measured in grey and computed in red over it."""
+def loops_picture(panels: Sequence[LoopPanel], title: str, names: tuple[str, str] = ("measured", "law")) -> go.Figure:
+    """Draw loops, one a panel, measured in grey and computed in red over it, under these names."""
     columns = min(PANELS_PER_ROW, len(panels))
     rows = math.ceil(len(panels) / columns)
     figure = make_subplots(
@@ -49,8 +49,8 @@ def loops_picture(panels: Sequence[LoopPanel], title: str) -> go.Figure:
     for index, panel in enumerate(panels):
         place = {"row": index // columns + 1, "col": index % columns + 1}
         for force, name, colour, width in (
-            (panel.measured, "measured", MEASURED, 4.0),
-            (panel.computed, "law", MODEL, 1.5),
+            (panel.measured, names[0], MEASURED, 4.0),
+            (panel.computed, names[1], MODEL, 1.5),
         ):
             if force is not None:
                 figure.add_trace(

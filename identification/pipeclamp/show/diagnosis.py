@@ -14,6 +14,8 @@ from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_identification.fitting.groups_answer import group_words
 from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
 
+LEAST_HELP = 0.005
+"""A candidate that takes less than half a percent of what is missing, which is shown as 0, does nothing."""
 WORSE = 1.02
 """An error on left-out conditions that rises by less is the same."""
 
@@ -32,8 +34,9 @@ def against(candidate: Judged, law: Judged) -> list[str]:
 
 def candidate_table(diagnosis: Diagnosis) -> Table:
     """Give the candidates, best first."""
-    judged = [*diagnosis.candidates, *([diagnosis.pair] if diagnosis.pair else [])]
     law = diagnosis.law
+    judged = [*helpful(diagnosis), *([diagnosis.pair] if diagnosis.pair else [])]
+    idle = [candidate.effects[0] for candidate in diagnosis.candidates if candidate not in judged]
     rows: list[tuple[str | float, ...]] = [
         (
             " + ".join(candidate.effects),
@@ -53,7 +56,15 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
         "of what is missing it takes / %",
         "speaks against it",
     )
-    return Table(header, rows, "every candidate refitted jointly with the law")
+    caption = "every candidate refitted jointly with the law"
+    return Table(header, rows, f"{caption}; {', '.join(idle)}: of no help" if idle else caption)
+
+
+def helpful(diagnosis: Diagnosis) -> list[Judged]:
+    """Give the candidates that take any of what is missing, or at least the best one."""
+    law = diagnosis.law
+    found = [one for one in diagnosis.candidates if explained_share(one, law) >= LEAST_HELP]
+    return found or list(diagnosis.candidates[:1])
 
 
 def sentence(words: str) -> str:

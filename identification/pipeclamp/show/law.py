@@ -13,6 +13,9 @@ from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, str
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import Addition
 
+MOVED = 2.0
+"""A parameter that changes by more than so many of its standard errors has moved."""
+
 
 def coefficient_table(file: LawFile) -> Table:
     """Give the parameters with unit, standard error and how they came about."""
@@ -99,7 +102,7 @@ def _shown(entry: CoefficientEntry | None) -> str | None:
 
 
 def addition_table(addition: Addition) -> Table:
-    """Give what adding the effect did to the error and to the parameters."""
+    """Give what a change of a law did to the error, and which parameters came, went, or moved beyond doubt."""
     scatter = None if addition.noise_nrmse is None else 100 * addition.noise_nrmse
     rows: list[tuple[str, float | None, float | None]] = [
         ("error on the runs used / %", 100 * addition.nrmse[0], 100 * addition.nrmse[1]),
@@ -107,8 +110,19 @@ def addition_table(addition: Addition) -> Table:
         ("scatter that no law explains / %", scatter, scatter),
     ]
     before, after = addition.before.coefficients, addition.after.coefficients
-    for name in dict.fromkeys((*before, *after)):
+    names = list(dict.fromkeys((*before, *after)))
+    moved = [name for name in names if _moved(before.get(name), after.get(name))]
+    for name in moved:
         unit = (after.get(name) or before[name]).unit
         values = (before[name].value if name in before else None, after[name].value if name in after else None)
         rows.append((f"{name} / {unit}", *values))
-    return Table(("", "before", addition.effect), rows, f"What {addition.effect} did")
+    stay = len(names) - len(moved)
+    said = f"; {stay} further parameters stay within {MOVED:g} of their standard errors" if stay else ""
+    return Table(("", "before", addition.effect), rows, f"What {addition.effect} did{said}")
+
+
+def _moved(before: CoefficientEntry | None, after: CoefficientEntry | None) -> bool:
+    """Tell whether a parameter is new, gone, or changed by more than its doubt."""
+    if before is None or after is None:
+        return True
+    return abs(after.value - before.value) > MOVED * (after.standard_error or 0.0)

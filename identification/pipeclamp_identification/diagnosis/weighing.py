@@ -216,7 +216,12 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     if len(firsts) > 1:
         reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
         return Weighed("ambiguous", tuple(firsts), "cause", named, pair, (reason,))
-    return Weighed("missing", tuple(firsts), "cause", named, pair, (together,))
+    second = next(name for name in pair.effects if effect_id(name) != effect_id(firsts[0]))
+    reason = (
+        f"two effects are missing: {named.effects[0]} first, which takes {explained_share(named, scales.law):.0%} by "
+        f"itself; with {second} beside it {explained_share(pair, scales.law):.0%} is explained"
+    )
+    return Weighed("missing", tuple(firsts), "cause", named, pair, (reason,))
 
 
 def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:

@@ -35,6 +35,16 @@ def next_command(
     return _line("compare", law, tests, "--report", "compare.html")
 
 
+def after_identification(law: str, tests: str) -> str:
+    """Give the shell line to run after an identification: where the law fails; arguments as for `next_command`."""
+    return _line("compare", law, tests, "--report", "compare.html")
+
+
+def after_change(law: str, tests: str) -> str:
+    """Give the shell line to run after an effect came or went: what is missing now; arguments as for `next_command`."""
+    return _line("diagnose", law, tests)
+
+
 def after_comparison(law: str, tests: str) -> str:
     """Give the shell line to run after a comparison: what is missing, if anything; arguments as for `next_command`."""
     return _line("diagnose", law, tests, "--report", "diagnosis.html")
