@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from pipeclamp_models.law.catalogue import find_effect, listed
+from pipeclamp_models.realise.effect_loops import SEEN, loops_with_and_without
 
 pytest.importorskip("matplotlib", reason="needs the extra docs")
 pytest.importorskip("sphinx", reason="needs the extra docs")
 sys.path.append(str(Path(__file__).parents[2] / "build_scripts" / "site"))
-from effect_loops import SEEN, draw, loops_with_and_without  # type: ignore[import-not-found]
+from effect_loops import draw  # type: ignore[import-not-found]
 from effect_pages import page  # type: ignore[import-not-found]
 
 EFFECTS = listed()

@@ -6,6 +6,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -18,6 +19,8 @@ from pipeclamp_models.base.arrays import Array
 
 ERROR, SCATTER = SERIES[0], INK
 PANELS_PER_ROW = 3
+EXCESSES = (1, 3, 10, 30)
+"""Of the error over the scatter, on the colours' scale; 1 is as good as can be."""
 CELLS_ACROSS = 22
 """More cells side by side than this have no room for their numbers."""
 LABEL = 14
@@ -46,7 +49,10 @@ class ConditionsMap:
 
 
 def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
-    """Draw the map: rows are amplitudes, columns frequencies; one colour scale for all, and the worst cell framed."""
+    """Draw the map: rows are amplitudes, columns frequencies; the worst cell is framed.
+
+    Colours tell the error over the scatter, alike on all pages; the bare error only where no scatter is known.
+    """
     panels, across = len(conditions.panels), len(conditions.f)
     classes = any(" to " in label for label in conditions.f)
     columns = min(panels, max(1, CELLS_ACROSS // across))
@@ -61,12 +67,13 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
         vertical_spacing=(90 if classes else 75) / (height * rows) if rows > 1 else 0.0,
     )
     places = [{"row": panel // columns + 1, "col": panel % columns + 1} for panel in range(panels)]
+    level, scale = _levels(conditions)
     for panel, place in enumerate(places):
         figure.add_trace(
             go.Heatmap(
-                z=conditions.error[panel], x=_ticks(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
+                z=level[panel], customdata=conditions.error[panel], x=_ticks(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
                 text=_cell_texts(conditions.error[panel], conditions.scatter[panel]), texttemplate="%{text}",
-                hovertemplate=f"{conditions.rows} %{{y}}, f / Hz %{{x}}: %{{z:.4g}} %<extra></extra>",
+                hovertemplate=f"{conditions.rows} %{{y}}, f / Hz %{{x}}: %{{customdata:.4g}} %<extra></extra>",
                 hoverongaps=False,
             ),
             **place,
@@ -83,9 +90,20 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
     )
     cell = 56 if classes else 48
     figure = styled(figure, title, height=80 + height * rows, least_width=170 + cell * columns * across)
-    top = float(np.nanmax(conditions.error))
-    scale = {"colorscale": "YlOrRd", "cmin": 0.0, "cmax": top, "colorbar": {"title": {"text": "error / %"}}}
     return figure.update_layout(coloraxis=scale, margin={"t": 80})
+
+
+def _levels(conditions: ConditionsMap) -> tuple[Array, dict[str, Any]]:
+    """Give what the cells' colours tell, shape (P, I, J), and their scale."""
+    error, scatter = conditions.error, conditions.scatter
+    if np.isfinite(scatter[np.isfinite(error)]).all() and np.nanmin(scatter, initial=1.0) > 0.0:
+        ticks = {"tickvals": [math.log10(excess) for excess in EXCESSES], "ticktext": [f"{one}" for one in EXCESSES]}
+        bar = {"title": {"text": "error<br>over scatter"}, **ticks}
+        top = math.log10(EXCESSES[-1])
+        return np.log10(error / scatter), {"colorscale": "YlOrRd", "cmin": 0.0, "cmax": top, "colorbar": bar}
+    top = float(np.nanmax(error))
+    bar = {"title": {"text": "error / %"}}
+    return error, {"colorscale": "YlOrRd", "cmin": 0.0, "cmax": top, "colorbar": bar}
 
 
 def _ticks(labels: Sequence[str]) -> list[str]:

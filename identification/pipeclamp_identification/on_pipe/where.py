@@ -98,16 +98,28 @@ def _span(values: Array) -> str:
 
 def _range_words(comparison: PipeComparison) -> Iterator[str]:
     """Say where clamps move outside the range of their laws."""
+    beyond = beyond_laws(comparison)
     for index, name in enumerate(comparison.model.clamp_names):
         moved = np.abs(comparison.prediction.clamps[:, index])
-        law = next(iter(comparison.model.clamps.values()))[index][1]
-        low, high = law.range_A
-        outside = np.count_nonzero((moved < low) | (moved > high))
+        low, high = _range_of(comparison, index)
+        outside = np.count_nonzero(beyond[:, index])
         if outside:
             yield (
                 f"At {outside} of {sines(moved.size)} clamp {name} moves outside the {low:.3g} to {high:.3g} mm in "
                 f"which its law was identified: by {np.nanmin(moved):.3g} to {np.nanmax(moved):.3g} mm."
             )
+
+
+def beyond_laws(comparison: PipeComparison) -> NDArray[np.bool_]:
+    """Tell at which sines each clamp moves outside the amplitudes in which its law was identified, (P, clamps)."""
+    moved = np.abs(comparison.prediction.clamps)
+    low, high = np.array([_range_of(comparison, index) for index in range(moved.shape[1])]).reshape(-1, 2).T
+    return (moved < low) | (moved > high)
+
+
+def _range_of(comparison: PipeComparison, index: int) -> tuple[float, float]:
+    """Give the amplitudes in which a clamp's law was identified, mm."""
+    return next(iter(comparison.model.clamps.values()))[index][1].range_A
 
 
 def sines(count: int) -> str:

@@ -12,8 +12,10 @@ from pipeclamp_identification.attribution.attributed import Attributed
 def attributed_sections(found: Attributed) -> list[Section]:
     """Give the page: how much the model errs, what may be wrong, and where."""
     sines, records = found.compared.sines, found.compared.records
+    named = found.attribution.named if found.attribution else ()
+    corrected = named[0].refit.computed if named else None
     how, *others = [
-        *(pipe_comparison_sections(sines) if sines else []),
-        *(records_sections(records) if records else []),
+        *(pipe_comparison_sections(sines, corrected.sines if corrected else None) if sines else []),
+        *(records_sections(records, corrected.records if corrected else None) if records else []),
     ]
     return [how, attribution_section(found.attribution, found.proposal), *others]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -11,16 +12,20 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.error_pictures import ConditionsMap, bars_of, conditions_picture, error_bars
-from pipeclamp.pages.page import MEASURED, MODEL, Section, styled
+from pipeclamp.pages.page import MEASURED, MODEL, SERIES, Section, styled
 from pipeclamp.show.comparison import parts_table
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES, ProbeTable
-from pipeclamp_identification.on_pipe.model import SAME_LEVEL
+from pipeclamp_identification.on_pipe.model import SAME_LEVEL, Prediction
 from pipeclamp_identification.on_pipe.series import Series, series_of
 from pipeclamp_identification.on_pipe.sines import PipeComparison
-from pipeclamp_identification.on_pipe.where import how_much, where_words
+from pipeclamp_identification.on_pipe.where import beyond_laws, how_much, where_words
 from pipeclamp_identification.signals.levels import number_levels
 
 Rows = NDArray[np.intp]
+Complex = NDArray[np.complex128]
+
+MEASURED_NAME = "measured"
+CORRECTED = SERIES[0]
 
 MOST_PANELS = 6
 """Series of sines side by side in a picture; of more, the worst."""
@@ -31,11 +36,16 @@ EVEN = (
 )
 
 
-def pipe_comparison_sections(comparison: PipeComparison) -> list[Section]:
-    """Give the report of a comparison: the numbers, the responses, the map, the breakdowns."""
+def pipe_comparison_sections(comparison: PipeComparison, corrected: Prediction | None = None) -> list[Section]:
+    """Give the report of a comparison: the numbers, the responses, the map, the breakdowns.
+
+    Args:
+        comparison: the model as it is stated, against the measurement.
+        corrected: what the model says once what is found wrong is put right.
+    """
     series = series_of(comparison.measurement.steady)
     probes = comparison.measurement.description.probes
-    pictures = [response_picture(comparison, series, index) for index in range(len(probes))]
+    pictures = [response_picture(comparison, series, index, corrected) for index in range(len(probes))]
     broken = [
         comparison.by_probe(),
         comparison.by_kind(),
@@ -50,8 +60,10 @@ def pipe_comparison_sections(comparison: PipeComparison) -> list[Section]:
     ]
 
 
-def response_picture(comparison: PipeComparison, series: Sequence[Series], column: int) -> go.Figure:
-    """Draw amplitude and phase over frequency at one probe, a panel a series of sines."""
+def response_picture(
+    comparison: PipeComparison, series: Sequence[Series], column: int, corrected: Prediction | None = None
+) -> go.Figure:
+    """Draw amplitude and phase over frequency at one probe, a panel a series of sines; a corrected model too."""
     probe = comparison.measurement.description.probes[column]
     shown = _worst(comparison, series, column)
     figure = make_subplots(
@@ -59,19 +71,28 @@ def response_picture(comparison: PipeComparison, series: Sequence[Series], colum
         row_heights=[0.65, 0.35], subplot_titles=[_panel_title(comparison, one, column) for one in shown],
     )  # fmt: skip
     steady = comparison.measurement.steady
+    drawn: list[tuple[Complex, str, dict[str, Any]]] = [
+        (steady.response, MEASURED_NAME, {"mode": "markers", "marker": {"color": MEASURED, "size": 7}}),
+        (comparison.prediction.response, "model", {"mode": "lines", "line": {"color": MODEL, "width": 1.6}}),
+    ]
+    if corrected is not None:
+        line = {"color": CORRECTED, "width": 1.8, "dash": "dash"}
+        drawn.append((corrected.response, "model, corrected", {"mode": "lines", "line": line}))
+    beyond = np.asarray(beyond_laws(comparison).any(axis=1))
+    if beyond.any():
+        outside = np.where(beyond[:, None], comparison.prediction.response, np.nan)
+        ring = {"color": MODEL, "size": 9, "symbol": "circle-open"}
+        drawn.append((outside, "model beyond its clamps' data", {"mode": "markers", "marker": ring}))
     for panel, one in enumerate(shown, 1):
         drive = steady.drive[one.rows]
-        for response, name, style in (
-            (steady.response, "measured", {"mode": "markers", "marker": {"color": MEASURED, "size": 7}}),
-            (comparison.prediction.response, "model", {"mode": "lines", "line": {"color": MODEL, "width": 1.6}}),
-        ):
+        for response, name, style in drawn:
             values = response[one.rows, column]
             common = {"x": steady.frequency[one.rows], "name": name, "legendgroup": name, **style}
             if one.rows.size == 1:
                 common["mode"] = "markers"
             amplitude = go.Scatter(y=np.abs(values) * drive / probe.scale, showlegend=panel == 1, **common)
             figure.add_trace(amplitude, row=1, col=panel)
-            if name == "model" or steady.phased[one.rows, column].all():
+            if name != MEASURED_NAME or steady.phased[one.rows, column].all():
                 phase = np.degrees(np.unwrap(np.angle(values)))
                 phase -= 360 * np.round(np.nanmean(phase) / 360) if np.isfinite(phase).any() else 0.0
                 figure.add_trace(go.Scatter(y=phase, showlegend=False, **common), row=2, col=panel)

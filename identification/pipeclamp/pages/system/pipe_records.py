@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.error_pictures import bars_of, error_bars
-from pipeclamp.pages.page import MEASURED, MODEL, Section, styled
+from pipeclamp.pages.page import MEASURED, MODEL, SERIES, Section, styled
 from pipeclamp.show.comparison import parts_table
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES
+from pipeclamp_identification.on_pipe.record_motion import RecordPrediction
 from pipeclamp_identification.on_pipe.records import RecordPair, RecordsComparison, records_words
 
 DRAWN = 4000
@@ -17,11 +20,14 @@ DRAWN = 4000
 ROW = 260
 
 
-def records_sections(comparison: RecordsComparison) -> list[Section]:
-    """Give the report of a comparison with records."""
+def records_sections(
+    comparison: RecordsComparison, corrected: Sequence[RecordPrediction] | None = None
+) -> list[Section]:
+    """Give the report of a comparison with records; the model also as it is once what is found wrong is put right."""
     broken = comparison.breakdowns()
     bars = error_bars([bars_of("", parts.by, parts) for parts in broken], "Percent of the rms of what was measured")
-    pictures = [record_picture(comparison, pair) for pair in comparison.pairs]
+    others: Sequence[RecordPrediction | None] = corrected or [None] * len(comparison.pairs)
+    pictures = [record_picture(comparison, *both) for both in zip(comparison.pairs, others, strict=True)]
     return [
         Section("How much, over time", records_words(comparison)),
         Section("Measured and computed, over time", (), (), pictures),
@@ -29,8 +35,10 @@ def records_sections(comparison: RecordsComparison) -> list[Section]:
     ]
 
 
-def record_picture(comparison: RecordsComparison, pair: RecordPair) -> go.Figure:
-    """Draw a record over time and its spectrum, a row a probe."""
+def record_picture(
+    comparison: RecordsComparison, pair: RecordPair, corrected: RecordPrediction | None = None
+) -> go.Figure:
+    """Draw a record over time and its spectrum, a row a probe; what the model says, and what a corrected one does."""
     probes = comparison.description.probes
     figure = make_subplots(
         rows=len(probes), cols=2, column_widths=[0.65, 0.35],
@@ -40,11 +48,11 @@ def record_picture(comparison: RecordsComparison, pair: RecordPair) -> go.Figure
     stride = max(1, pair.time.size // DRAWN)
     frequency, *_ = pair.spectra
     inside = (frequency > 0) & (frequency <= comparison.edges[-1])
+    drawn = [(pair.measured, "measured", MEASURED, 3.0), (pair.computed, "model", MODEL, 1.2)]
+    if corrected is not None:
+        drawn.append((corrected.computed, "model, corrected", SERIES[0], 1.2))
     for row, probe in enumerate(probes, 1):
-        for values, name, colour, width in (
-            (pair.measured, "measured", MEASURED, 3.0),
-            (pair.computed, "model", MODEL, 1.2),
-        ):
+        for values, name, colour, width in drawn:
             shown = values[:, row - 1] / probe.scale
             lines = 2 * np.abs(np.fft.rfft(shown)) / shown.size
             style = {"mode": "lines", "name": name, "legendgroup": name, "line": {"color": colour, "width": width}}
