@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from effect_loops import CLAMP, draw
+from effect_loops import draw
 from markdown import MarkdownDirective, table
 from sphinx.application import Sphinx
 from sphinx.util import logging
@@ -19,6 +19,7 @@ from pipeclamp.show.table import Table, cell
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import listed
 from pipeclamp_models.realise.catalogue_answer import reference_sizes
+from pipeclamp_models.realise.effect_loops import CLAMP
 from pipeclamp_models.realise.text import effect_statements
 
 FOLDER = Path("reference") / "effects" / "generated"

@@ -16,7 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pipeclamp.api.comparison import Comparison, compare
+    from pipeclamp.api.comparison import Comparison, LawsComparison, compare, compare_laws
     from pipeclamp.api.diagnosis import Diagnosis, diagnose
     from pipeclamp.api.fmu import build_fmu, build_pipe
     from pipeclamp.api.importing import Import, import_files
@@ -27,8 +27,9 @@ if TYPE_CHECKING:
     from pipeclamp_models.base.errors import UserError
 
 __all__ = [
-    "Comparison", "Cosimulation", "Diagnosis", "Import", "Law", "Tests", "UserError", "add", "build_fmu", "build_pipe",
-    "compare", "cosim", "diagnose", "identify", "identify_per", "import_files", "open_law", "read_campaign", "remove",
+    "Comparison", "Cosimulation", "Diagnosis", "Import", "Law", "LawsComparison", "Tests", "UserError", "add",
+    "build_fmu", "build_pipe", "compare", "compare_laws", "cosim", "diagnose", "identify", "identify_per",
+    "import_files", "open_law", "read_campaign", "remove",
 ]  # fmt: skip
 
 _HOMES = {
@@ -37,12 +38,14 @@ _HOMES = {
     "Diagnosis": "pipeclamp.api.diagnosis",
     "Import": "pipeclamp.api.importing",
     "Law": "pipeclamp.api.law",
+    "LawsComparison": "pipeclamp.api.comparison",
     "Tests": "pipeclamp.api.tests",
     "UserError": "pipeclamp_models.base.errors",
     "add": "pipeclamp.api.laws",
     "build_fmu": "pipeclamp.api.fmu",
     "build_pipe": "pipeclamp.api.fmu",
     "compare": "pipeclamp.api.comparison",
+    "compare_laws": "pipeclamp.api.comparison",
     "cosim": "pipeclamp.api.system",
     "diagnose": "pipeclamp.api.diagnosis",
     "identify": "pipeclamp.api.laws",

@@ -16,7 +16,7 @@ from pipeclamp_models.law.file import law_of
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
-DOCUMENTED_ELSEWHERE = {"Cosimulation", "Diagnosis", "UserError"}
+DOCUMENTED_ELSEWHERE = {"Cosimulation", "Diagnosis", "LawsComparison", "UserError"}
 """What the example of another public name makes and shows."""
 
 
@@ -51,6 +51,9 @@ def test_answers_are_the_commands(pipeclamp, small, tests, law, tmp_path):
     assert pc.compare(law, tests).to_dict() == answered(pipeclamp, tmp_path, "compare", path, small)
     assert pc.diagnose(law, tests).to_dict() == answered(pipeclamp, tmp_path, "diagnose", path, small)
     assert tests.to_dict() == answered(pipeclamp, tmp_path, "metrics", small)
+    both = pc.compare_laws([path, law], tests).to_dict()
+    assert both == answered(pipeclamp, tmp_path, "compare", path, path, small)
+    assert [one["comparison"] for one in both["laws"]] == [pc.compare(law, tests).to_dict()] * 2
 
 
 def test_add_gives_the_commands_law(pipeclamp, small, tests, law, tmp_path):

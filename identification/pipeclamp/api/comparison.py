@@ -1,4 +1,4 @@
-"""A law held against tests."""
+"""A law, or several, held against tests."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
 from pipeclamp_identification.workflow.next_command import after_comparison
 from pipeclamp_identification.workflow.tests import Held
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 
 if TYPE_CHECKING:
@@ -94,3 +95,68 @@ def compare(law: Law | PathOrName, tests: Tests | PathOrName) -> Comparison:
     """
     known, tests = opened(law), tested(tests)
     return Comparison(known, tests, tests.tests.compare(known.file))
+
+
+class LawsComparison(Shown):
+    """Several laws held against the same tests.
+
+    Attributes:
+        laws, tests: what was compared; the page and the sentences are about the last law.
+
+    `compare_laws` makes one; its example shows what it holds.
+    """
+
+    def __init__(self, laws: Sequence[Law], tests: Tests, held: Sequence[Held]) -> None:
+        self.laws = tuple(laws)
+        self.tests = tests
+        self._held = [(law.file, one) for law, one in zip(laws, held, strict=True)]
+
+    def view(self) -> View:
+        """Give answer, table and sentences, as `pipeclamp compare` tells them."""
+        from pipeclamp.show.views import laws_view
+
+        with one_thread():
+            return laws_view(self._held)
+
+    def page(self) -> tuple[str, str, Sequence[Section]]:
+        """Give the page, as `pipeclamp compare --report` writes it."""
+        from pipeclamp.pages.sections import comparison_page, comparison_title
+
+        best = min(self._held, key=lambda pair: pair[1].nrmse)[0]
+        origin = next(law.origin for law in self.laws if law.file is best)
+        title = comparison_title([law.file for law in self.laws], self.tests.name)
+        return *title, comparison_page(self._held, after_comparison(origin, self.tests.origin))
+
+    def to_frame(self) -> pl.DataFrame:
+        """Give a row a law: its name, what it is made of, and its error as a share of the rms force."""
+        rows = [
+            {"law": file.name, "made_of": " + ".join((file.base, *file.effects)), "nrmse": held.nrmse}
+            for file, held in self._held
+        ]
+        return frame_of(rows)
+
+    def __repr__(self) -> str:
+        """Give the tests and each law's error."""
+        errors = ", ".join(f"{file.name} {held.nrmse:.2%}" for file, held in self._held)
+        return f"<comparison of laws with {self.tests.name}: {errors}>"
+
+
+@one_thread()
+def compare_laws(laws: Sequence[Law | PathOrName], tests: Tests | PathOrName) -> LawsComparison:
+    """Hold several laws against the same tests: which errs by how much, and what each leaves over.
+
+    Args:
+        laws: the laws, or their files or bundled names; the one that the page is to be about last.
+        tests: the tests, or their folder or bundled name.
+
+    Raises:
+        UserError: there is no law, or one follows a condition that the tests don't state.
+
+    >>> from pipeclamp import read_campaign
+    >>> compare_laws(["published_R1", "emwm2"], read_campaign("clamp_a")).to_frame().columns
+    ['law', 'made_of', 'nrmse']
+    """
+    known, tests = [opened(law) for law in laws], tested(tests)
+    if not known:
+        raise UserError("compare_laws: got no law; expected one at least")
+    return LawsComparison(known, tests, [tests.tests.compare(law.file) for law in known])

@@ -71,7 +71,8 @@ def conditions_picture(conditions: ConditionsMap, title: str) -> go.Figure:
     for panel, place in enumerate(places):
         figure.add_trace(
             go.Heatmap(
-                z=level[panel], customdata=conditions.error[panel], x=_ticks(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
+                z=level[panel], customdata=conditions.error[panel],
+                x=_ticks(conditions.f), y=list(conditions.A), coloraxis="coloraxis",
                 text=_cell_texts(conditions.error[panel], conditions.scatter[panel]), texttemplate="%{text}",
                 hovertemplate=f"{conditions.rows} %{{y}}, f / Hz %{{x}}: %{{customdata:.4g}} %<extra></extra>",
                 hoverongaps=False,

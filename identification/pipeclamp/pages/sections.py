@@ -15,7 +15,7 @@ from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_pro
 from pipeclamp.pages.metrics import metrics_sections
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.waterfall import Rung, rungs_of, waterfall_picture
-from pipeclamp.show.law import fit_words, laws_table, parameters_table
+from pipeclamp.show.law import fit_words, laws_table, parameters_table, stages_table
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
 from pipeclamp.show.views import scatter_of
@@ -94,10 +94,11 @@ def comparison_page(laws: Sequence[tuple[LawFile, Held]], next_command: str = ""
         next_command: the shell line to run next.
     """
     file, held = laws[-1]
-    tables, further = [], []
+    tables, parameters = [], stages_table(file)
     if len(laws) > 1:
         tables = [laws_table([(one, against.nrmse, scatter_of(against)) for one, against in laws])]
-        further = [Section("Parameters", (), [parameters_table([one for one, _ in laws])])]
+        parameters = parameters_table([one for one, _ in laws])
+    further = [Section("Parameters", (), [parameters])] if parameters else []
     answer = Section("Answer", _answer(held), tables, _falling(file, ()), next_command)
     return [answer, *_difference(laws), *_details(held), *further]
 
@@ -133,8 +134,8 @@ def diagnosis_page(file: LawFile, found: AnyDiagnosed, next_command: str) -> lis
 
 def law_page(file: LawFile, held: Held) -> list[Section]:
     """Give the page of a law and of how it stands against the tests that it was fitted to."""
-    answer, *others = comparison_page([(file, held)])
-    return [answer, *others[:1], *law_sections(file), *others[1:]]
+    answer = Section("Answer", _answer(held), figures=_falling(file, ()))
+    return [answer, *_difference([(file, held)]), *law_sections(file), *_details(held)]
 
 
 def law_alone_page(file: LawFile) -> list[Section]:

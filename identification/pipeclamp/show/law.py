@@ -94,6 +94,18 @@ def parameters_table(files: Sequence[LawFile]) -> Table:
     return Table(("parameter", "unit", *(law.name for law in files)), rows, "value ± standard error")
 
 
+def stages_table(file: LawFile) -> Table | None:
+    """Give a law's parameters at each step of its history, itself last; None where only the last is known."""
+    steps = [(step.step, step.stage.values) for step in file.history if step.stage is not None]
+    if not steps:
+        return None
+    columns = [*steps, (file.history[-1].step, {name: entry.value for name, entry in file.coefficients.items()})]
+    names = dict.fromkeys(name for _, values in columns for name in values)
+    units = {name: entry.unit for name, entry in file.coefficients.items()}
+    rows = [(name, units.get(name, ""), *(values.get(name) for _, values in columns)) for name in names]
+    return Table(("parameter", "unit", *(step for step, _ in columns)), rows, "the law's parameters, step by step")
+
+
 def _shown(entry: CoefficientEntry | None) -> str | None:
     if entry is None:
         return None

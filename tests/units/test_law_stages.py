@@ -1,0 +1,60 @@
+"""A law's history keeps the law at each stage, so that any of them can be held against tests again."""
+
+import pytest
+
+from pipeclamp.pages.sections import comparison_page
+from pipeclamp.pages.waterfall import LEFT_OUT, USED, rungs_of, waterfall_picture
+from pipeclamp_identification.campaign.bundled import bundled_campaign
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.comparison.compare import compare
+from pipeclamp_identification.comparison.laws import laws_held, stages_held
+from pipeclamp_identification.workflow.change import add_effect, remove_effect
+from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.law.file import law_text, parse_law
+
+
+@pytest.fixture(scope="module")
+def climbed():
+    """Tests, the base law, the one with an effect more, and the one that lost it again."""
+    tests = RecordTests(read_campaign(bundled_campaign("clamp_a")))
+    base = tests.identify().file(name="law", command="test", date=None)
+    added = add_effect(base, "damping_temperature", tests, command="test", date=None).after
+    removed = remove_effect(added, "damping_temperature", tests, command="test", date=None).after
+    return tests, base, added, removed
+
+
+def test_each_stage_errs_as_it_did(climbed):
+    tests, base, added, removed = climbed
+    read_again = parse_law(law_text(removed), "law")
+    stages = stages_held(read_again, tests.compare(removed))
+    assert [stage.label for stage in stages] == ["power", "+ damping_temperature", "- damping_temperature"]
+    for stage, file in zip(stages, (base, added, removed), strict=True):
+        assert stage.nrmse == pytest.approx(compare(file, tests.campaign).nrmse, rel=1e-9)
+
+
+def test_a_stage_that_cannot_be_computed_is_left_out(climbed):
+    tests, _, added, _ = climbed
+    first, last = added.history
+    strange = first.model_copy(update={"stage": first.stage.model_copy(update={"effects": ("of_a_later_version",)})})
+    file = added.model_copy(update={"history": (strange, last)})
+    assert [stage.label for stage in stages_held(file, tests.compare(added))] == ["+ damping_temperature"]
+
+
+def test_what_each_rung_took_is_told(climbed):
+    _, _, added, removed = climbed
+    (power, took, gave) = waterfall_picture(rungs_of(removed), added.fit.noise_nrmse, "falling").data[0].x
+    assert power == "power"
+    assert "took" in took
+    assert "gave back" in gave
+    assert set(rungs_of(removed)[0].errors) == {USED, LEFT_OUT}
+
+
+def test_laws_of_one_name_are_told_apart(climbed):
+    tests, base, added, _ = climbed
+    held = [(file, tests.compare(file)) for file in (base, added, added)]
+    labels = [law.label for law in laws_held(held)]
+    assert labels == ["law", "law: damping_temperature", "law (2)"]
+    answer, difference, *_ = comparison_page(held)
+    assert difference.explorer["laws"] == labels
+    errors = [row[2] for row in answer.tables[0].rows]
+    assert errors[0] > errors[1] == errors[2]
