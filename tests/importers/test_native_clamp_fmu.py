@@ -1,6 +1,7 @@
 """The native clamp FMU beyond what it shares with the Python one: model exchange, derivatives, statuses, its files."""
 
 import math
+import shutil
 import sys
 import zipfile
 from xml.etree import ElementTree
@@ -8,13 +9,15 @@ from xml.etree import ElementTree
 import fmpy
 import numpy as np
 import pytest
+from fmpy.build import build_platform_binary
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2LastSuccessfulTime, fmi2Terminated
+from fmpy.model_description import read_build_description
 from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
-from pipeclamp_fmu.native.compiler import compile_sources
+from pipeclamp_fmu.native.compiler import compile_sources, system_compiler
 from pipeclamp_models.base.errors import UserError
 
 H = 1e-3
@@ -304,6 +307,14 @@ def test_it_is_built_the_same_twice_and_its_sources_compile_as_they_are(native_f
     assert compile_sources(sources, [platform])[platform]
 
 
+def test_what_says_how_to_build_it_is_valid_in_both_versions(native_fmus):
+    for fmi, path in native_fmus.items():
+        (configuration,) = read_build_description(str(path))
+        (files,) = configuration.sourceFileSets
+        assert (files.language, files.sourceFiles) == ("C99", ["fmu.c"])
+        assert [entry.name for entry in files.preprocessorDefinitions] == [f"FMI{fmi}_OVERRIDE_FUNCTION_PREFIX"]
+
+
 def test_an_unknown_platform_is_named(law_with_memory, tmp_path):
     with pytest.raises(UserError, match=r"'amiga'.*linux64"):
         build_native_clamp(law_with_memory, tmp_path / "a.fmu", platforms=["amiga"])
@@ -317,14 +328,35 @@ def test_a_compiler_s_message_in_another_encoding_is_told(monkeypatch):
         compile_sources({"fmu.c": ""}, ["linux64"])
 
 
-MAGIC = {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"}
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmpy_compiles_the_sources_into_the_same_clamp(native_fmus, law_with_memory, tmp_path, fmi):
+    """With the standard's own headers, which hold every function to its type."""
+    if shutil.which("cmake") is None or system_compiler() is None:
+        pytest.skip("CMake or a C compiler is missing: apt-get install cmake gcc")
+    build_native_clamp(law_with_memory, tmp_path / "sources.fmu", fmi, platforms=())
+    unpacked = fmpy.extract(str(tmp_path / "sources.fmu"), unzipdir=str(tmp_path / "unpacked"))
+    build_platform_binary(unpacked, all_warnings=True)
+    runs = [
+        fmpy.simulate_fmu(str(fmu), start_values={"flange.s": 3e-4}, stop_time=0.1, output=["flange.f"])["flange.f"]
+        for fmu in (unpacked, native_fmus[fmi])
+    ]
+    np.testing.assert_allclose(runs[0], runs[1], rtol=1e-12)
+    assert runs[0][-1] > 0
 
 
-def test_zig_compiles_for_every_platform(law_with_memory, tmp_path):
+MAGIC = {
+    2: {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"},
+    3: {"aarch64-linux": b"\x7fELF", "aarch64-darwin": b"\xcf\xfa\xed\xfe"},
+}
+ZIG_PLATFORMS = {2: ("linux64", "win64", "darwin64"), 3: ("linux-arm64", "darwin-arm64")}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_zig_compiles_for_every_platform(law_with_memory, tmp_path, fmi):
     pytest.importorskip("ziglang", reason="ziglang isn't installed: pip install 'pipeclamp[native]'")
-    built = build_native_clamp(law_with_memory, tmp_path / "all.fmu", platforms=tuple(MAGIC))
-    assert built.platforms == tuple(MAGIC)
+    built = build_native_clamp(law_with_memory, tmp_path / "all.fmu", fmi, ZIG_PLATFORMS[fmi])
+    assert built.platforms == ZIG_PLATFORMS[fmi]
     with zipfile.ZipFile(tmp_path / "all.fmu") as archive:
-        for platform, magic in MAGIC.items():
-            (library,) = [name for name in archive.namelist() if name.startswith(f"binaries/{platform}/")]
+        for folder, magic in MAGIC[fmi].items():
+            (library,) = [name for name in archive.namelist() if name.startswith(f"binaries/{folder}/")]
             assert archive.read(library).startswith(magic)

@@ -89,6 +89,11 @@ def test_an_fmu_holds_one_module_of_its_own_on_the_standard_library(tmp_path, ki
         assert f"binaries/win64/{identifier}.dll" in names
         assert all(entry.date_time == (1980, 1, 1, 0, 0, 0) for entry in archive.infolist())
         source = archive.read(f"resources/{identifier}.py").decode()
+        text = archive.read("documentation/licenses/pythonfmu.txt").decode()
+        assert "NTNU" in text
+        assert "MIT License" in archive.read("documentation/licenses/license.txt").decode()
+        assert "standard library" in archive.read("documentation/externalDependencies.txt").decode()
+        assert "resources/pythonfmu/csvbuilder.py" not in names
     imported = {
         alias.name for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Import) for alias in node.names
     }

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from pipeclamp_fmu.describe import legal
 from pipeclamp_models.base.said import printable
 from pipeclamp_models.base.units import CELSIUS
 
@@ -167,6 +168,7 @@ def completed(
         "description": text.titled,
         "version": text.version,
         "generationTool": f"pipeclamp {text.version} ({tool})",
+        **legal.ATTRIBUTES,
     }
     variables = list(root.iter("ScalarVariable"))
     names = [variable.get("name", "") for variable in variables]
@@ -222,9 +224,14 @@ def number_attributes(quantity: Quantity) -> dict[str, str]:
     }
 
 
+TOLERANCE = "1e-6"
+"""Relative, that importers propose to their integrators."""
+
+
 def default_experiment(text: ModelText) -> Element:
     """Give the experiment that importers propose."""
-    return Element("DefaultExperiment", {"startTime": "0", "stopTime": "1", "stepSize": repr(text.step_size)})
+    times = {"startTime": "0", "stopTime": "1", "stepSize": repr(text.step_size)}
+    return Element("DefaultExperiment", {**times, "tolerance": TOLERANCE})
 
 
 def unit_definitions(quantities: Iterable[Quantity]) -> Element:

@@ -44,16 +44,18 @@ PLATFORMS: Mapping[str, Target] = {
     # glibc 2.17 of 2013 runs on every Linux that is still in use.
     "linux64": Target({2: "linux64", 3: "x86_64-linux"}, ".so", "x86_64-linux-gnu.2.17", ("-fPIC", "-lm")),
     "win64": Target({2: "win64", 3: "x86_64-windows"}, ".dll", "x86_64-windows-gnu"),
+    "linux-arm64": Target({3: "aarch64-linux"}, ".so", "aarch64-linux-gnu.2.17", ("-fPIC", "-lm")),
     "darwin64": Target({2: "darwin64", 3: "x86_64-darwin"}, ".dylib", "x86_64-macos", ("-fPIC",)),
     "darwin-arm64": Target({3: "aarch64-darwin"}, ".dylib", "aarch64-macos", ("-fPIC",)),
 }
-"""Platforms by the names that FMI 2.0 gives them; it has none for Apple's ARM, which is for FMI 3.0 alone."""
+"""Platforms by the names that FMI 2.0 gives them; it has none for ARM, which is for FMI 3.0 alone."""
 
 
 def host_platform() -> str | None:
     """Give the platform that this program runs on, None where it is none of PLATFORMS."""
     names = {
         ("Linux", "x86_64"): "linux64",
+        ("Linux", "aarch64"): "linux-arm64",
         ("Windows", "AMD64"): "win64",
         ("Darwin", "x86_64"): "darwin64",
         ("Darwin", "arm64"): "darwin-arm64",

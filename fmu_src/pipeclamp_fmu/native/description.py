@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
+from pipeclamp_fmu.describe import legal
 from pipeclamp_fmu.describe.model_description import (
     ModelText,
     Quantity,
@@ -88,6 +89,7 @@ def _fmi2(description: Description) -> bytes:
         "description": description.text.titled,
         "version": description.text.version,
         "generationTool": description.tool,
+        **legal.ATTRIBUTES,
         "variableNamingConvention": "structured",
         "numberOfEventIndicators": str(int(bool(description.indicator))),
     })  # fmt: skip
@@ -140,6 +142,7 @@ def _fmi3(description: Description) -> bytes:
         "description": description.text.titled,
         "version": description.text.version,
         "generationTool": description.tool,
+        **legal.ATTRIBUTES,
         "variableNamingConvention": "structured",
     })  # fmt: skip
     common = {
@@ -215,13 +218,14 @@ def _truth(value: bool) -> str:
     return str(value).lower()
 
 
-def terminals_and_icons(description: Description) -> bytes:
-    """Give FMI 3.0's `terminalsAndIcons/terminalsAndIcons.xml`."""
+def terminals_and_icons(description: Description, with_icon: bool) -> bytes:
+    """Give `terminalsAndIcons/terminalsAndIcons.xml`, whose form is FMI 3.0's in 2.0 too."""
     root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
     corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
-    picture = SubElement(root, "GraphicalRepresentation")
-    SubElement(picture, "CoordinateSystem", corners | {"suggestedScalingFactorTo_mm": "0.1"})
-    SubElement(picture, "Icon", corners)
+    if with_icon:
+        picture = SubElement(root, "GraphicalRepresentation")
+        SubElement(picture, "CoordinateSystem", corners | {"suggestedScalingFactorTo_mm": "0.1"})
+        SubElement(picture, "Icon", corners)
     listed = SubElement(root, "Terminals") if description.terminals else root
     for terminal in description.terminals:
         element = SubElement(
@@ -234,9 +238,16 @@ def terminals_and_icons(description: Description) -> bytes:
 
 
 def build_description(identifier: str, fmi: int) -> bytes:
-    """Give `sources/buildDescription.xml`: one C99 file, no options."""
-    root = Element("fmiBuildDescription", {"fmiVersion": f"{fmi}.0"})
+    """Give `sources/buildDescription.xml`: one C99 file. Its form is FMI 3.0's, in which 2.0 has it too."""
+    root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
     configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": identifier})
     files = SubElement(configuration, "SourceFileSet", {"language": "C99"})
     SubElement(files, "SourceFile", {"name": MAIN_SOURCE})
+    SubElement(files, "PreprocessorDefinition", {
+        "name": f"FMI{fmi}_OVERRIDE_FUNCTION_PREFIX",
+        "optional": "true",
+        "value": "1",
+        "description": "for a shared library, whose functions have no prefix",
+    })  # fmt: skip
+    SubElement(configuration, "Library", {"name": "m", "external": "true", "description": "C's mathematics, on Unix"})
     return xml_bytes(root)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from pipeclamp_fmu.describe.legal import licence_files
 from pipeclamp_fmu.describe.model_description import ModelText
 from pipeclamp_fmu.describe.variables import Dependencies, numbers_of
 from pipeclamp_fmu.native.compiler import PLATFORMS, compile_sources, refuse_unknown_platforms
@@ -112,8 +113,9 @@ def native_files(content: NativeContent, identifier: str, fmi: int) -> dict[str,
         "documentation/index.html": content.documentation.encode("utf-8"),
         **content.further,
     }
-    if fmi == 3:
-        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(description)
+    files |= licence_files()
+    if fmi == 3 or content.terminals:
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_and_icons(description, with_icon=fmi == 3)
     if content.icon:
         files["model.png" if fmi == 2 else "terminalsAndIcons/icon.png"] = content.icon
     return files

@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element
 from pythonfmu import FmuBuilder
 
 from pipeclamp_fmu.contents.content import Content
+from pipeclamp_fmu.describe.legal import PYTHON_NEEDS, licence_files
 from pipeclamp_fmu.describe.model_description import completed, xml_bytes
 from pipeclamp_fmu.slaves.loading import instance_of
 from pipeclamp_fmu.slaves.one_module import content_hash
@@ -27,6 +28,9 @@ OPTIONS = {
     "canSerializeFMUstate": "true",
 }
 """What the slaves can do; needsExecutionTool would make some importers refuse them."""
+
+UNUSED = ("__main__.py", "csvbuilder.py", "deploy.py")
+"""Modules of pythonfmu that nothing in an FMU imports."""
 
 NO_DATE = (1980, 1, 1, 0, 0, 0)
 """The earliest date that a zip file can hold."""
@@ -75,6 +79,8 @@ def python_files(content: Content) -> dict[str, bytes]:
             )
         ),
         "documentation/index.html": content.documentation.encode("utf-8"),
+        "documentation/externalDependencies.txt": PYTHON_NEEDS.encode("utf-8"),
+        **licence_files("pythonfmu"),
         **content.further,
     }
     if content.numbers:
@@ -99,7 +105,7 @@ def _packed_by_pythonfmu(content: Content) -> dict[str, bytes]:
         beside = [values] if content.numbers else []
         packed = FmuBuilder.build_FMU(script, Path(folder) / f"{name}.fmu", project_files=beside)
         with zipfile.ZipFile(packed) as archive:
-            return {name: archive.read(name) for name in archive.namelist()}
+            return {name: archive.read(name) for name in archive.namelist() if Path(name).name not in UNUSED}
 
 
 @contextmanager

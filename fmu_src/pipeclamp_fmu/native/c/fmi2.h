@@ -2,6 +2,23 @@
 #ifndef FMI2_H
 #define FMI2_H
 
+#include "export.h"
+
+#if !defined(FMU_SHARED_LIBRARY) && defined(__has_include)
+#if __has_include("fmi2Functions.h")
+#define STANDARD_HEADERS
+#endif
+#endif
+
+#ifdef STANDARD_HEADERS /* whoever compiles the sources has them; they name and export the functions */
+#if !defined(FMI2_FUNCTION_PREFIX)
+#define FMI2_FUNCTION_PREFIX FUNCTION_PREFIX
+#endif
+#include "fmi2Functions.h"
+#undef FMU_API
+#define FMU_API(type, name) FMI2_Export type name
+#else
+
 #include <stddef.h>
 
 typedef void *fmi2Component;
@@ -38,6 +55,8 @@ typedef struct {
     fmi2Real nextEventTime;
 } fmi2EventInfo;
 
+#endif
+
 /* The names that fmi.c has for them, which states what is alike in both versions. */
 #define FMI(name) fmi2##name
 typedef fmi2Component Handle;
@@ -45,7 +64,5 @@ typedef fmi2Status Answer;
 typedef fmi2Boolean Boolean;
 typedef fmi2FMUstate State;
 typedef fmi2Byte Byte;
-
-#include "export.h"
 
 #endif

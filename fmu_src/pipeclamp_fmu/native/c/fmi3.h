@@ -2,6 +2,23 @@
 #ifndef FMI3_H
 #define FMI3_H
 
+#include "export.h"
+
+#if !defined(FMU_SHARED_LIBRARY) && defined(__has_include)
+#if __has_include("fmi3Functions.h")
+#define STANDARD_HEADERS
+#endif
+#endif
+
+#ifdef STANDARD_HEADERS /* whoever compiles the sources has them; they name and export the functions */
+#if !defined(FMI3_FUNCTION_PREFIX)
+#define FMI3_FUNCTION_PREFIX FUNCTION_PREFIX
+#endif
+#include "fmi3Functions.h"
+#undef FMU_API
+#define FMU_API(type, name) FMI3_Export type name
+#else
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -29,6 +46,8 @@ typedef void (*fmi3IntermediateUpdateCallback)(fmi3InstanceEnvironment, fmi3Floa
 typedef void (*fmi3LockPreemptionCallback)(void);
 typedef void (*fmi3UnlockPreemptionCallback)(void);
 
+#endif
+
 /* The names that fmi.c has for them, which states what is alike in both versions. */
 #define FMI(name) fmi3##name
 typedef fmi3Instance Handle;
@@ -36,7 +55,5 @@ typedef fmi3Status Answer;
 typedef fmi3Boolean Boolean;
 typedef fmi3FMUState State;
 typedef fmi3Byte Byte;
-
-#include "export.h"
 
 #endif
