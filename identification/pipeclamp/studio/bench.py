@@ -6,7 +6,6 @@ import threading
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 from pipeclamp_identification.comparison.compare import Comparison, compare
@@ -42,29 +41,28 @@ class OneRun:
 
 
 class Bench:
-    """A campaign's tests, and laws held against them."""
+    """A campaign's tests, and laws held against them.
+
+    Attributes:
+        tests: without runs of free motion.
+        loops: one row a run; computed at once, for several threads ask for them.
+        rows: the place of each run, by its name.
+    """
 
     def __init__(self, tests: RecordTests) -> None:
         """Take the tests; runs of free motion stay aside."""
         self.tests = tests.of_sines()
+        self.loops: Loops = self.tests.loops
+        self.rows: Mapping[str, int] = {name: row for row, name in enumerate(self.loops.run)}
         self._held: OrderedDict[str, Comparison] = OrderedDict()
         self._lock = threading.RLock()
-
-    @cached_property
-    def loops(self) -> Loops:
-        """The loops, one row a run."""
-        return self.tests.loops
-
-    @cached_property
-    def rows(self) -> Mapping[str, int]:
-        """The place of each run, by its name."""
-        return {name: row for row, name in enumerate(self.loops.run)}
 
     def held(self, file: LawFile) -> Comparison:
         """Give a law held against all runs; what was held lately is remembered."""
         key = file.model_dump_json()
         with self._lock:
             found = self._held.pop(key, None) or compare(file, self.tests.campaign, self.loops)
+            _ = found.sums  # kept with it
             self._held[key] = found
             if len(self._held) > MOST_KEPT:
                 self._held.popitem(last=False)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.work import Task
+from pipeclamp_identification.diagnosis.limits import parse_limits
 
 BASES = {
     "power": "k₁, k₃, c, α as powers of A and f (Eq. 17): begin here",
@@ -52,22 +53,28 @@ def add_task(project: Project, of: str, effect: str) -> tuple[Task, str]:
     return Task("add", f"Add {effect} and fit everything again", command, given, of), law
 
 
-def diagnose_line(project: Project, law: str) -> str:
-    """Give the line that diagnoses a law."""
+def diagnose_line(project: Project, law: str, limits: str = "") -> str:
+    """Give the line that diagnoses a law; `limits` say what the rig can do."""
     return line(
         "diagnose", project.shown(f"{law}.json"), project.campaign, "--json", project.shown(f"{law}.diagnosis.json"),
-        "--drive", project.shown(f"{law}.next_test.csv"),
+        "--drive", project.shown(f"{law}.next_test.csv"), *(("--limits", limits) if limits else ()),
     )  # fmt: skip
 
 
-def diagnose_task(project: Project, law: str) -> Task:
-    """Give the task that diagnoses a law."""
+def diagnose_task(project: Project, law: str, limits: str) -> Task:
+    """Give the task that diagnoses a law.
+
+    Raises:
+        UserError: there is no such law, or the limits can't be understood.
+    """
+    if limits:
+        parse_limits(limits)
     given = {
         "campaign": project.campaign, "law": str(project.path_of(law)),
         "answer": project.shown(f"{law}.diagnosis.json"), "told": project.shown(f"{law}.told.json"),
-        "drive": project.shown(f"{law}.next_test.csv"),
+        "drive": project.shown(f"{law}.next_test.csv"), "limits": limits,
     }  # fmt: skip
-    return Task("diagnose", f"Find what {law} lacks", diagnose_line(project, law), given, law)
+    return Task("diagnose", f"Find what {law} lacks", diagnose_line(project, law, limits), given, law)
 
 
 def build_line(project: Project, law: str, kind: str) -> str:

@@ -108,7 +108,7 @@ class Project:
     def reserve(self) -> str:
         """Give the name of the next law; nobody else is given it."""
         with self._lock:
-            self._reserved += 1
+            self._reserved = max(self._reserved, *(int(name[3:]) for name in self.laws()), 0) + 1
             return f"law{self._reserved}"
 
     def shown(self, name: str) -> str:
@@ -118,7 +118,8 @@ class Project:
     def note(self, step: Step) -> None:
         """Remember what was done."""
         with self._lock:
-            self._session = self._session.model_copy(update={"steps": (*self._session.steps, step)})
+            session = self._read()
+            self._session = session.model_copy(update={"steps": (*session.steps, step)})
             write_whole(self.folder / SESSION, self._session.model_dump_json(indent=1, by_alias=True) + "\n")
 
     @property

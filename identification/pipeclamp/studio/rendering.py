@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -9,9 +10,11 @@ import jinja2
 
 from pipeclamp.api.tests import Tests
 from pipeclamp.studio import commands, overview
-from pipeclamp.studio.desk import Opened
+from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.error_map import EDGES
+from pipeclamp.studio.project import Project
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.base.errors import UserError
 
 
 def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> str:
@@ -37,6 +40,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
     lines = {
         "identify": {base: commands.identify_line(project, project.upcoming, base) for base in commands.BASES},
         "diagnose": commands.diagnose_line(project, name) if name else "",
+        "diagnosed": _last_diagnosis(project, name) or (commands.diagnose_line(project, name) if name else ""),
         "add": {
             each.name: commands.add_line(project, name or "", each.name, project.upcoming)
             for each in (told.candidates if told else ())
@@ -64,6 +68,19 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         folder=project.folder,
         fmu=bool(name and (project.folder / f"{name}.fmu").is_file()),
     )
+
+
+def _last_diagnosis(project: Project, law: str | None) -> str:
+    """Give the command that diagnosed a law last."""
+    done = [step.command for step in project.steps if step.of == law and step.law is None]
+    return next((command for command in reversed(done) if command.startswith("pipeclamp diagnose")), "")
+
+
+def warm(desk: Desk) -> None:
+    """Make what the first page needs, before it is asked for."""
+    with suppress(UserError):  # whoever asks is told
+        if desk.first:
+            campaign_page(desk.open(desk.first), None, by="", beside="")
 
 
 def _summary(tests: RecordTests) -> str:

@@ -175,7 +175,7 @@ class Pages:
             _candidate(opened, of, effect)
             task, law = commands.add_task(project, of, effect)
         elif kind == "diagnose":
-            task = commands.diagnose_task(project, _text(asked, "law"))
+            task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
         elif kind == "build":
             task = commands.build_task(project, _text(asked, "law"), str(asked.get("fmu", "python")))
         else:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import threading
 import webbrowser
 from collections.abc import Callable
 
 import uvicorn
 
 from pipeclamp.studio.desk import Desk
+from pipeclamp.studio.rendering import warm
 from pipeclamp.studio.routes import application, most_bytes
 from pipeclamp.studio.security import Door, Guard
 from pipeclamp_models.base.errors import InterruptError, UserError
@@ -40,6 +42,8 @@ def serve(desk: Desk, host: str, port: int, tell: Callable[[str], None], *, brow
             timeout_graceful_shutdown=GRACE_s, h11_max_incomplete_event_size=64 * 1024, ws="none",
         )  # fmt: skip
         tell(door.url)
+        # while the browser starts, what its first page needs is made
+        threading.Thread(target=warm, args=(desk,), daemon=True).start()
         if browser:
             webbrowser.open(door.url)
         try:

@@ -30,17 +30,21 @@ def add(tell: Progress, *, campaign: str, of: str, effect: str, law: str, comman
     return _written(change.after, law)
 
 
-def diagnose(tell: Progress, *, campaign: str, law: str, answer: str, told: str, drive: str) -> dict[str, Any]:
+def diagnose(
+    tell: Progress, *, campaign: str, law: str, answer: str, told: str, drive: str, limits: str
+) -> dict[str, Any]:
     """Find what a law lacks; write the answer, what the studio shows of it, and the next test's drive signal."""
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp.studio.told import told_of
     from pipeclamp_identification.campaign.drive import drive_content
     from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+    from pipeclamp_identification.diagnosis.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
 
     tests, file = _tests(tell, campaign), read_law(Path(law))
     # one core stays for the studio
-    found = tests.diagnose(file, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
+    reach = parse_limits(limits) if limits else None
+    found = tests.diagnose(file, limits=reach, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
     assert isinstance(found, Diagnosed)
     tell("next test")
     following = next_command(found, law, campaign)

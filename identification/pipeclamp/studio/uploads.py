@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import unicodedata
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -99,11 +98,6 @@ async def take(home: Path, batch: str, given: str, content: AsyncIterator[bytes]
     finally:
         part.unlink(missing_ok=True)
     return name
-
-
-def forget(home: Path, batch: str) -> None:
-    """Delete the files of a batch."""
-    shutil.rmtree(batch_folder(home, batch), ignore_errors=True)
 
 
 def _size_of(folder: Path) -> int:

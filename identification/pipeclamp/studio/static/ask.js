@@ -70,8 +70,13 @@ export function follow(key, ended) {
       ended(job);
     }
   };
+  let failures = 0;
+  following.onopen = () => { failures = 0; };
   following.onerror = () => {
-    if (following.readyState === EventSource.CLOSED) complain("The studio doesn't answer; is it still running?");
+    failures += 1; // the browser asks again by itself
+    if (failures < 2 && following.readyState !== EventSource.CLOSED) return;
+    following.close();
+    complain("The studio doesn't answer. What was shown as saved is saved; start it again, and open the address that it prints.");
   };
 }
 

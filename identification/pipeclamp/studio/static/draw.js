@@ -9,6 +9,8 @@ export function drawRun(run, axis) {
   const picture = runPicture({ ...run, words: "" }, names, [...names.keys()], axis);
   delete picture.layout.title;
   Object.assign(picture.layout, { height: HEIGHT, showlegend: false, margin: { l: 64, r: 10, t: 8, b: 44 } });
+  // margins that fit themselves are laid out several times
+  for (const axis of ["xaxis", "yaxis", "yaxis2"]) picture.layout[axis].automargin = false;
   drawIn(document.getElementById("loop"), picture);
   document.getElementById("loop-words").textContent = `Run ${run.run}: the measured loop${names.length ? ` and that of ${names.join(", ")}; below it measured less law` : ""}.`;
   const number = ++drawn; // harmonics come a frame later: the loop first
@@ -26,7 +28,7 @@ function drawHarmonics(told) {
   const data = [bars(told[0].measured, "measured", "#52606d"), ...told.map((each, index) => bars(each.computed, each.name, lawLine(index, told.length).color))];
   const least = Math.max(Math.min(...told[0].measured), 1e-6); // what a law gives far below it says nothing
   const most = Math.max(...told.flatMap((each) => [...each.measured, ...each.computed]));
-  const look = { gridcolor: "#e4e7eb", zerolinecolor: "#52606d", linecolor: "#1f2933", ticks: "outside", automargin: true };
+  const look = { gridcolor: "#e4e7eb", zerolinecolor: "#52606d", linecolor: "#1f2933", ticks: "outside" };
   const layout = {
     font: { family: "system-ui, 'Segoe UI', Roboto, Arial, sans-serif", size: 12, color: "#1f2933" },
     plot_bgcolor: "white", paper_bgcolor: "white", height: 180, margin: { l: 64, r: 10, t: 8, b: 38 }, showlegend: false,

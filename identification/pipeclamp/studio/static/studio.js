@@ -178,7 +178,8 @@ const begin = (body) => start(`${base}/jobs`, body, encodeURIComponent(key), end
 
 document.addEventListener("click", (event) => {
   const starter = event.target.closest("[data-start]");
-  if (starter) begin({ kind: starter.dataset.start, law, effect: starter.dataset.effect });
+  const limits = document.getElementById("limits")?.value.trim() || "";
+  if (starter) begin({ kind: starter.dataset.start, law, effect: starter.dataset.effect, limits });
   const cell = event.target.closest(".map .cell");
   if (cell) look(cell.dataset.runs.split("|")[0], true);
 });
@@ -223,8 +224,6 @@ const walk = (step) => shown && look(runs[(runs.indexOf(shown.run) + step + runs
 document.getElementById("previous").addEventListener("click", () => walk(-1));
 document.getElementById("next").addEventListener("click", () => walk(1));
 onLookChanged(() => { if (shown) draw(); });
-const waterfall = document.getElementById("waterfall");
-if (waterfall) onLookChanged(() => drawIn(waterfall, JSON.parse(waterfall.dataset.specification)));
 
 // The map fades from what it was with the law before.
 for (const cell of cells.filter((each) => each.dataset.before)) {
@@ -235,4 +234,6 @@ for (const cell of cells.filter((each) => each.dataset.before)) {
 arrows();
 const wanted = new URLSearchParams(location.search).get("run");
 if (runs.length) look(runs.includes(wanted) ? wanted : worst || runs[0]);
+const waterfall = document.getElementById("waterfall");
+if (waterfall) onLookChanged(() => drawIn(waterfall, JSON.parse(waterfall.dataset.specification)));
 follow(encodeURIComponent(key), ended);
