@@ -6,7 +6,7 @@ from collections import Counter
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.campaign.imported import ImportedColumn, ImportedFile
+from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.units.stated import Conversion
 

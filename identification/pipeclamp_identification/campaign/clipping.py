@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -111,36 +110,26 @@ class Extremes:
     """How far a channel of a run goes.
 
     Attributes:
-        samples: the steady ones.
+        low, high: its least and largest value.
+        held: those of the two in which neighbouring samples agree.
+        quanta: steps between its values that its range holds; 0 where nothing is held, and nobody asks.
         amplitude: of the force's fundamental, which says how different runs are.
     """
 
-    samples: Array
+    low: float
+    high: float
+    held: frozenset[float]
+    quanta: float
     amplitude: float
-
-    @cached_property
-    def high(self) -> float:
-        """The largest value."""
-        return float(np.max(self.samples))
-
-    @cached_property
-    def low(self) -> float:
-        """The smallest value."""
-        return float(np.min(self.samples))
-
-    def holds(self, end: float) -> bool:
-        """Tell whether neighbouring samples agree in an extreme value."""
-        return _longest_row(self.samples == end)[1] > 1
-
-    @property
-    def quanta(self) -> float:
-        """Steps between its values that its range holds."""
-        return (self.high - self.low) / quantum_of(self.samples) if self.high > self.low else 0.0
 
 
 def extremes_of(record: Record, cycles: Cycles, channel: Channel, amplitude: float) -> Extremes:
     """Give how far a channel of a run goes; `amplitude` is that of the run's fundamental."""
-    return Extremes(getattr(record, COLUMNS[channel])[cycles.steady], amplitude)
+    samples = getattr(record, COLUMNS[channel])[cycles.steady]
+    low, high = float(np.min(samples)), float(np.max(samples))
+    held = frozenset(end for end in (low, high) if _longest_row(samples == end)[1] > 1)
+    quanta = (high - low) / quantum_of(samples) if held and high > low else 0.0
+    return Extremes(low, high, held, quanta, amplitude)
 
 
 def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
@@ -149,7 +138,7 @@ def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
     for sign in (1.0, -1.0):
         ends = {run: (one.high if sign > 0 else one.low) for run, one in runs.items()}
         farthest = max(ends.values(), key=lambda end: sign * end, default=0.0)
-        there = [run for run, end in ends.items() if end == farthest and runs[run].holds(end)]
+        there = [run for run, end in ends.items() if end == farthest and end in runs[run].held]
         sizes = [runs[run].amplitude for run in there]
         fine = [run for run in there if runs[run].quanta >= FEWEST_QUANTA]
         if len(fine) >= FEWEST_AT_END and max(sizes) > AMPLITUDES_APART * min(sizes):

@@ -6,9 +6,8 @@ import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictStr, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt, StrictStr, model_validator
 
-from pipeclamp_identification.campaign.imported import Imported
 from pipeclamp_identification.units.stated import QUANTITY_OF, Conversion, stated_conversion
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
@@ -16,6 +15,10 @@ from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
 FILE_NAME = "campaign.toml"
 
 RecordColumn = Literal["time_s", "displacement_mm", "force_N", "temperature_C"]
+
+Sha256 = Annotated[StrictStr, Field(pattern=r"^[0-9a-f]{64}$")]
+Samples = tuple[Annotated[StrictInt, Field(ge=1)], Annotated[StrictInt, Field(ge=1)]]
+"""The first and the last, counted from 1; lines of the file where it is a text."""
 
 
 def _not_zero(value: float) -> float:
@@ -89,6 +92,64 @@ class ColumnSources(Table):
             "temperature_C": self.temperature_C,
         }
         return {ours: source for ours, source in pairs.items() if source is not None}
+
+
+class ImportedColumn(Table):
+    """A channel of a file that became one of our columns: ours = factor * theirs + offset."""
+
+    channel: StrictStr = Field(description="name and unit, as the file has them")
+    unit: StrictStr = Field(default="", description="that counted; empty where none is needed")
+    factor: Number = 1.0
+    offset: Number = 0.0
+    stated: bool = Field(default=False, description="by the user, not by the file's names")
+
+
+class ImportedFile(Table):
+    """A test machine's file."""
+
+    file: StrictStr
+    sha256: Sha256
+    format: StrictStr
+    read_as: StrictStr = Field(default="", description="encoding, delimiter, decimals, header of a text")
+    columns: dict[StrictStr, ImportedColumn]
+
+
+class ImportedRun(Table):
+    """A run, the samples that it was cut from, and what was done to them."""
+
+    run: StrictStr
+    file: StrictStr
+    table: StrictStr = ""
+    samples: Samples
+    measured: tuple[StrictStr, ...] = Field(default=(), description="columns of runs.csv that nobody stated")
+    done: tuple[StrictStr, ...] = ()
+
+
+class ImportedCut(Table):
+    """Samples of a file that are in no run, and why."""
+
+    file: StrictStr
+    table: StrictStr = ""
+    samples: Samples
+    why: StrictStr
+
+
+class ImportedDelay(Table):
+    """A delay of the force behind the displacement that all runs share, as it was found; it is not taken off."""
+
+    delay_ms: Number
+    standard_error_ms: Number
+    words: StrictStr
+
+
+class Imported(Table):
+    """The table [imported] of campaign.toml."""
+
+    software: StrictStr = ""
+    delay: ImportedDelay | None = None
+    files: tuple[ImportedFile, ...] = ()
+    runs: tuple[ImportedRun, ...] = ()
+    cut: tuple[ImportedCut, ...] = ()
 
 
 class CampaignDescription(Table):

@@ -19,10 +19,8 @@ from pipeclamp_identification.campaign.drifting import (
     Watched,
     alike,
     conditions_basis,
-    without,
 )
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault
-from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.arrays import Array
 
 FEWEST_FREE_RUNS = 6
@@ -122,9 +120,9 @@ def _over_runs(
     )  # fmt: skip
 
 
-def repaired_over_runs(records: Sequence[Record], runs: Sequence[Watched], fault: SensorFault) -> list[Record]:
-    """Take a zero's drift from run to run off a channel of all records; its mean over the runs stays."""
+def shifts_over_runs(runs: Sequence[Watched], fault: SensorFault) -> list[float]:
+    """Give by how much a zero that drifts from run to run is off in each; its mean over the runs is kept."""
     order, _ = _order(runs)
     share = (order - order.mean()) / np.ptp(order)
-    shift = (fault.size or 0.0) * share
-    return [without(one, fault.channel, off) for one, off in zip(records, shift.tolist(), strict=True)]
+    shifts: list[float] = ((fault.size or 0.0) * share).tolist()
+    return shifts

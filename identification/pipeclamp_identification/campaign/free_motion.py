@@ -41,8 +41,12 @@ class FreeRun:
     @property
     def begins_at_rest(self) -> bool:
         """Whether the record does, as a law's memory takes it for granted."""
-        v = self.motion.v
-        return bool(abs(v[0]) <= AT_REST * math.sqrt(np.mean(v**2)))
+        return begins_at_rest(self.motion)
+
+
+def begins_at_rest(motion: SmoothMotion) -> bool:
+    """Tell whether a motion begins at rest."""
+    return bool(abs(motion.v[0]) <= AT_REST * math.sqrt(np.mean(motion.v**2)))
 
 
 def free_motion(record: Record) -> SmoothMotion:

@@ -3,36 +3,24 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
 from pipeclamp_identification.campaign.description import CampaignDescription, read_description
-from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault, faults_of_failures
+from pipeclamp_identification.campaign.faults import SensorFailure, SensorFault
 from pipeclamp_identification.campaign.fingerprint import Digests, digests_of
-from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion, fundamental_of_motion
-from pipeclamp_identification.campaign.plausibility import (
-    CycleByCycle,
-    Fundamental,
-    contradiction,
-    cycle_by_cycle,
-    fundamental_of,
-    implausible,
-    unless_contradicted,
-)
+from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
+from pipeclamp_identification.campaign.judging import Judged, judge
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples, read_record
 from pipeclamp_identification.campaign.runs_table import RunRow, RunsTable, read_runs_table
-from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
+from pipeclamp_identification.campaign.seen import LeftOut, SeenRecord, seen_free, seen_sine
 from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
-from pipeclamp_identification.units.doubts import ShownRun, contradicted_units, unlikely_units
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_content
 
@@ -67,18 +55,6 @@ class Run:
     def texts(self) -> dict[str, str]:
         """Texts that may group runs, by column of runs.csv, the specimen among them; blank where there is none."""
         return {"specimen": self.specimen or "", **self.labels}
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """A run that can't be used, and why; with the failure, where a sensor's is the reason."""
-
-    run: str
-    reason: str
-    failure: SensorFailure | None = None
-
-    def __str__(self) -> str:
-        return f"run {self.run!r} is left out: {self.reason}"
 
 
 @dataclass(frozen=True)
@@ -159,119 +135,61 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
     """Read the records of a campaign whose description and table have been read, as `read_campaign` does."""
     with ThreadPoolExecutor(max_workers=READERS) as readers:
         # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
-        records = list(readers.map(partial(_read_run, folder, description), table.rows))
+        records = list(readers.map(partial(read_run, folder, description), table.rows))
     digests = digests_of(folder, {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)})
-    outcomes = [_checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
-    by_cycle = {one.name: cycle_by_cycle(one.record, one.cycles) for one in outcomes if isinstance(one, Run)}
-    shown = {
-        one.name: fundamental_of(one.record, one.cycles, by_cycle[one.name]) for one in outcomes if isinstance(one, Run)
-    }
-    freely = {one.name: fundamental_of_motion(one.record, one.motion) for one in outcomes if isinstance(one, FreeRun)}
-    seen = [_seen(one, shown[one.name]) for one in outcomes if isinstance(one, Run)]
-    if wrong := contradicted_units(seen):
-        raise UserError(f"{folder}: {wrong}")
-    doubts = unlikely_units(seen)
-    faults = implausible(shown | freely)
-    outcomes = [
-        LeftOut(row.run, faults[row.run]) if row.run in faults else one
-        for row, one in zip(table.rows, outcomes, strict=True)
-    ]
-    sensors = sensors_of(
-        [_observed(one, by_cycle[one.name], shown[one.name]) for one in outcomes if isinstance(one, Run)]
-    )
-    outcomes = [_as_sensors_say(one, sensors) if isinstance(one, Run) else one for one in outcomes]
-    runs = tuple(outcome for outcome in outcomes if isinstance(outcome, Run))
-    free = tuple(outcome for outcome in outcomes if isinstance(outcome, FreeRun))
-    left_out = tuple(outcome for outcome in outcomes if isinstance(outcome, LeftOut))
-    if left_out and (strict or not (runs or free)):
-        heading = f"{folder}: {len(left_out)} of {len(outcomes)} runs can't be used; mend their records"
-        remedy = ", take their rows out of runs.csv, or don't be strict" if runs or free else ""
-        raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in left_out)]))
-    runs, remarks = _without_wrong_settings(runs, shown)
+    checked = [checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
+    seen = {row.run: seen_of(one) for row, one in zip(table.rows, checked, strict=True)}
+    judged = judge(folder, table.rows, seen, strict)
+    runs = tuple(_judged(one, judged) for one in checked if isinstance(one, Run) and one.name in judged.sines)
     return Campaign(
         name=description.name,
         notes=description.notes,
         fingerprint=digests.fingerprint,
         runs=runs,
-        left_out=left_out,
+        left_out=judged.left_out,
         condition_columns=table.condition_columns,
         smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
-        remarks=(
-            *doubts,
-            *(fault.words for fault in sensors.faults if fault.done != "left out"),
-            *remarks,
-            *_moving_from_the_start(free),
-        ),
-        free=free,
-        faults=(
-            *faults_of_failures(
-                [(one.run, one.failure) for one in left_out if one.failure and one.run not in sensors.failed]
-            ),
-            *sensors.faults,
-        ),
+        remarks=judged.remarks,
+        free=tuple(one for one in checked if isinstance(one, FreeRun) and one.name in judged.free),
+        faults=judged.faults,
         digests=digests,
-        doubts=doubts,
+        doubts=judged.doubts,
     )
 
 
-def _seen(run: Run, shown: Fundamental) -> ShownRun:
-    """Give a run as its units are doubted."""
-    time, temperature = run.record.time_s, run.record.temperature_C
-    known = np.empty(0) if temperature is None else temperature[np.isfinite(temperature)]
-    return ShownRun(
-        run=run.name,
-        amplitude_mm=(run.amplitude_mm, shown.amplitude_mm),
-        frequency_Hz=(run.frequency_Hz, run.cycles.frequency_Hz),
-        temperature_C=(run.temperature_C, float(np.mean(known)) if len(known) else math.nan),
-        stiffness=abs(shown.stiffness),
-        step_s=float(time[-1] - time[0]) / (len(time) - 1),
+def _judged(run: Run, judged: Judged) -> Run:
+    """Give a run with its record as the sensors leave it, and what was stated where the record doesn't contradict."""
+    amplitude, frequency = judged.settings[run.name]
+    return replace(
+        run,
+        record=judged.sensors.repaired(run.name, run.record, judged.sines[run.name]),
+        mean_known=run.name not in judged.sensors.of_unknown_mean,
+        amplitude_mm=amplitude,
+        frequency_Hz=frequency,
     )
 
 
-def _observed(run: Run, by_cycle: CycleByCycle, shown: Fundamental) -> Observed:
-    """Give a run as its sensors show it."""
-    density = math.nan if run.density_g_cm3 is None else run.density_g_cm3
-    return Observed(
-        name=run.name,
-        record=run.record,
-        cycles=run.cycles,
-        nominal_mm=run.amplitude_mm,
-        temperature_C=run.temperature_C,
-        further={"density_g_cm3": density, **run.conditions},
-        labels=run.texts,
-        by_cycle=by_cycle,
-        shown=shown,
-    )
+def seen_of(run: Run | FreeRun | LeftOut) -> SeenRecord | LeftOut:
+    """Give what the record of a run shows."""
+    if isinstance(run, Run):
+        return seen_sine(run.record, run.cycles)
+    return seen_free(run.record, run.motion) if isinstance(run, FreeRun) else run
 
 
-def _as_sensors_say(run: Run, sensors: Sensors) -> Run | LeftOut:
-    """Give a run with its record as the sensors leave it; what failed is left out."""
-    if run.name in sensors.failed:
-        failure = sensors.failed[run.name]
-        return LeftOut(run.name, str(failure), failure)
-    record = sensors.records[run.name]
-    return replace(run, record=record, mean_known=run.name not in sensors.of_unknown_mean)
+def read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
+    """Read a run's record, with its file's SHA-256.
 
-
-def _moving_from_the_start(runs: tuple[FreeRun, ...]) -> tuple[str, ...]:
-    """Say which runs of free motion don't begin at rest."""
-    names = [run.name for run in runs if not run.begins_at_rest]
-    if not names:
-        return ()
-    return (
-        f"{len(names)} of {len(runs)} runs of free motion {'begin' if len(names) > 1 else 'begins'} in motion "
-        f"({', '.join(names)}); a law follows them from rest, so that it may err until its memory has caught up",
-    )
-
-
-def _read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
+    Raises:
+        UserError: the file is missing or broken.
+    """
     path = folder / row.file
     where = f"{folder / runs_table.FILE_NAME}, row {row.row}, column 'file': {row.file!r}"
     content = read_content(path, f"the record of run {row.run!r} there, relative to {folder}", where)
     return hashlib.sha256(content).hexdigest(), read_record(path, content, description.columns.given())
 
 
-def _checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
+def checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
+    """Give a run of its row and record; or why it can't be used."""
     try:
         check_samples(record)
         if row.free:
@@ -303,17 +221,3 @@ def _checked_run(row: RunRow, record: Record) -> Run | FreeRun | LeftOut:
         labels=row.labels,
         file=row.file,
     )
-
-
-def _without_wrong_settings(
-    runs: tuple[Run, ...], shown: Mapping[str, Fundamental]
-) -> tuple[tuple[Run, ...], tuple[str, ...]]:
-    """Give the runs without the amplitudes and frequencies that their records contradict, and words about these."""
-    amplitudes = [(run.amplitude_mm, shown[run.name].amplitude_mm) for run in runs]
-    frequencies = [(run.frequency_Hz, run.cycles.frequency_Hz) for run in runs]
-    words = (contradiction("amplitude_mm", amplitudes), contradiction("frequency_Hz", frequencies))
-    kept = tuple(
-        replace(run, amplitude_mm=unless_contradicted(*amplitude), frequency_Hz=unless_contradicted(*frequency))
-        for run, amplitude, frequency in zip(runs, amplitudes, frequencies, strict=True)
-    )
-    return kept, tuple(filter(None, words))

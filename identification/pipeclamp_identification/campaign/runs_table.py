@@ -90,6 +90,11 @@ class RunRow:
     free: bool = False
     labels: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def texts(self) -> dict[str, str]:
+        """Texts that may group runs, by column, the specimen among them; blank where there is none."""
+        return {"specimen": self.specimen or "", **self.labels}
+
 
 @dataclass(frozen=True)
 class RunsTable:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeclamp_identification.campaign.clipping import UNITS, at_common_end, extremes_of
-from pipeclamp_identification.campaign.cycles import Cycles
-from pipeclamp_identification.campaign.drifting import Watched, drifting, repaired
-from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_runs, repaired_over_runs
+from pipeclamp_identification.campaign.clipping import UNITS, at_common_end
+from pipeclamp_identification.campaign.drifting import Watched, drifting, repaired, without
+from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_runs, shifts_over_runs
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
-from pipeclamp_identification.campaign.plausibility import SURE, CycleByCycle, Fundamental
+from pipeclamp_identification.campaign.plausibility import SURE
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
 from pipeclamp_models.base.units import CELSIUS
 
@@ -31,18 +31,15 @@ class Observed:
         temperature_C: stated temperature.
         further: other numbers that were stated, nan where they aren't known.
         labels: texts that were stated.
-        by_cycle, shown: mean and fundamental of each cycle, and of the record.
+        seen: what its record shows.
     """
 
     name: str
-    record: Record
-    cycles: Cycles
     nominal_mm: float | None
     temperature_C: float | None
     further: Mapping[str, float]
     labels: Mapping[str, str]
-    by_cycle: CycleByCycle
-    shown: Fundamental
+    seen: SeenSine
 
 
 @dataclass(frozen=True)
@@ -51,13 +48,23 @@ class Sensors:
 
     Attributes:
         faults: found, those of left-out runs among them.
-        records: of the runs that are kept, repaired where that could be done, by name.
-        failed: why others are left out, by name.
+        failed: why runs are left out, by name.
+        drifts: channels whose zero's drift inside the record is to be taken off, by name of the run.
+        shifts: by how much the zeros of channels are off all through the record, by name of the run.
     """
 
     faults: tuple[SensorFault, ...]
-    records: Mapping[str, Record]
     failed: Mapping[str, SensorFailure]
+    drifts: Mapping[str, Sequence[Channel]] = field(default_factory=dict)
+    shifts: Mapping[str, Sequence[tuple[Channel, float]]] = field(default_factory=dict)
+
+    def repaired(self, run: str, record: Record, seen: SeenSine) -> Record:
+        """Give the record of a run that is kept, repaired where that can be done."""
+        if drifts := self.drifts.get(run):
+            record = repaired(record, seen.cycles, seen.by_cycle, drifts)
+        for channel, shift in self.shifts.get(run, ()):
+            record = without(record, channel, shift)
+        return record
 
     @property
     def of_unknown_mean(self) -> frozenset[str]:
@@ -72,7 +79,7 @@ def sensors_of(runs: Sequence[Observed]) -> Sensors:
     faults = list(faults_of_failures(list(failed.items())))
     runs = [run for run in runs if run.name not in failed]
     if not runs:
-        return Sensors(tuple(faults), {}, failed)
+        return Sensors(tuple(faults), failed)
     watched = _watched(runs)
     drifts = drifting(watched)
     taken_off: dict[str, list[Channel]] = {run.name: [] for run in runs}
@@ -82,29 +89,21 @@ def sensors_of(runs: Sequence[Observed]) -> Sensors:
                 taken_off[one.run].append(fault.channel)
             elif fault.done == "left out":
                 failed[one.run] = SensorFailure(fault.words, fault.channel, fault.fault, one.size, fault.unit)
-    kept = [(run, seen) for run, seen in zip(runs, watched, strict=True) if run.name not in failed]
-    records = [
-        repaired(run.record, run.cycles, run.by_cycle, taken_off[run.name]) if taken_off[run.name] else run.record
-        for run, _ in kept
-    ]
-    left = [seen for _, seen in kept]
+    left = [one for one in watched if one.name not in failed]
     over_runs = drifting_over_runs(left) if left else ()
+    shifts: dict[str, list[tuple[Channel, float]]] = {one.name: [] for one in left}
     for fault in over_runs:
         if fault.done == "corrected":
-            records = repaired_over_runs(records, left, fault)
-    return Sensors(
-        (*faults, *drifts, *over_runs), {run.name: one for (run, _), one in zip(kept, records, strict=True)}, failed
-    )
+            for name, shift in zip(shifts, shifts_over_runs(left, fault), strict=True):
+                shifts[name].append((fault.channel, shift))
+    return Sensors((*faults, *drifts, *over_runs), failed, taken_off, shifts)
 
 
 def _at_the_end_of_their_range(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
     """Give the runs of different amplitude that stop at one and the same value, however shortly."""
     found: dict[str, SensorFailure] = {}
     for channel, unit in UNITS.items():
-        ends = {
-            run.name: extremes_of(run.record, run.cycles, channel, run.shown.amplitude_mm * abs(run.shown.stiffness))
-            for run in runs
-        }
+        ends = {run.name: run.seen.ends[channel] for run in runs}
         for run, end in at_common_end(ends).items():
             reason = f"clipped sensor: {channel}_{unit} stops at {end:g} as in other runs of other amplitude"
             found.setdefault(run, SensorFailure(reason, channel, "clipped", end, unit))
@@ -113,8 +112,9 @@ def _at_the_end_of_their_range(runs: Sequence[Observed]) -> dict[str, SensorFail
 
 def _dead(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
     """Give the runs whose force doesn't show the motion, where others' does."""
-    force = np.array([run.shown.amplitude_mm * abs(run.shown.stiffness) for run in runs])
-    seen = np.array([abs(run.shown.stiffness) > SURE * run.shown.standard_error for run in runs], dtype=np.bool_)
+    shown = [run.seen.shown for run in runs]
+    force = np.array([one.amplitude_mm * abs(one.stiffness) for one in shown])
+    seen = np.array([abs(one.stiffness) > SURE * one.standard_error for one in shown], dtype=np.bool_)
     if np.count_nonzero(seen) < FEWEST_OTHERS:
         return {}
     usual = float(np.median(force[seen]))
@@ -131,8 +131,8 @@ def _watched(runs: Sequence[Observed]) -> list[Watched]:
     """Give the runs as they are watched for drifts, their conditions by level."""
     kelvin = [np.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs]
     numbers = {
-        "amplitude_mm": number_levels(np.array([run.shown.amplitude_mm for run in runs]), relative=SAME_SHARE),
-        "frequency_Hz": number_levels(np.array([run.cycles.frequency_Hz for run in runs]), relative=SAME_SHARE),
+        "amplitude_mm": number_levels(np.array([run.seen.shown.amplitude_mm for run in runs]), relative=SAME_SHARE),
+        "frequency_Hz": number_levels(np.array([run.seen.cycles.frequency_Hz for run in runs]), relative=SAME_SHARE),
         "temperature_C": number_levels(np.array(kelvin), absolute=SAME_KELVIN),
         **{
             name: number_levels(np.array([run.further[name] for run in runs]), relative=SAME_SHARE)
@@ -145,11 +145,11 @@ def _watched(runs: Sequence[Observed]) -> list[Watched]:
     return [
         Watched(
             name=run.name,
-            start_s=float(run.record.time_s[0]),
-            end_s=float(run.record.time_s[-1]),
+            start_s=run.seen.start_s,
+            end_s=run.seen.end_s,
             nominal_mm=run.nominal_mm,
             conditions={name: own[row] for name, own in (labels | texts).items()},
-            by_cycle=run.by_cycle,
+            by_cycle=run.seen.by_cycle,
         )
         for row, run in enumerate(runs)
     ]

@@ -9,7 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from pipeclamp_identification.campaign.reading import Campaign, LeftOut
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.group_factors import PooledObservations
 from pipeclamp_identification.fitting.groups import factors_of, find_groups, has_groups
 from pipeclamp_identification.fitting.groups_answer import groups_answer

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field
 
-from pipeclamp_identification.campaign.imported import Imported
+from pipeclamp_identification.campaign.description import Imported
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun

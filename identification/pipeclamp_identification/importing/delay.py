@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from pipeclamp_identification.campaign.imported import ImportedDelay
+from pipeclamp_identification.campaign.description import ImportedDelay
 from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics
 from pipeclamp_models.base.arrays import ComplexArray, IntArray

@@ -10,9 +10,9 @@ import numpy as np
 
 from pipeclamp_identification.campaign.clipping import check_clipping
 from pipeclamp_identification.campaign.cycles import Cycles, find_cycles
+from pipeclamp_identification.campaign.description import ImportedColumn, ImportedCut, ImportedFile, ImportedRun
 from pipeclamp_identification.campaign.faults import SensorFailure
 from pipeclamp_identification.campaign.free_motion import free_motion
-from pipeclamp_identification.campaign.imported import ImportedColumn, ImportedCut, ImportedFile, ImportedRun
 from pipeclamp_identification.campaign.plausibility import STATED_APART, fundamental_of, reversed_sign
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.importing.clipped import without_clipped_cycles

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from pipeclamp_identification.campaign.imported import ImportedCut, ImportedFile, ImportedRun
+from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_models.base.arrays import Array
 

@@ -15,11 +15,12 @@ from pipeclamp_identification.campaign import description as campaign_file
 from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.description import (
     CampaignDescription,
+    Imported,
+    ImportedDelay,
     description_text,
     read_description,
     toml_text,
 )
-from pipeclamp_identification.campaign.imported import Imported, ImportedDelay
 from pipeclamp_identification.campaign.reading import Campaign, read_campaign
 from pipeclamp_identification.campaign.writing import PLAIN, Format, encoded
 from pipeclamp_identification.importing.plan import Plan

@@ -11,8 +11,8 @@ import numpy as np
 
 from pipeclamp_identification.campaign.description import CampaignDescription
 from pipeclamp_identification.campaign.fingerprint import digests_of
-from pipeclamp_identification.campaign.reading import LeftOut
 from pipeclamp_identification.campaign.runs_table import FILE_NAME, METRIC_COLUMNS, RunRow, RunsTable
+from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.observations import assumed_signals, known_temperature
 from pipeclamp_identification.metrics_only.observations import MetricObservations
 from pipeclamp_models.base.errors import UserError

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from pipeclamp_identification.campaign.reading import LeftOut
+from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.fitting.least_squares import Fit, fit

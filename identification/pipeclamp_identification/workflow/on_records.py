@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from pipeclamp_identification.campaign.reading import Campaign, LeftOut
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.fitting.heldout import heldout_nrmse

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from pipeclamp_identification.campaign.drive import DrivePlan
-from pipeclamp_identification.campaign.reading import LeftOut
+from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.fitting.identify import Method

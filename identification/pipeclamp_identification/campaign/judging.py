@@ -1,0 +1,142 @@
+"""All runs of a campaign judged together, by what their records show: units, sensors, settings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeclamp_identification.campaign.faults import SensorFault, faults_of_failures
+from pipeclamp_identification.campaign.plausibility import contradiction, implausible, unless_contradicted
+from pipeclamp_identification.campaign.runs_table import RunRow
+from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord, SeenSine
+from pipeclamp_identification.campaign.sensors import Observed, Sensors, sensors_of
+from pipeclamp_identification.units.doubts import ShownRun, contradicted_units, unlikely_units
+from pipeclamp_models.base.errors import UserError
+
+Settings = tuple[float | None, float | None]
+"""Amplitude in mm and frequency in Hz as they were stated; None where they weren't, or the record contradicts them."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a campaign's runs show together.
+
+    Attributes:
+        sines, free: what the records of the runs that can be used show, by name in runs.csv's order.
+        left_out: the others.
+        settings: amplitude and frequency that count of each sine, by name.
+        sensors: what they do wrong, and what repairs a record.
+        faults: of sensors, those of runs that are left out among them.
+        doubts: which units are likely wrong.
+        remarks: all that is to be said of runs that are used.
+    """
+
+    sines: Mapping[str, SeenSine]
+    free: Mapping[str, SeenFree]
+    left_out: tuple[LeftOut, ...]
+    settings: Mapping[str, Settings]
+    sensors: Sensors
+    faults: tuple[SensorFault, ...]
+    doubts: tuple[str, ...]
+    remarks: tuple[str, ...]
+
+
+def judge(
+    folder: Path, rows: Sequence[RunRow], seen: Mapping[str, SeenRecord | LeftOut], strict: bool = False
+) -> Judged:
+    """Judge the runs of a campaign.
+
+    Args:
+        folder: the campaign's, for errors.
+        rows: of its runs.csv.
+        seen: what the record of each run shows, or why it can't be used, by name.
+        strict: a run that can't be used is an error.
+
+    Raises:
+        UserError: units are contradicted by all records; no run can be used; or, with `strict`, one can't.
+    """
+    sines = {row.run: (row, one) for row in rows if isinstance(one := seen[row.run], SeenSine)}
+    free = {row.run: one for row in rows if isinstance(one := seen[row.run], SeenFree)}
+    stated = [_stated(row, one) for row, one in sines.values()]
+    if wrong := contradicted_units(stated):
+        raise UserError(f"{folder}: {wrong}")
+    doubts = unlikely_units(stated)
+    left_out = {row.run: one for row in rows if isinstance(one := seen[row.run], LeftOut)}
+    shown = {run: one.shown for run, (_, one) in sines.items()} | {run: one.shown for run, one in free.items()}
+    left_out |= {run: LeftOut(run, why) for run, why in implausible(shown).items()}
+    sensors = sensors_of([_observed(row, one) for run, (row, one) in sines.items() if run not in left_out])
+    left_out |= {run: LeftOut(run, str(failure), failure) for run, failure in sensors.failed.items()}
+    lost = tuple(left_out[row.run] for row in rows if row.run in left_out)
+    if lost and (strict or len(lost) == len(rows)):
+        heading = f"{folder}: {len(lost)} of {len(rows)} runs can't be used; mend their records"
+        remedy = ", take their rows out of runs.csv, or don't be strict" if len(lost) < len(rows) else ""
+        raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in lost)]))
+    kept = {run: one for run, one in sines.items() if run not in left_out}
+    moving = {run: one for run, one in free.items() if run not in left_out}
+    settings, contradicted = _settings(kept)
+    failures = [(one.run, one.failure) for one in lost if one.failure and one.run not in sensors.failed]
+    return Judged(
+        sines={run: one for run, (_, one) in kept.items()},
+        free=moving,
+        left_out=lost,
+        settings=settings,
+        sensors=sensors,
+        faults=(*faults_of_failures(failures), *sensors.faults),
+        doubts=doubts,
+        remarks=(
+            *doubts,
+            *(fault.words for fault in sensors.faults if fault.done != "left out"),
+            *contradicted,
+            *_moving_from_the_start(moving),
+        ),
+    )
+
+
+def _stated(row: RunRow, seen: SeenSine) -> ShownRun:
+    """Give a run as its units are doubted."""
+    return ShownRun(
+        run=row.run,
+        amplitude_mm=(row.amplitude_mm, seen.shown.amplitude_mm),
+        frequency_Hz=(row.frequency_Hz, seen.cycles.frequency_Hz),
+        temperature_C=(row.temperature_C, seen.temperature_C),
+        stiffness=abs(seen.shown.stiffness),
+        step_s=seen.step_s,
+    )
+
+
+def _observed(row: RunRow, seen: SeenSine) -> Observed:
+    """Give a run as its sensors show it."""
+    density = math.nan if row.density_g_cm3 is None else row.density_g_cm3
+    return Observed(
+        name=row.run,
+        nominal_mm=row.amplitude_mm,
+        temperature_C=row.temperature_C,
+        further={"density_g_cm3": density, **row.conditions},
+        labels=row.texts,
+        seen=seen,
+    )
+
+
+def _settings(sines: Mapping[str, tuple[RunRow, SeenSine]]) -> tuple[dict[str, Settings], tuple[str, ...]]:
+    """Give amplitudes and frequencies but for those that records contradict, and words about these."""
+    amplitudes = [(row.amplitude_mm, one.shown.amplitude_mm) for row, one in sines.values()]
+    frequencies = [(row.frequency_Hz, one.cycles.frequency_Hz) for row, one in sines.values()]
+    words = (contradiction("amplitude_mm", amplitudes), contradiction("frequency_Hz", frequencies))
+    settings = {
+        run: (unless_contradicted(*amplitude), unless_contradicted(*frequency))
+        for run, amplitude, frequency in zip(sines, amplitudes, frequencies, strict=True)
+    }
+    return settings, tuple(filter(None, words))
+
+
+def _moving_from_the_start(free: Mapping[str, SeenFree]) -> tuple[str, ...]:
+    """Say which runs of free motion don't begin at rest."""
+    names = [run for run, one in free.items() if not one.begins_at_rest]
+    if not names:
+        return ()
+    return (
+        f"{len(names)} of {len(free)} runs of free motion {'begin' if len(names) > 1 else 'begins'} in motion "
+        f"({', '.join(names)}); a law follows them from rest, so that it may err until its memory has caught up",
+    )

@@ -1,0 +1,90 @@
+"""What a run's record says of the run: small beside its samples, enough to judge all runs together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.campaign.clipping import UNITS, Extremes, extremes_of
+from pipeclamp_identification.campaign.cycles import Cycles
+from pipeclamp_identification.campaign.faults import Channel, SensorFailure
+from pipeclamp_identification.campaign.free_motion import begins_at_rest, fundamental_of_motion
+from pipeclamp_identification.campaign.plausibility import CycleByCycle, Fundamental, cycle_by_cycle, fundamental_of
+from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.signals.smooth_motion import SmoothMotion
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A run that can't be used, and why; with the failure, where a sensor's is the reason."""
+
+    run: str
+    reason: str
+    failure: SensorFailure | None = None
+
+    def __str__(self) -> str:
+        return f"run {self.run!r} is left out: {self.reason}"
+
+
+@dataclass(frozen=True)
+class SeenRecord:
+    """What a record shows.
+
+    Attributes:
+        start_s, end_s, step_s: when it begins and ends by its own clock, and its usual step.
+        temperature_C: mean of what was measured; nan where it wasn't.
+        shown: of a sine the fundamental, of a free motion the equivalent spring and dashpot.
+    """
+
+    start_s: float
+    end_s: float
+    step_s: float
+    temperature_C: float
+    shown: Fundamental
+
+
+@dataclass(frozen=True)
+class SeenSine(SeenRecord):
+    """What a record of a sine shows.
+
+    Attributes:
+        cycles: the steady ones.
+        by_cycle: mean and fundamental of each.
+        ends: how far each channel goes.
+    """
+
+    cycles: Cycles
+    by_cycle: CycleByCycle
+    ends: Mapping[Channel, Extremes]
+
+
+@dataclass(frozen=True)
+class SeenFree(SeenRecord):
+    """What a record of a free motion shows: also whether it begins at rest."""
+
+    begins_at_rest: bool
+
+
+def seen_sine(record: Record, cycles: Cycles) -> SeenSine:
+    """Look at a record of a sine that can be used."""
+    by_cycle = cycle_by_cycle(record, cycles)
+    shown = fundamental_of(record, cycles, by_cycle)
+    force = shown.amplitude_mm * abs(shown.stiffness)
+    ends = {channel: extremes_of(record, cycles, channel, force) for channel in UNITS}
+    return SeenSine(*_clock(record), shown, cycles, by_cycle, ends)
+
+
+def seen_free(record: Record, motion: SmoothMotion) -> SeenFree:
+    """Look at a record of a free motion that can be used."""
+    return SeenFree(*_clock(record), fundamental_of_motion(record, motion), begins_at_rest(motion))
+
+
+def _clock(record: Record) -> tuple[float, float, float, float]:
+    """Give begin, end and step of the time, and the mean temperature."""
+    time, temperature = record.time_s, record.temperature_C
+    known = np.empty(0) if temperature is None else temperature[np.isfinite(temperature)]
+    begin, end = float(time[0]), float(time[-1])
+    return begin, end, (end - begin) / (len(time) - 1), float(np.mean(known)) if len(known) else math.nan
