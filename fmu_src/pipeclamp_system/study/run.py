@@ -17,6 +17,7 @@ import joblib
 
 from pipeclamp_models.base.errors import InterruptError, UserError
 from pipeclamp_models.base.files import read_text, write_whole
+from pipeclamp_models.base.processes import ignore_interrupts
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.study.case import Row, evaluate
 from pipeclamp_system.study.description import Study
@@ -90,11 +91,6 @@ def run_study(
     return frame
 
 
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C, which a terminal sends to all processes, to the one that hands out the cases."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 @contextmanager
 def _interrupted(tell: Callable[[], None]) -> Iterator[threading.Event]:
     """Give what the first Ctrl-C sets, and tell of it; a second one interrupts. Only the main thread hears signals."""
@@ -163,7 +159,7 @@ def _backend(scheduler: str | None) -> Iterator[None]:
         UserError: Dask isn't installed, or no scheduler answers.
     """
     if scheduler is None:
-        with joblib.parallel_config(backend="loky", initializer=_ignore_interrupts):
+        with joblib.parallel_config(backend="loky", initializer=ignore_interrupts):
             yield
         return
     try:

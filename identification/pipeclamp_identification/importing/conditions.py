@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
-from pipeclamp_identification.importing.decoding import decoded
 from pipeclamp_identification.importing.raw import Damaged
+from pipeclamp_identification.importing.texts.decoding import decoded
 from pipeclamp_identification.units.stated import SETTINGS, conversion
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.law.range import rounded

@@ -148,17 +148,28 @@ def _spikes(values: Array) -> npt.NDArray[np.bool_]:
     if len(values) < 12 or not np.all(np.isfinite(values)):
         return none
     low, high = np.percentile(values, [1, 99])
+    bound = OF_RANGE * float(high - low)
     found = none.copy()
     # of one sample, or of two in a row, as a filter leaves it
     for width in (1, 2):
         before, after = values[: -width - 1], values[width + 1 :]
-        inside = np.stack([values[1 + step : len(values) - width + step] for step in range(width)])
-        share = np.arange(1, width + 1)[:, None] / (width + 1)
-        off = inside - (before + share * (after - before))
+        off = _off_the_line(values, width)
+        # most channels have none: what is usual needn't be known then
+        if all(np.max(np.abs(one)) <= bound for one in off):
+            continue
         least = np.where(np.all(off > 0, axis=0) | np.all(off < 0, axis=0), np.min(np.abs(off), axis=0), 0.0)
         usual = 1.4826 * float(np.median(np.abs(off)))
-        bound = max(SPIKE * usual, OF_RANGE * float(high - low))
-        at = np.flatnonzero((least > bound) & (np.abs(after - before) < APART * least)) + 1
+        at = np.flatnonzero((least > max(SPIKE * usual, bound)) & (np.abs(after - before) < APART * least)) + 1
         for step in range(width):
             found[at + step] = True
     return found if np.count_nonzero(found) <= max(MOST_SPIKES * len(values), 3) else none
+
+
+def _off_the_line(values: Array, width: int) -> Array:
+    """Give how far so many samples in a row lie off the line between those beside them, shape (width, n)."""
+    before, after = values[: -width - 1], values[width + 1 :]
+    off = np.empty((width, len(before)))
+    for step in range(width):
+        share = (step + 1) / (width + 1)
+        off[step] = values[1 + step : len(values) - width + step] - (before + share * (after - before))
+    return off

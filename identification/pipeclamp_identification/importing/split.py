@@ -105,7 +105,7 @@ def _levels(time: Array, y: Array, known: IntArray | None) -> tuple[list[Part], 
     if len(turns) < 6:
         return whole, []
     ranges = np.abs(np.diff(y[turns]))
-    middles = np.array([_crossing(time, y, a, b) for a, b in itertools.pairwise(turns.tolist())])
+    middles = _crossings(time, y, turns)
     amplitude = (ranges[:-2] + 2 * ranges[1:-1] + ranges[2:]) / 8
     period = middles[2:] - middles[:-2]
     stretches = _stretches(np.log(np.maximum(amplitude, 1e-300)), np.log(np.maximum(period, 1e-300)))
@@ -150,18 +150,25 @@ def _moving(turns: IntArray, ranges: Array) -> int:
     return int(np.sum(lengths[ranges > AT_REST * np.max(ranges)]))
 
 
-def _crossing(time: Array, y: Array, first: int, last: int) -> float:
-    """Give when a half cycle passes the middle of its way."""
-    middle = (y[first] + y[last]) / 2
-    above = (y[first : last + 1] - middle) * (1.0 if y[last] > y[first] else -1.0) >= 0
-    at = first + int(np.argmax(above))
-    before, after = y[max(at - 1, 0)], y[at]
-    share = (middle - before) / (after - before) if after != before else 0.0
-    return float(time[max(at - 1, 0)] + share * (time[at] - time[max(at - 1, 0)]))
+def _crossings(time: Array, y: Array, turns: IntArray) -> Array:
+    """Give when each half cycle passes the middle of its way."""
+    begin, end = turns[:-1], turns[1:]
+    middle, rising = (y[begin] + y[end]) / 2, np.where(y[end] > y[begin], 1.0, -1.0)
+    half = np.repeat(np.arange(len(begin)), end - begin)
+    passed = np.flatnonzero((y[turns[0] : turns[-1]] - middle[half]) * rising[half] >= 0) + turns[0]
+    following = np.searchsorted(passed, begin)
+    first = np.append(passed, turns[-1])[following]
+    at = np.minimum(first, end)
+    before = np.maximum(at - 1, 0)
+    step = y[at] - y[before]
+    share = np.divide(middle - y[before], step, out=np.zeros(len(at)), where=step != 0)
+    return np.asarray(time[before] + share * (time[at] - time[before]))
 
 
 def _stretches(amplitude: Array, period: Array) -> list[tuple[int, int]]:
     """Give rows of half cycles whose amplitude and period stay, as (first, one after the last)."""
+    if _stays(amplitude) and _stays(period):
+        return [(0, len(amplitude))]
     found, begin = [], 0
     amplitudes, periods = amplitude.tolist(), period.tolist()
     for place in range(1, len(amplitude) + 1):
@@ -174,6 +181,19 @@ def _stretches(amplitude: Array, period: Array) -> list[tuple[int, int]]:
         found.append((begin, place))
         begin = place
     return found
+
+
+def _stays(values: Array) -> bool:
+    """Tell whether no value leaves the level of those before it."""
+    begun = all(
+        abs(value - median(values[:place].tolist())) < SAME_LEVEL
+        for place, value in enumerate(values[:REMEMBERED].tolist())
+        if place
+    )
+    if len(values) <= REMEMBERED or not begun:
+        return begun
+    before = np.median(np.lib.stride_tricks.sliding_window_view(values[:-1], REMEMBERED), axis=1)
+    return bool(np.all(np.abs(values[REMEMBERED:] - before) < SAME_LEVEL))
 
 
 def _cut_at(levels: Sequence[_Level], turns: IntArray, time: Array, y: Array) -> tuple[list[Part], list[Part]]:

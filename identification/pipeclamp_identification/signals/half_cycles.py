@@ -40,9 +40,10 @@ def half_cycles(y: Array, least: Array) -> HalfCycles:
 
 def turning_points(y: Array, least: Array) -> IntArray:
     """Give the samples at which the motion turns, the first and the last one among them."""
+    places = _extremes(y) if np.ptp(least) == 0.0 else np.arange(len(y))
+    values = y[places].tolist()
     found, extreme, direction = [0], 0, 0
-    values = y.tolist()
-    for index, (value, way) in enumerate(zip(values, least.tolist(), strict=True)):
+    for index, (value, way) in enumerate(zip(values, least[places].tolist(), strict=True)):
         beyond = value - values[extreme]
         if direction == 0:
             if abs(beyond) > way:
@@ -54,4 +55,15 @@ def turning_points(y: Array, least: Array) -> IntArray:
             extreme, direction = index, -direction
     last = len(values) - 1
     found += [point for point in dict.fromkeys((extreme, last)) if point > found[-1]]
-    return np.array(found if len(found) > 1 else [0, last], dtype=np.intp)
+    return np.asarray(places[found if len(found) > 1 else [0, last]], dtype=np.intp)
+
+
+def _extremes(y: Array) -> IntArray:
+    """Give the samples at which a motion can turn, of samples alike the last, with the first and the last sample.
+
+    Where one way back counts everywhere, those between are passed over: the motion goes on there.
+    """
+    slope = np.sign(np.diff(y))
+    moving = np.flatnonzero(slope)
+    turns = moving[1:][slope[moving[1:]] != slope[moving[:-1]]]
+    return np.unique(np.concatenate([[0], turns, [len(y) - 1]])).astype(np.intp)

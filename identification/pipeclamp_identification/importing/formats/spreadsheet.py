@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, table_of
-from pipeclamp_identification.importing.sniffing import names_above
+from pipeclamp_identification.importing.texts.sniffing import names_above
 
 OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 LARGEST, MOST_TIMES = 4 << 30, 300

@@ -5,82 +5,165 @@ from __future__ import annotations
 import gzip
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO, cast
 
 import numpy as np
+import numpy.typing as npt
 
-from pipeclamp_identification.importing.decoding import decoded
 from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable
-from pipeclamp_identification.importing.sniffing import Layout, cells_of, layout_of
+from pipeclamp_identification.importing.texts.clock import Clock
+from pipeclamp_identification.importing.texts.decoding import text_blocks
+from pipeclamp_identification.importing.texts.sniffing import Layout, cells_of, layout_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.tables import pl
 
 GZIP = b"\x1f\x8b"
 LARGEST = 8 << 30
 """Bytes of text that a packed file may hold."""
+BLOCK = 64 << 20
+"""Bytes of text that are turned into numbers at once; the first of them tell how the table is held."""
 SEVERAL_BLANKS = re.compile(r"[ \t]+")
 FEWEST_ROWS = 8
 """Rows from which on a block of numbers is one of samples, where there are longer ones."""
 MOSTLY = 0.5
 """A row without so many of its numbers parts blocks."""
-STAMP_FORMATS = ("%Y-%m-%d", "%d.%m.%Y", "%Y/%m/%d", "%m/%d/%Y", "%d/%m/%Y", "%d-%m-%Y")
 
 
 def read(path: Path) -> Sequence[RawTable]:
-    """Read the tables of a text: one, or a block each where lines without numbers part them."""
-    text, encoding = decoded(_content(path))
-    lines = text.split("\n")
-    layout = layout_of(lines)
-    if layout.delimiter == " ":
-        table = "\n".join(SEVERAL_BLANKS.sub("\t", line.strip()) for line in lines[layout.first :])
-        columns = _columns(table, "\t", layout)
-    else:
-        columns = _columns("\n".join(lines[layout.first :]), layout.delimiter, layout)
-    numeric = [place for place, values in enumerate(columns) if np.any(np.isfinite(values))]
-    if len(numeric) < 2:
-        raise Damaged("holds no table of numbers")
-    matrix = np.stack([columns[place] for place in numeric])
-    told = (f"text in {encoding}, {layout.words()}",)
-    blocks = _blocks(matrix)
-    _refuse_other_order(lines, layout, blocks)
-    return [
-        RawTable(
-            f"block {number}" if len(blocks) > 1 else "",
-            tuple(
-                Channel(layout.names[place], layout.units[place], matrix[row, first:last])
-                for row, place in enumerate(numeric)
-            ),
-            layout.first + first + 1,
-            told,
-        )
-        for number, (first, last) in enumerate(blocks, 1)
-    ]
+    """Read the tables of a text: one, or a block each where lines without numbers part them.
+
+    The text is never held whole.
+    """
+    with _opened(path) as stream:
+        texts = text_blocks(stream, BLOCK, LARGEST)
+        text, encoding = next(texts)
+        lines = text.split("\n")
+        layout = layout_of(lines)
+        header = sum(len(line) + 1 for line in lines[: layout.first])
+        del lines
+        columns = _Columns(layout)
+        columns.add(text[header:])
+        for text, own in texts:
+            columns.add(text)
+            encoding = own
+    return columns.tables(f"text in {encoding}, {layout.words()}")
 
 
-def _content(path: Path) -> bytes:
+@contextmanager
+def _opened(path: Path) -> Iterator[BinaryIO]:
+    """Open a file's text, unpacked."""
     with path.open("rb") as stream:
-        if stream.read(2) != GZIP:
-            stream.seek(0)
-            return stream.read()
-    with gzip.open(path) as unpacked:
-        content = unpacked.read(LARGEST + 1)
-    if len(content) > LARGEST:
-        raise Damaged(f"holds more than {LARGEST >> 30} GiB of text")
-    return content
+        packed = stream.read(len(GZIP)) == GZIP
+        stream.seek(0)
+        if not packed:
+            yield stream
+            return
+        with gzip.open(stream) as unpacked:
+            yield cast(BinaryIO, unpacked)
 
 
-def _columns(text: str, delimiter: str, layout: Layout) -> list[Array]:
-    """Give the numbers of each column, nan where a cell holds none."""
-    content = text.encode()
-    quote = '"' if '"' in text else None
-    try:
-        # most tables are numbers from end to end
-        frame = _frame(content, delimiter, layout, quote, numbers=True)
-    except pl.exceptions.PolarsError:
-        frame = _frame(content, delimiter, layout, quote, numbers=False)
-        return [_numbers(frame[name], layout.decimal) for name in frame.columns]
-    return [frame[name].fill_null(float("nan")).to_numpy() for name in frame.columns]
+class _Columns:
+    """The numbers of a text's columns, taken block after block."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        self.length = 0
+        self._values: list[list[Array]] = [[] for _ in range(layout.width)]
+        self._present: list[npt.NDArray[np.uint16]] = []
+        self._clocks: dict[int, Clock] = {}
+        self._between: dict[int, str] = {}
+
+    def add(self, text: str) -> None:
+        """Take the rows of a block."""
+        if not text.strip():
+            return
+        found = self._numbers_in(text)
+        present = np.zeros(len(found[0]), dtype=np.uint16)
+        for values, own in zip(self._values, found, strict=True):
+            values.append(own)
+            present += np.isfinite(own)
+        gaps = np.flatnonzero(present < MOSTLY * self.layout.width)
+        if len(gaps):
+            lines = text.split("\n")
+            self._between |= {self.length + row: lines[row] for row in gaps.tolist() if row < len(lines)}
+        self._present.append(present)
+        self.length += len(present)
+
+    def _numbers_in(self, text: str) -> list[Array]:
+        """Give the numbers of each column of a block, nan where a cell holds none."""
+        layout, delimiter = self.layout, self.layout.delimiter
+        if delimiter == " ":
+            text, delimiter = "\n".join(SEVERAL_BLANKS.sub("\t", line.strip()) for line in text.split("\n")), "\t"
+        content, quote = text.encode(), '"' if '"' in text else None
+        try:
+            # most tables are numbers from end to end
+            frame = _frame(content, delimiter, layout, quote, numbers=True)
+        except pl.exceptions.PolarsError:
+            frame = _frame(content, delimiter, layout, quote, numbers=False)
+            return [self._read(place, frame[name]) for place, name in enumerate(frame.columns)]
+        return [frame[name].fill_null(float("nan")).to_numpy() for name in frame.columns]
+
+    def _read(self, place: int, cells: pl.Series) -> Array:
+        """Give a column's numbers, nan where a cell is none; stamps of time become seconds."""
+        text = cells.str.strip_chars()
+        if self.layout.decimal == ",":
+            plain = text.str.replace(",", ".", literal=True, n=1)
+            plain = plain.set(text.str.contains(".", literal=True).fill_null(False), None)
+        else:
+            plain = text
+        numbers = plain.cast(pl.Float64, strict=False)
+        stamped = numbers.null_count() > MOSTLY * len(numbers) and text.str.contains(":", literal=True).any()
+        if place in self._clocks or stamped:
+            return self._clocks.setdefault(place, Clock()).seconds(text)
+        return numbers.fill_null(float("nan")).to_numpy()
+
+    def tables(self, told: str) -> list[RawTable]:
+        """Give the tables.
+
+        Raises:
+            Damaged: there is none, or a later one has its columns in another order.
+        """
+        values = []
+        for place, pieces in enumerate(self._values):
+            samples = np.concatenate(pieces) if len(pieces) != 1 else pieces[0]
+            pieces.clear()
+            values.append(self._clocks[place].continued(samples) if place in self._clocks else samples)
+        numeric = [place for place, samples in enumerate(values) if np.any(np.isfinite(samples))]
+        if len(numeric) < 2:
+            raise Damaged("holds no table of numbers")
+        layout = self.layout
+        blocks = _blocks(np.concatenate(self._present) >= MOSTLY * len(numeric))
+        self._refuse_other_order(blocks)
+        return [
+            RawTable(
+                f"block {number}" if len(blocks) > 1 else "",
+                tuple(
+                    Channel(layout.names[place], layout.units[place], values[place][first:last]) for place in numeric
+                ),
+                layout.first + first + 1,
+                (told,),
+            )
+            for number, (first, last) in enumerate(blocks, 1)
+        ]
+
+    def _refuse_other_order(self, blocks: Sequence[tuple[int, int]]) -> None:
+        """Refuse a later block whose names stand in another order: its numbers would go for others.
+
+        Raises:
+            Damaged: one does.
+        """
+        names = self.layout.names
+        for (_, before), (after, _) in itertools.pairwise(blocks):
+            for row in range(before, after):
+                cells = cells_of(self._between.get(row, ""), self.layout.delimiter)[: self.layout.width]
+                if len(set(cells) & set(names)) >= 2 and tuple(cells) != names[: len(cells)]:
+                    raise Damaged(
+                        f"has other columns from line {self.layout.first + row + 1} on; expected one order of columns "
+                        "in a file"
+                    )
 
 
 def _frame(content: bytes, delimiter: str, layout: Layout, quote: str | None, *, numbers: bool) -> pl.DataFrame:
@@ -96,65 +179,14 @@ def _frame(content: bytes, delimiter: str, layout: Layout, quote: str | None, *,
     )
 
 
-def _numbers(cells: pl.Series, decimal: str) -> Array:
-    """Give a column's numbers, nan where a cell is none; stamps of time become seconds."""
-    text = cells.str.strip_chars()
-    if decimal == ",":
-        plain = text.str.replace(",", ".", literal=True, n=1)
-        plain = plain.set(text.str.contains(".", literal=True).fill_null(False), None)
-    else:
-        plain = text
-    numbers = plain.cast(pl.Float64, strict=False)
-    if numbers.null_count() > MOSTLY * len(numbers) and text.str.contains(":", literal=True).any():
-        return _stamps(text)
-    return numbers.fill_null(float("nan")).to_numpy()
-
-
-def _stamps(text: pl.Series) -> Array:
-    """Give stamps of time in seconds: of the day, or since the first of them where they have a date."""
-    clock = text.str.extract(r"(\d{1,3}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?", 1).cast(pl.Float64, strict=False) * 3600.0
-    clock += text.str.extract(r"\d{1,3}:(\d{2})", 1).cast(pl.Float64, strict=False) * 60.0
-    seconds = text.str.extract(r"\d{1,3}:\d{2}:(\d{2}(?:[.,]\d+)?)", 1).str.replace(",", ".", literal=True)
-    clock += seconds.cast(pl.Float64, strict=False).fill_null(0.0)
-    values: Array = clock.fill_null(float("nan")).to_numpy()
-    date = text.str.extract(r"^(\d{1,4}[-./]\d{1,2}[-./]\d{1,4})[ T]", 1)
-    if date.null_count() < len(date):
-        for pattern in STAMP_FORMATS:
-            days = date.str.to_date(pattern, strict=False)
-            if days.null_count() == date.null_count():
-                number = days.cast(pl.Int32).cast(pl.Float64).fill_null(float("nan")).to_numpy()
-                return np.asarray(values + 86400.0 * (number - np.nanmin(number)))
-    # over midnight the clock begins anew
-    steps = np.flatnonzero(np.diff(values) < -43200.0)
-    for step in steps:
-        values = np.concatenate([values[: step + 1], values[step + 1 :] + 86400.0])
-    return values
-
-
-def _blocks(matrix: Array) -> list[tuple[int, int]]:
-    """Give first row and the one after the last of each block of numbers."""
-    present = np.isfinite(matrix)
-    kept = np.mean(present, axis=0) >= MOSTLY
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], kept.astype(np.int8), [0]])))
+def _blocks(kept: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Give first row and the one after the last of each block of rows that hold numbers."""
+    edges = np.flatnonzero(np.diff(kept.astype(np.int8), prepend=0, append=0))
     found = [(int(first), int(last)) for first, last in zip(edges[::2], edges[1::2], strict=True)]
     longest = max((last - first for first, last in found), default=0)
     if not longest:
         raise Damaged("holds no table of numbers")
     return [(first, last) for first, last in found if last - first >= min(FEWEST_ROWS, longest)]
-
-
-def _refuse_other_order(lines: Sequence[str], layout: Layout, blocks: Sequence[tuple[int, int]]) -> None:
-    """Refuse a later block whose names stand in another order: its numbers would go for others.
-
-    Raises:
-        Damaged: one does.
-    """
-    for (_, before), (after, _) in itertools.pairwise(blocks):
-        for index in range(layout.first + before, layout.first + after):
-            cells = cells_of(lines[index], layout.delimiter)[: layout.width]
-            alike = set(cells) & set(layout.names)
-            if len(alike) >= 2 and tuple(cells) != layout.names[: len(cells)]:
-                raise Damaged(f"has other columns from line {index + 1} on; expected one order of columns in a file")
 
 
 FORMAT = Format(

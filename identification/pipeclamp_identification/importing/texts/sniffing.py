@@ -16,6 +16,8 @@ WORDS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blan
 PLACES = 40
 """Parts of the file that lines are looked at in."""
 LINES_A_PLACE = 5
+MANY_LINES = 300
+"""Lines up to which all are looked at."""
 FEWEST_COLUMNS = 2
 CLEAR = 0.6
 """Share of the lines that a way to part cells must make rows of numbers of."""
@@ -78,26 +80,35 @@ def layout_of(lines: Sequence[str]) -> Layout:
     Raises:
         Damaged: no way to part them makes a table of numbers.
     """
-    filled = [index for index, line in enumerate(lines) if line.strip()]
-    if not filled:
+    places = _places(lines)
+    sample = [lines[index] for index in places]
+    if not sample:
         raise Damaged("is empty; expected a table of numbers")
-    # short rows at the end of a file that was cut, and the header, are few among many places
-    begins = [filled[len(filled) * place // PLACES] for place in range(PLACES)] if len(filled) > 300 else [0]
-    sample = (
-        [lines[index] for begin in begins for index in range(begin, min(begin + LINES_A_PLACE, len(lines)))]
-        if len(begins) > 1
-        else [lines[index] for index in filled]
-    )
-    sample = [line for line in sample if line.strip()]
-    ways = [(delimiter, decimal) for delimiter in DELIMITERS for decimal in (".", ",")]
+    parting = [one for one in DELIMITERS if any(len(cells_of(line, one)) >= FEWEST_COLUMNS for line in sample)]
+    ways = [(delimiter, decimal) for delimiter in parting for decimal in (".", ",")]
     scored = [(*_score(sample, *way), way) for way in ways if not (way[0] == "," and way[1] == ",")]
-    share, width, (delimiter, decimal) = max(scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[2][0])))
+    share, width, (delimiter, decimal) = max(
+        scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[2][0])), default=(0.0, 0, ("", ""))
+    )
     if share == 0.0:
         raise Damaged("holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks")
     first = _first_line(lines, delimiter, decimal, width)
     width = len(_trimmed(cells_of(lines[first], delimiter)))
     names, units = _names_and_units(lines[:first], delimiter, width)
     return Layout(delimiter, decimal, width, first, names, units)
+
+
+def _places(lines: Sequence[str]) -> list[int]:
+    """Give the lines that are looked at, blank ones aside: of a long file some at many places.
+
+    Short rows at the end of a file that was cut, and the header, are few among them.
+    """
+    if len(lines) > MANY_LINES:
+        begins = [len(lines) * place // PLACES for place in range(PLACES)]
+        found = [index for begin in begins for index in range(begin, begin + LINES_A_PLACE) if lines[index].strip()]
+        if len(found) > len(begins):
+            return found
+    return [index for index, line in enumerate(lines) if line.strip()]
 
 
 def _trimmed(cells: list[str]) -> list[str]:

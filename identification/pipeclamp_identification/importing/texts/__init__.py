@@ -1,0 +1,4 @@
+"""What delimited text needs before its numbers can be taken: encoding, layout, stamps of time.
+
+Nothing here knows of channels or units beyond their names.
+"""

@@ -1,0 +1,115 @@
+"""Bytes to text: UTF-8, UTF-16 and UTF-32 by their marks or zeros, else the Windows code page, as machines write it."""
+
+from __future__ import annotations
+
+import codecs
+import io
+from collections.abc import Iterator
+from typing import BinaryIO
+
+from pipeclamp_identification.importing.raw import Damaged
+
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+"""Byte order marks, the longer ones before those that they begin with."""
+LOOKED_AT = 4096
+ZEROS = 0.3
+"""Share of the bytes at even, or at odd places that are zero in UTF-16 text of numbers."""
+
+
+def decoded(content: bytes) -> tuple[str, str]:
+    """Give a file's text with line ends of one kind, and the name of its encoding; see `text_blocks`.
+
+    Raises:
+        Damaged: it is no text.
+    """
+    return next(text_blocks(io.BytesIO(content), len(content), len(content)), ("", "utf-8"))
+
+
+def text_blocks(stream: BinaryIO, size: int, most: int) -> Iterator[tuple[str, str]]:
+    """Give a file's text in blocks of whole lines, with line ends of one kind, and the name of its encoding.
+
+    Without a byte order mark it is UTF-8 where it can be; other bytes are of the Windows code page 1252, which holds
+    Latin-1's letters. That decides about names alone: numbers are the same in all of these.
+
+    Args:
+        stream: of the file.
+        size: bytes of a block, about; all of the text is in one where it holds no more.
+        most: bytes that it may hold.
+
+    Raises:
+        Damaged: it is no text, or holds more.
+    """
+    content, rest, read = stream.read(size), "", 0
+    decoder = _Decoder(content)
+    while content:
+        read += len(content)
+        if read > most:
+            raise Damaged(f"holds more than {most / 2**30:.3g} GiB of text")
+        following = stream.read(size)
+        text = rest + decoder.text(content, final=not following)
+        if "\0" in text:
+            raise Damaged("holds zero bytes, as no text does")
+        # a line, and a line end of two characters, may be parted
+        end = len(text) - (bool(following) and text.endswith("\r"))
+        whole, rest = text[:end], text[end:]
+        if "\r" in whole:
+            whole = whole.replace("\r\n", "\n").replace("\r", "\n")
+        if following:
+            whole, _, begun = whole.rpartition("\n")
+            rest = begun + rest
+        if whole or not following:
+            yield whole, decoder.encoding.removesuffix("-sig")
+        content = following
+
+
+class _Decoder:
+    """Bytes to text, block by block; where they can't be of one encoding, the next one is taken from there on."""
+
+    def __init__(self, head: bytes) -> None:
+        encoding = _encoding(head)
+        self._others = ["cp1252", "latin-1"] if encoding == "utf-8" else []
+        self._read = 0
+        self._begin(encoding)
+
+    def _begin(self, encoding: str) -> None:
+        self.encoding = encoding
+        self._decoder = codecs.getincrementaldecoder(encoding)()
+
+    def text(self, content: bytes, *, final: bool) -> str:
+        """Give the text of a block.
+
+        Raises:
+            Damaged: it is none of any encoding.
+        """
+        pending = self._decoder.getstate()[0]
+        try:
+            text = self._decoder.decode(content, final)
+        except UnicodeDecodeError as error:
+            self._read -= len(pending)
+            if not self._others:
+                place = self._read + error.start
+                raise Damaged(f"is no whole text in {self.encoding} (byte {place})") from error
+            self._begin(self._others.pop(0))
+            return self.text(pending + content, final=final)
+        self._read += len(content)
+        return text
+
+
+def _encoding(content: bytes) -> str:
+    for mark, name in MARKS:
+        if content.startswith(mark):
+            return name
+    head = content[:LOOKED_AT]
+    if len(head) >= 4:
+        even, odd = head[::2].count(0) / len(head[::2]), head[1::2].count(0) / len(head[1::2])
+        if odd > ZEROS > 2 * even:
+            return "utf-16-le"
+        if even > ZEROS > 2 * odd:
+            return "utf-16-be"
+    return "utf-8"
