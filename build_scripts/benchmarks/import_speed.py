@@ -49,7 +49,7 @@ class Taken:
 
 def settings(count):
     """Give amplitude in mm, frequency in Hz and temperature in degC of each run, in turn."""
-    every = list(product(TEMPERATURES, FREQUENCIES, AMPLITUDES))
+    every = list(product(AMPLITUDES, FREQUENCIES, TEMPERATURES))
     return [every[number % len(every)] for number in range(count)]
 
 

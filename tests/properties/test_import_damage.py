@@ -88,7 +88,7 @@ def test_a_damaged_file_ends_in_one_message(kind, tmp_path):
     def damage_it(damage, other):
         path.write_bytes(damaged(whole(kind), damage, whole(other)))
         try:
-            plan = plan_import([path], Options())
+            plan = plan_import([path], Options(), tmp_path)
         except UserError as error:
             first, *rest = str(error).splitlines()
             assert first.startswith(str(path)) or path.name in first or "no run can be used" in first
@@ -125,7 +125,7 @@ def test_a_file_without_a_force_says_so(kind, tmp_path, monkeypatch):
         monkeypatch.setattr(format_writers, "UNITS", {"Zeit": "s", "Weg": "mm", "Druck": "bar"})
         KINDS[kind].write(path, loop())
     with pytest.raises(UserError, match="no channel is called a force or is in a unit of one"):
-        plan_import([path], Options())
+        plan_import([path], Options(), tmp_path)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -133,7 +133,7 @@ def test_an_empty_file_says_so(kind, tmp_path):
     path = tmp_path / f"a{KINDS[kind].ending}"
     path.write_bytes(b"")
     with pytest.raises(UserError, match="is empty"):
-        plan_import([path], Options())
+        plan_import([path], Options(), tmp_path)
 
 
 def far_cell(path: Path) -> None:
@@ -185,4 +185,4 @@ def test_a_file_that_claims_more_than_it_holds_is_not_unpacked(name, tmp_path):
         pytest.importorskip(module)
     write(tmp_path / name)
     with pytest.raises(UserError, match=told):
-        plan_import([tmp_path / name], Options())
+        plan_import([tmp_path / name], Options(), tmp_path)

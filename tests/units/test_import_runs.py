@@ -11,8 +11,8 @@ from exports import RATE, Loop, loop, text
 import pipeclamp as pc
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
-from pipeclamp_identification.importing.repair import evened, without_spikes
-from pipeclamp_identification.importing.split import split
+from pipeclamp_identification.importing.samples.repair import evened, without_spikes
+from pipeclamp_identification.importing.samples.split import split
 from pipeclamp_models.base.errors import UsageError
 
 

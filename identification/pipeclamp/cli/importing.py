@@ -87,7 +87,7 @@ def import_command(
             dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value,
             progress=tell,
         )  # fmt: skip
-    for entry in found.campaign.left_out:
+    for entry in found.judged.left_out:
         errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
     for words in found.notes():
         errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)

@@ -8,17 +8,12 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import GRID, MEASURED, SERIES, Section, render, styled
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
 from pipeclamp.show.imported import columns_table, cut_table, import_lines, imported_runs_table
-from pipeclamp_identification.campaign.reading import Run
 from pipeclamp_identification.importing.answer import Found
+from pipeclamp_identification.importing.looked_at import CYCLES, ShownLoop
 from pipeclamp_identification.importing.plan import Overview
 
-POINTS = 240
-"""Points of a cycle that are drawn."""
-CYCLES = 4
-"""Cycles of a run that are drawn."""
 PANELS = 24
 """Loops in a picture."""
-MOST_LOOPS = 480
 LONGEST_NAME = 24
 """Characters of a run's name above its loop."""
 MOST_OVERVIEWS, MOST_LABELS = 40, 24
@@ -32,17 +27,17 @@ def import_page(found: Found) -> str:
 
 def import_parts(found: Found) -> tuple[str, str, list[Section]]:
     """Give the title of an import's page, what stands below it, and the sections."""
-    return f"Import of {found.campaign.name}", found.folder.name, import_sections(found)
+    return f"Import of {found.name}", found.folder.name, import_sections(found)
 
 
 def import_sections(found: Found) -> list[Section]:
     """Give the sections of an import's page."""
     answer = found.answer()
-    notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.campaign.left_out)]
+    notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.judged.left_out)]
     sections = [
         Section("What was imported", [*import_lines(found, answer), *notes], [columns_table(found.imported.files)]),
         *_overviews(found.plan.overviews),
-        *_loops(found.campaign.runs),
+        *_loops(found),
         Section("All runs", (), [imported_runs_table(answer)]),
     ]
     if answer.cut:
@@ -52,30 +47,26 @@ def import_sections(found: Found) -> list[Section]:
     return sections
 
 
-def _loops(runs: tuple[Run, ...]) -> list[Section]:
-    if not runs:
+def _loops(found: Found) -> list[Section]:
+    shown = [_panel(loop) for loop in found.looked.loops]
+    if not shown:
         return []
-    shown = runs[:MOST_LOOPS]
     pictures = [
         loops_picture(
-            [_panel(run) for run in shown[begin : begin + PANELS]],
-            f"Runs {begin + 1} to {min(begin + PANELS, len(shown))}",
+            shown[begin : begin + PANELS],
+            f"Loops {begin + 1} to {min(begin + PANELS, len(shown))}",
         )
         for begin in range(0, len(shown), PANELS)
     ]
     words = [f"Up to {CYCLES} steady cycles of each run, as measured."]
-    if len(runs) > len(shown):
-        words.append(f"Drawn are {len(shown)} of {len(runs)} runs.")
+    if len(found.judged.sines) > len(shown):
+        words.append(f"Drawn are {len(shown)} of {len(found.judged.sines)} runs, evenly over the campaign.")
     return [Section("Loops", words, (), pictures)]
 
 
-def _panel(run: Run) -> LoopPanel:
-    first, last = int(run.cycles.bounds[0]), int(run.cycles.bounds[min(CYCLES, run.cycles.count)])
-    count = min(CYCLES, run.cycles.count)
-    places = np.unique(np.linspace(first, last - 1, min(POINTS * count, last - first)).astype(np.intp))
-    name = run.name if len(run.name) <= LONGEST_NAME else f"{run.name[:LONGEST_NAME]}…"
-    y = np.round(run.record.displacement_mm[places], 6)
-    return LoopPanel(f"{name} ({run.cycles.count} cycles)", y, run.record.force_N[places], None)
+def _panel(loop: ShownLoop) -> LoopPanel:
+    name = loop.run if len(loop.run) <= LONGEST_NAME else f"{loop.run[:LONGEST_NAME]}…"
+    return LoopPanel(f"{name} ({loop.cycles} cycles)", loop.displacement, loop.force, None)
 
 
 def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:

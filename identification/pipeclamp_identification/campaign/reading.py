@@ -176,6 +176,15 @@ def seen_of(run: Run | FreeRun | LeftOut) -> SeenRecord | LeftOut:
     return seen_free(run.record, run.motion) if isinstance(run, FreeRun) else run
 
 
+def seen_in(folder: Path, description: CampaignDescription, row: RunRow) -> SeenRecord | LeftOut:
+    """Read a run's record and give what it shows, as `checked_run` and `seen_of` do.
+
+    Raises:
+        UserError: the file is missing or broken.
+    """
+    return seen_of(checked_run(row, read_run(folder, description, row)[1]))
+
+
 def read_run(folder: Path, description: CampaignDescription, row: RunRow) -> tuple[str, Record]:
     """Read a run's record, with its file's SHA-256.
 

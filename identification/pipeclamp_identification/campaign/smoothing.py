@@ -79,11 +79,16 @@ def find_smoothing(records: Sequence[tuple[Record, Cycles]]) -> Smoothing:
     Args:
         records: of all runs, with their cycles.
     """
-    usable = [(record, cycles) for record, cycles in records if cycles.count >= FEWEST_CYCLES]
-    some = usable[:: max(1, len(usable) // MOST_RUNS)]
+    some = [records[place] for place in asked([cycles for _, cycles in records])]
     displacement = [_between_harmonics(record.displacement_mm, cycles) for record, cycles in some]
     force = [_between_harmonics(record.force_N, cycles) for record, cycles in some]
     return Smoothing(_share(displacement), _share(force))
+
+
+def asked(runs: Sequence[Cycles]) -> list[int]:
+    """Give the places of the runs whose noise is looked at, of many runs some."""
+    usable = [place for place, cycles in enumerate(runs) if cycles.count >= FEWEST_CYCLES]
+    return usable[:: max(1, len(usable) // MOST_RUNS)]
 
 
 def _between_harmonics(samples: Array, cycles: Cycles) -> Array:

@@ -8,7 +8,9 @@ from pathlib import Path
 from pydantic import Field
 
 from pipeclamp_identification.campaign.description import Imported
-from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.judging import Judged
+from pipeclamp_identification.campaign.runs_table import RunRow
+from pipeclamp_identification.importing.looked_at import LookedAt
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
 
@@ -53,45 +55,49 @@ class ImportAnswer(AnswerModel):
 
 @dataclass(frozen=True)
 class Found:
-    """What an import found: the plan, the campaign as it is read, and what campaign.toml says of it.
+    """What an import found: the plan, the campaign as a reader finds it, and what campaign.toml says of it.
 
     Attributes:
-        folder: of the campaign.
+        folder, name: of the campaign.
         plan: of what was new.
-        campaign: with what it held before.
+        rows: of runs.csv, with what it held before.
+        judged: all its runs.
+        looked: some of them more closely.
         imported: campaign.toml's table of that name.
         written: whether anything was.
     """
 
     folder: Path
+    name: str
     plan: Plan
-    campaign: Campaign
+    rows: tuple[RunRow, ...]
+    judged: Judged
+    looked: LookedAt
     imported: Imported
     written: bool
 
     def notes(self) -> tuple[str, ...]:
         """Give what to know of the campaign, of its channels and units first."""
         delay = (self.imported.delay.words,) if self.imported.delay else ()
-        smoothing = filter(None, (self.campaign.smoothing.words(),))
-        return (*self.plan.notes, *delay, *self.campaign.remarks, *smoothing)
+        smoothing = filter(None, (self.looked.smoothing.words(),))
+        return (*self.plan.notes, *delay, *self.judged.remarks, *smoothing)
 
     def answer(self) -> ImportAnswer:
         """Give it as data."""
         new = {run.name: run for run in self.plan.runs}
-        cycles = {run.name: run for run in self.campaign.runs}
-        free = {run.name: run for run in self.campaign.free}
+        stated = {row.run: row for row in self.rows}
+        lost = {one.run for one in self.judged.left_out}
         rows = []
         for source in self.imported.runs:
-            sine, other = cycles.get(source.run), free.get(source.run)
-            known = sine or other
+            sine, row = self.judged.sines.get(source.run), stated.get(source.run)
             measured = new[source.run].measured if source.run in new else None
             rows.append(
                 ImportedRunAnswer(
                     run=source.run,
                     file=source.file,
-                    amplitude_mm=measured[0] if measured else sine.amplitude_mm if sine else None,
+                    amplitude_mm=measured[0] if measured else self.judged.settings[source.run][0] if sine else None,
                     frequency_Hz=sine.cycles.frequency_Hz if sine else measured[1] if measured else None,
-                    temperature_C=known.temperature_C if known else None,
+                    temperature_C=row.temperature_C if row and source.run not in lost else None,
                     cycles=sine.cycles.count if sine else None,
                     new=source.run in new,
                     done=source.done,
@@ -113,7 +119,7 @@ class Found:
                 )
                 for one in self.imported.cut
             ),
-            left_out=tuple(LeftOutRun(run=one.run, reason=one.reason) for one in self.campaign.left_out),
+            left_out=tuple(LeftOutRun(run=one.run, reason=one.reason) for one in self.judged.left_out),
             pattern=self.plan.pattern,
             notes=self.notes(),
         )

@@ -1,21 +1,24 @@
-"""What an import will write, as data: runs with their records, what was cut, and where all of it comes from."""
+"""What an import will write, as data: runs whose records lie in files already, what was cut, and where all of it is
+from."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun
-from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.seen import SeenRecord
 from pipeclamp_models.base.arrays import Array
 
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """A run as it will be written: its row of runs.csv, its record, and where it comes from."""
+    """A run as it will be: its row of runs.csv, where its record lies, and where it comes from."""
 
     row: Mapping[str, float | str | None]
-    record: Record
+    record: Path
+    seen: SeenRecord
     source: ImportedRun
     measured: tuple[float, float] | None
     """Amplitude in mm and frequency in Hz; None for a free motion."""
@@ -52,7 +55,7 @@ class Plan:
     Attributes:
         files, cut: as campaign.toml states them.
         runs: in the order of the files and their samples.
-        overviews: of each table.
+        overviews: of tables of which not all is one run.
         pattern: that the names of files seem to follow; "" where none was found, or one was stated.
         notes: what to know, for people.
     """

@@ -31,10 +31,9 @@ MOST_TOLD = 160
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A file as it was read: its tables, and what tells it from any other."""
+    """A file as it was read: its format and its tables."""
 
     path: Path
-    sha256: str
     format: str
     tables: tuple[RawTable, ...]
 
@@ -43,11 +42,11 @@ class SourceFile:
         """The file's name, without its folders."""
         return self.path.name
 
-    @property
-    def stem(self) -> str:
-        """The file's name without what tells its format."""
-        plain = self.path.name.removesuffix(".gz")
-        return Path(plain).stem or plain
+
+def stem_of(path: Path) -> str:
+    """Give a file's name without what tells its format."""
+    plain = path.name.removesuffix(".gz")
+    return Path(plain).stem or plain
 
 
 @cache
@@ -89,6 +88,19 @@ def files_in(given: Sequence[Path]) -> tuple[Path, ...]:
     return tuple(found)
 
 
+def digest_of(path: Path) -> str:
+    """Give the SHA-256 of a file's bytes.
+
+    Raises:
+        UserError: it can't be read.
+    """
+    try:
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise UserError(f"{path}: can't be read ({error.strerror})") from error
+
+
 def read_file(path: Path) -> SourceFile:
     """Read a test machine's file.
 
@@ -98,10 +110,9 @@ def read_file(path: Path) -> SourceFile:
     try:
         with path.open("rb") as stream:
             head = stream.read(HEAD)
-            digest = hashlib.file_digest(stream, "sha256") if not stream.seek(0) else None
     except OSError as error:
         raise UserError(f"{path}: can't be read ({error.strerror})") from error
-    if not head or digest is None:
+    if not head:
         raise UserError(f"{path}: is empty (0 bytes); export or copy it again")
     found = _format_of(path, head)
     if found.module and find_spec(found.module) is None:
@@ -125,7 +136,7 @@ def read_file(path: Path) -> SourceFile:
         raise UserError(failure)
     if not tables:
         raise UserError(f"{path}: holds no channel of numbers; expected {found.name} with time, displacement and force")
-    return SourceFile(path, digest.hexdigest(), found.name, tables)
+    return SourceFile(path, found.name, tables)
 
 
 def _told_apart(table: RawTable) -> RawTable:

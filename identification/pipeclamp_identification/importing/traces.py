@@ -11,8 +11,8 @@ import numpy as np
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.columns import SEGMENT, Column
 from pipeclamp_identification.importing.raw import RawTable
-from pipeclamp_identification.importing.repair import mended_channel
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_identification.importing.samples.repair import mended_channel
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS
 
@@ -24,7 +24,6 @@ class Trace:
     Attributes:
         record: in our units, as measured; time may go back where a file holds several runs.
         motion: the displacement without blanks and spikes, mm, shape (n,), by which runs are told apart.
-        segment: shape (n,), None where there is no such channel.
         further: conditions that were measured, by column of runs.csv, shape (n,) each.
         places: of each sample in the table, counted from 0, shape (n,).
         told: what was done.
@@ -32,13 +31,48 @@ class Trace:
 
     record: Record
     motion: Array
-    segment: Array | None
     further: Mapping[str, Array]
     places: Array
     told: tuple[str, ...]
 
 
-def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float | None) -> Trace:
+LOOKED_AT = 1_000_000
+"""Samples of a table that tell how long its cycles are."""
+
+
+def time_of(table: RawTable, columns: Sequence[Column], rate: float | None, begin: int = 0) -> Array:
+    """Give a table's time in s; arguments as of `trace_of`."""
+    for column in columns:
+        if column.ours == "time":
+            return _turned(table, column)
+    if rate is None:
+        raise AssertionError("a table without time has a rate")
+    return np.arange(begin, begin + table.length) / rate
+
+
+def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray) -> Array:
+    """Give the first samples of the displacement that have a time, in mm, lines in the place of blanks and spikes."""
+    column = next(one for one in columns if one.ours == "displacement")
+    first = timed[:LOOKED_AT]
+    motion = mended_channel("displacement_mm", _turned(table, column, first))
+    finite = np.flatnonzero(np.isfinite(motion))
+    return motion if len(finite) < 2 else np.interp(np.arange(len(motion)), finite, motion[finite])
+
+
+def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray) -> Array | None:
+    """Give what tells the runs of a table apart, of the samples that have a time; None where there is nothing."""
+    column = next((one for one in columns if one.ours == SEGMENT), None)
+    return None if column is None else _turned(table, column, timed)
+
+
+def _turned(table: RawTable, column: Column, rows: IntArray | None = None) -> Array:
+    """Give a channel's samples in our unit."""
+    values = next(channel.values for channel in table.channels if channel.heading == column.heading)
+    chosen = values if rows is None or len(rows) == len(values) else values[rows]
+    return np.asarray(chosen * column.conversion.factor + column.conversion.offset)
+
+
+def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float | None, begin: int = 0) -> Trace:
     """Give a table's samples in our units.
 
     Args:
@@ -46,17 +80,14 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
         table: as the file holds it.
         columns: which channels are ours.
         rate: samples per second, where no channel holds the time.
+        begin: samples that were taken before the table's first one.
 
     Raises:
         UserError: a temperature lies below absolute zero.
     """
-    by_heading = {channel.heading: channel.values for channel in table.channels}
-    values: dict[str, Array] = {
-        column.ours: np.asarray(by_heading[column.heading] * column.conversion.factor + column.conversion.offset)
-        for column in columns
+    values = {column.ours: _turned(table, column) for column in columns} | {
+        "time": time_of(table, columns, rate, begin)
     }
-    if "time" not in values and rate:
-        values["time"] = np.arange(table.length) / rate
     kept = np.isfinite(values["time"])
     places = np.flatnonzero(kept)
     if len(places) < len(kept):
@@ -77,7 +108,6 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
     return Trace(
         record,
         mended_channel("displacement_mm", record.displacement_mm),
-        values.get(SEGMENT),
         further,
         places.astype(np.float64),
         tuple(told),

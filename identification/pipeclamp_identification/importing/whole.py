@@ -2,19 +2,41 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
-from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.description import (
+    CampaignDescription,
+    Imported,
+    description_text,
+    read_description,
+)
+from pipeclamp_identification.campaign.judging import judge
+from pipeclamp_identification.campaign.reading import seen_in
+from pipeclamp_identification.campaign.runs_table import RunRow, read_runs_table
+from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import Found
-from pipeclamp_identification.importing.delay import common_delay
 from pipeclamp_identification.importing.importer import Options, plan_import
+from pipeclamp_identification.importing.looked_at import looked_at
+from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_identification.importing.reading import files_in
-from pipeclamp_identification.importing.writing import PAGE, existing_campaign, put_in_place, stage
+from pipeclamp_identification.importing.writing import (
+    PAGE,
+    existing_campaign,
+    put_in_place,
+    write_campaign,
+    write_description,
+)
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import staged_folder
+from pipeclamp_models.base.processes import cores, spread
+
+MANY = 100
+"""Runs from which on records that were there already are read by several processes."""
 
 
 def import_whole(
@@ -49,26 +71,77 @@ def import_whole(
         UserError: a file, or what the campaign would be, can't serve.
     """
     files = files_in(paths)
+    tell = progress or (lambda what: None)
     existing = existing_campaign(folder)
+    name = name or folder.resolve().name
     taken = [row["run"] for row in existing.rows] if existing else []
-    plan = plan_import(files, options, existing.known if existing else {}, taken, progress)
-    if not plan.files:
-        if existing is None:
-            raise UserError("no file was named; expected test machines' files")
-        return Found(folder, plan, read_campaign(folder), existing.imported, written=False)
     # what is only looked at needs no place beside the campaign
     with staged_folder(Path(tempfile.gettempdir()) / folder.name if dry_run else folder) as work:
-        if progress:
-            progress("read back")
-        staged = stage(
-            work, folder, plan, existing, name=name or folder.resolve().name, notes=notes, software=software,
-            format=format, delay_of=common_delay,
-        )  # fmt: skip
-        found = Found(folder, plan, staged.campaign, staged.imported, written=not dry_run)
+        drafts = work / "drafts"
+        drafts.mkdir()
+        plan = plan_import(
+            files, options, drafts, format=format, known=existing.known if existing else {}, taken=taken, progress=tell
+        )
+        if not plan.files:
+            if existing is None:
+                raise UserError("no file was named; expected test machines' files")
+            return _found(folder, folder, plan, existing.imported, tell, written=False)
+        tell("the campaign as a whole")
+        imported = write_campaign(work, plan, existing, name=name, notes=notes, software=software, format=format)
+        shutil.rmtree(drafts)
+        found = _found(work, folder, plan, imported, tell, written=not dry_run)
         if dry_run:
             return found
+        if found.imported.delay:
+            write_description(work, existing.head if existing else description_text(name, notes), found.imported)
+        tell("its page")
         (work / PAGE).write_text(page(found), encoding="utf-8", newline="\n")
         if confirm and not confirm(found):
             raise UserError("nothing was written: the import wasn't confirmed")
         put_in_place(work, folder)
     return found
+
+
+def _found(
+    work: Path, folder: Path, plan: Plan, imported: Imported, tell: Callable[[str], None], *, written: bool
+) -> Found:
+    """Judge a campaign as any reader does, by what is known of its new records, and by reading the others.
+
+    Args:
+        work: where it lies.
+        folder: where it will lie, for errors.
+        plan: of what is new.
+        imported: what campaign.toml says of it.
+        tell: hears what is being done.
+        written: whether it stays.
+
+    Raises:
+        UserError: it can't be used.
+    """
+    try:
+        description = read_description(work)
+        rows = read_runs_table(work, description).rows
+        seen: dict[str, SeenRecord | LeftOut] = {run.name: run.seen for run in plan.runs}
+        # a table of conditions may call a motion free that looks like a sine, and the other way round
+        others = [row for row in rows if row.run not in seen or row.free is not isinstance(seen[row.run], SeenFree)]
+        processes = cores() if len(others) > MANY else 1
+        for row, one in zip(others, spread(partial(_seen, work, description), others, processes), strict=True):
+            if isinstance(one, UserError):
+                raise one
+            tell(row.run)
+            seen[row.run] = one
+        judged = judge(work, rows, seen)
+        looked = looked_at(work, description, rows, judged)
+    except UserError as error:
+        raise UserError(str(error).replace(str(work), str(folder))) from error
+    if plan.files:
+        imported = imported.model_copy(update={"delay": looked.delay})
+    return Found(folder, description.name, plan, rows, judged, looked, imported, written)
+
+
+def _seen(work: Path, description: CampaignDescription, row: RunRow) -> SeenRecord | LeftOut | UserError:
+    """Look at a record that was there; a mistake is given, not raised, so that the first one is told first."""
+    try:
+        return seen_in(work, description, row)
+    except UserError as error:
+        return error

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,17 +16,14 @@ from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.description import (
     CampaignDescription,
     Imported,
-    ImportedDelay,
     description_text,
     read_description,
     toml_text,
 )
-from pipeclamp_identification.campaign.reading import Campaign, read_campaign
-from pipeclamp_identification.campaign.writing import PLAIN, Format, encoded
+from pipeclamp_identification.campaign.writing import PLAIN, Format
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import refuse_folder, staged_folder
-from pipeclamp_models.base.tables import pl
 
 PAGE = "import.html"
 OURS = "# Below this line stands what `pipeclamp import` did; it is written anew when files are added."
@@ -84,14 +81,6 @@ def existing_campaign(folder: Path) -> Existing | None:
     return Existing(folder, description, text.partition(OURS)[0], rows)
 
 
-@dataclass(frozen=True)
-class Staged:
-    """A campaign that was written beside its place, and read back: it can be used, and what is to be said of it."""
-
-    campaign: Campaign
-    imported: Imported
-
-
 def table_text(plan: Plan, files: Mapping[str, str], before: Sequence[Mapping[str, str]]) -> str:
     """Give runs.csv: rows that were there, as they were, and those of the plan; `files` are of their records."""
     rows: list[dict[str, str]] = [dict(row) for row in before]
@@ -144,32 +133,21 @@ def _value(value: Any) -> str:
     return repr(value)
 
 
-def stage(
-    work: Path,
-    folder: Path,
-    plan: Plan,
-    existing: Existing | None,
-    *,
-    name: str,
-    notes: str,
-    software: str,
-    format: Format,
-    delay_of: Callable[[Campaign], ImportedDelay | None],
-) -> Staged:
-    """Write a plan into a working folder and read it back as any campaign.
+def write_campaign(
+    work: Path, plan: Plan, existing: Existing | None, *, name: str, notes: str, software: str, format: Format
+) -> Imported:
+    """Write a plan into a working folder; its records are moved there.
 
     Args:
         work: an empty folder.
-        folder: where the campaign will lie, for errors.
         plan: what to write.
         existing: what is there already.
         name, notes: of a new campaign.
         software: that did it.
         format: of records.
-        delay_of: measures the delay between the channels that all runs share.
 
-    Raises:
-        UserError: the campaign can't be used as it would be.
+    Returns:
+        what campaign.toml says of this import and those before.
     """
     (work / "runs").mkdir()
     taken: set[str] = set()
@@ -183,7 +161,7 @@ def stage(
             stem += "_"
         taken.add(f"{stem}.{format}".casefold())
         files[run.name] = f"runs/{stem}.{format}"
-        (work / files[run.name]).write_bytes(encoded(pl.DataFrame(run.record.channels), format))
+        run.record.rename(work / files[run.name])
     rows = existing.rows if existing else ()
     (work / runs_table.FILE_NAME).write_text(table_text(plan, files, rows), encoding="utf-8", newline="\n")
     before = existing.imported if existing else Imported()
@@ -193,18 +171,13 @@ def stage(
         runs=(*before.runs, *(run.source for run in plan.runs)),
         cut=(*before.cut, *plan.cut),
     )
-    head = existing.head if existing else description_text(name, notes)
-    described = work / campaign_file.FILE_NAME
-    described.write_text(head + imported_text(imported), encoding="utf-8", newline="\n")
-    try:
-        campaign = read_campaign(work)
-    except UserError as error:
-        raise UserError(str(error).replace(str(work), str(folder))) from error
-    delay = delay_of(campaign)
-    if delay:
-        imported = imported.model_copy(update={"delay": delay})
-        described.write_text(head + imported_text(imported), encoding="utf-8", newline="\n")
-    return Staged(campaign, imported)
+    write_description(work, existing.head if existing else description_text(name, notes), imported)
+    return imported
+
+
+def write_description(work: Path, head: str, imported: Imported) -> None:
+    """Write campaign.toml: what is the user's, and below it what an import did."""
+    (work / campaign_file.FILE_NAME).write_text(head + imported_text(imported), encoding="utf-8", newline="\n")
 
 
 def put_in_place(work: Path, folder: Path) -> None:

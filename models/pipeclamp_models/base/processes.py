@@ -10,6 +10,17 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 
+MOST = 8
+"""Processes that are begun at once: each holds libraries of its own, some 0.2 GB."""
+
+
+def cores() -> int:
+    """Give how many processes this machine has use for."""
+    import joblib
+
+    return min(int(joblib.cpu_count()), MOST)
+
+
 def ignore_interrupts() -> None:
     """Leave Ctrl-C, which a terminal sends to all processes, to the one that hands out the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -9,11 +9,13 @@ the phase, not with time: a delay is told only where runs of different frequency
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from pipeclamp_identification.campaign.cycles import Cycles
 from pipeclamp_identification.campaign.description import ImportedDelay
-from pipeclamp_identification.campaign.reading import Campaign, Run
+from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.harmonics import carried_harmonics, cycle_harmonics
 from pipeclamp_models.base.arrays import ComplexArray, IntArray
 
@@ -32,13 +34,12 @@ OF_TURN = 2e-3
 """Share of the fastest cycle below which a delay does no harm."""
 
 
-def common_delay(campaign: Campaign) -> ImportedDelay | None:
-    """Measure the delay of the force that all runs share; None where none is seen.
+def common_delay(told: Sequence[tuple[float, float]]) -> ImportedDelay | None:
+    """Give the delay of the force that all runs share; None where none is seen.
 
     Args:
-        campaign: as it was read.
+        told: frequency in Hz and delay in s of each run whose harmonics tell it.
     """
-    told = [(run.cycles.frequency_Hz, found) for run in campaign.runs if (found := _delay_of(run)) is not None]
     if len(told) < FEWEST_RUNS:
         return None
     frequency, delays = np.array(sorted(told)).T
@@ -62,9 +63,8 @@ def common_delay(campaign: Campaign) -> ImportedDelay | None:
     )
 
 
-def _delay_of(run: Run) -> float | None:
+def delay_of(record: Record, cycles: Cycles) -> float | None:
     """Give by how many seconds a run's force comes late; None where its harmonics don't tell."""
-    cycles, record = run.cycles, run.record
     phase, bounds = cycles.phase(record), cycles.bounds - cycles.bounds[0]
     count = min(HIGHEST, carried_harmonics(phase, bounds))
     orders = np.arange(LOWEST, count + 1, 2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
@@ -33,6 +33,8 @@ AT_REST = 0.1
 """Share of the neighbouring amplitude within which the machine rests."""
 RESTING = 2.0
 """Cycles without a turn that make a rest."""
+LOOKED_AT = 1_000_000
+"""Steps of time, evenly chosen, that tell the usual one."""
 CREEPS = 0.5
 """Levels that change by more than this share of `SAME_LEVEL` from end to end creep; most of them do in a sweep."""
 
@@ -62,30 +64,40 @@ def split(time: Array, displacement: Array, segment: Array | None = None) -> Cut
         displacement: mm, shape (n,).
         segment: a number that stays the same within a run, shape (n,), where there is one.
     """
-    turns = _turns(displacement)
-    half = float(np.median(np.abs(np.diff(time[turns])))) if len(turns) > 3 else math.inf
-    bounds = _bounds(time, 2 * half)
-    if segment is not None:
-        changes = np.flatnonzero((np.diff(segment) != 0.0) & ~np.isnan(np.diff(segment))) + 1
-        # a counter of cycles tells no runs apart
-        if len(changes) < max(len(turns) / 6, 1):
-            bounds = np.unique(np.concatenate([bounds, changes]))
+    bounds = piece_bounds(time, lambda: displacement, segment)
     runs: list[Part] = []
     left: list[Part] = []
     for first, last in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        alone = last - first == len(displacement)
-        found, rest = _levels(time[first:last], displacement[first:last], turns if alone else None)
-        runs += [Part(first + part.first, first + part.last, part.why) for part in found]
-        left += [Part(first + part.first, first + part.last, part.why) for part in rest]
+        found = levels(time[first:last], displacement[first:last])
+        runs += [Part(first + part.first, first + part.last, part.why) for part in found.runs]
+        left += [Part(first + part.first, first + part.last, part.why) for part in found.left]
     return Cut(tuple(runs), tuple(left))
 
 
-def _bounds(time: Array, period: float) -> IntArray:
-    """Give where pieces begin, and the end: where time goes back or stands still for long."""
+def piece_bounds(time: Array, motion: Callable[[], Array], segment: Array | None = None) -> IntArray:
+    """Give where pieces begin that are different runs, and the end: time goes back or has a gap, the segment changes.
+
+    Args:
+        time: s, shape (n,).
+        motion: gives the displacement in mm, or the first part of it, which tells how long cycles are.
+        segment: shape (n,), where there is one.
+    """
     step = np.diff(time)
-    usual = float(np.median(step[step > 0])) if np.any(step > 0) else 0.0
-    least = max(GAP_STEPS * usual, GAP_CYCLES * period if math.isfinite(period) else 0.0)
-    cuts = np.flatnonzero((step < 0) | (step > least)) + 1
+    some = step[:: max(1, len(step) // LOOKED_AT)]
+    usual = float(np.median(some[some > 0])) if np.any(some > 0) else 0.0
+    cuts = np.flatnonzero((step < 0) | (step > GAP_STEPS * usual)) + 1
+    changes = np.empty(0, dtype=np.intp)
+    if segment is not None:
+        change = np.diff(segment)
+        changes = np.flatnonzero((change != 0.0) & ~np.isnan(change)) + 1
+    if len(cuts) or len(changes):
+        y = motion()
+        turns = _turns(y)
+        half = float(np.median(np.abs(np.diff(time[turns])))) if len(turns) > 3 else 0.0
+        cuts = cuts[(step[cuts - 1] < 0) | (step[cuts - 1] > GAP_CYCLES * 2 * half)]
+        # a counter of cycles tells no runs apart
+        if np.count_nonzero(changes < len(y)) < max(len(turns) / 6, 1):
+            cuts = np.union1d(cuts, changes)
     return np.concatenate([[0], cuts, [len(time)]]).astype(np.intp)
 
 
@@ -98,12 +110,17 @@ def _turns(y: Array) -> IntArray:
     return turning_points(y, np.full(len(y), least))
 
 
-def _levels(time: Array, y: Array, known: IntArray | None) -> tuple[list[Part], list[Part]]:
-    """Give the levels of a piece as runs, and what lies between them; its turns, where they are known."""
-    whole = [Part(0, len(y))]
-    turns = _turns(y) if known is None else known
+def levels(time: Array, y: Array) -> Cut:
+    """Give the levels of a piece as runs, and what lies between them.
+
+    Args:
+        time: s, shape (n,); it doesn't go back.
+        y: displacement in mm, shape (n,).
+    """
+    whole = Cut((Part(0, len(y)),), ())
+    turns = _turns(y)
     if len(turns) < 6:
-        return whole, []
+        return whole
     ranges = np.abs(np.diff(y[turns]))
     middles = _crossings(time, y, turns)
     amplitude = (ranges[:-2] + 2 * ranges[1:-1] + ranges[2:]) / 8
@@ -113,16 +130,16 @@ def _levels(time: Array, y: Array, known: IntArray | None) -> tuple[list[Part], 
     kept = [(begin, end) for begin, end in stretches if (end - begin + 2) / 2 >= FEWEST_CYCLES]
     covered = sum(int(turns[end + 2] - turns[begin]) for begin, end in kept)
     if covered < MOSTLY_STEADY * _moving(turns, ranges) or not kept or _sweeps(amplitude, period, kept):
-        return whole, []
+        return whole
     ends = [[int(turns[begin]), int(turns[end + 2])] for begin, end in kept]
     for before, after in itertools.pairwise(ends):
         if after[0] < before[1]:
             before[1] = after[0] = (after[0] + before[1]) // 2
-    levels = [
+    found = [
         _Level(first, last, float(np.median(period[begin:end])))
         for (first, last), (begin, end) in zip(ends, kept, strict=True)
     ]
-    return _cut_at(levels, turns, time, y)
+    return _cut_at(found, turns, time, y)
 
 
 @dataclass(frozen=True)
@@ -196,7 +213,7 @@ def _stays(values: Array) -> bool:
     return bool(np.all(np.abs(values[REMEMBERED:] - before) < SAME_LEVEL))
 
 
-def _cut_at(levels: Sequence[_Level], turns: IntArray, time: Array, y: Array) -> tuple[list[Part], list[Part]]:
+def _cut_at(levels: Sequence[_Level], turns: IntArray, time: Array, y: Array) -> Cut:
     """Give the runs, drawn to the piece's ends where these are near, and the parts between them with what they are."""
     runs: list[Part] = []
     for number, level in enumerate(levels):
@@ -212,7 +229,7 @@ def _cut_at(levels: Sequence[_Level], turns: IntArray, time: Array, y: Array) ->
         if end > begin:
             beside = place - 1 if place else 0
             left.append(Part(begin, end, _what(begin, end, runs[beside], levels[beside].period, turns, time, y)))
-    return runs, left
+    return Cut(tuple(runs), tuple(left))
 
 
 def _what(begin: int, end: int, beside: Part, period: float, turns: IntArray, time: Array, y: Array) -> str:

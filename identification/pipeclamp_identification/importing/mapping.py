@@ -1,0 +1,84 @@
+"""Which tables of a file hold tests, and which of their channels are ours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from pipeclamp_identification.importing.columns import Mapped, Stated, map_columns, refuse_open_questions
+from pipeclamp_identification.importing.rates import joined_rates
+from pipeclamp_identification.importing.raw import RawTable
+from pipeclamp_identification.importing.reading import SourceFile
+from pipeclamp_models.base.errors import UserError
+
+
+@dataclass(frozen=True)
+class Open:
+    """A table of which somebody must say what a channel is."""
+
+    where: str
+    mapped: Mapped
+
+
+def where_of(source: SourceFile, table: RawTable) -> str:
+    """Name a table in errors."""
+    return f"{source.path}, {table.name}" if table.name else str(source.path)
+
+
+def mapped_tables(
+    source: SourceFile, stated: Sequence[Stated], rate: float | None, *, ask: bool
+) -> list[tuple[RawTable, Mapped]] | Open:
+    """Give the tables of a file that hold tests, with their channels known.
+
+    Args:
+        source: the file.
+        stated: what the user says of channels.
+        rate: samples per second, where no channel holds the time.
+        ask: give what is open, where somebody can answer.
+
+    Raises:
+        UserError: no table does, or what a channel is, is open and nobody can be asked.
+    """
+    tables = source.tables
+    if len(tables) > 1 and not any(_is_whole(table, stated) for table in tables):
+        joined = joined_rates(tables)
+        if joined and _is_whole(joined, stated):
+            tables = (joined,)
+    used: list[tuple[RawTable, Mapped]] = []
+    for table in tables:
+        mapped = _mapped(table, stated, rate, several=len(tables) > 1)
+        if mapped is None:
+            continue
+        if mapped.questions and ask:
+            return Open(where_of(source, table), mapped)
+        refuse_open_questions(where_of(source, table), mapped)
+        used.append((table, mapped))
+    if not used:
+        table = max(tables, key=lambda one: len(one.channels))
+        refuse_open_questions(where_of(source, table), map_columns(table, stated))
+    return used
+
+
+def _is_whole(table: RawTable, stated: Sequence[Stated]) -> bool:
+    """Tell whether a table has both displacement and force."""
+    try:
+        found = map_columns(table, stated)
+    except UserError:
+        return False
+    open_yet = {one.ours for one in found.questions if not one.is_missing}
+    return {"displacement", "force"} <= {one.ours for one in found.columns} | open_yet
+
+
+def _mapped(table: RawTable, stated: Sequence[Stated], rate: float | None, *, several: bool) -> Mapped | None:
+    """Give the channels of a table; None for one that holds no test, beside others that do."""
+    try:
+        mapped = map_columns(table, stated)
+    except UserError:
+        if several:
+            return None
+        raise
+    if rate:
+        mapped = replace(mapped, questions=tuple(one for one in mapped.questions if one.ours != "time"))
+    if mapped.questions and several and not {"displacement", "force"} & {one.ours for one in mapped.columns}:
+        return None
+    return mapped

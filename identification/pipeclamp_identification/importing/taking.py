@@ -1,0 +1,336 @@
+"""A file becomes drafts of runs: each is cut out, repaired, looked at and written before the next; no other is held."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeclamp_identification.campaign.clipping import check_clipping
+from pipeclamp_identification.campaign.cycles import find_cycles
+from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
+from pipeclamp_identification.campaign.faults import SensorFailure
+from pipeclamp_identification.campaign.free_motion import free_motion
+from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
+from pipeclamp_identification.campaign.seen import SeenRecord, seen_free, seen_sine
+from pipeclamp_identification.campaign.writing import Format, encoded
+from pipeclamp_identification.importing.columns import Column, Mapped, Stated
+from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
+from pipeclamp_identification.importing.raw import RawTable
+from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
+from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
+from pipeclamp_identification.importing.samples.repair import evened, mended
+from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
+from pipeclamp_identification.importing.traces import Trace, first_motion, segment_of, time_of, trace_of
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.tables import pl
+
+OURS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N", "temperature": "temperature_C"}
+WIDEST_OVERVIEW = 600
+"""Stretches that a picture of a whole table is thinned out to."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """How files are taken, as far as it is the same for all of them.
+
+    Attributes:
+        columns: what was stated of channels.
+        rate: samples per second, where no channel holds the time.
+        ask: whether somebody can say what is open.
+        records: folder that records are written into, and their format.
+        known: SHA-256 of files that aren't read again.
+    """
+
+    columns: tuple[Stated, ...]
+    rate: float | None
+    ask: bool
+    records: Path
+    format: Format
+    known: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A run before it has a name.
+
+    Attributes:
+        samples: the first and the last, as the file counts them; and their times.
+        record: the file that they were written into.
+        seen: what they show.
+        done: to them.
+        further: mean of each further channel, by column of runs.csv.
+        temperature: mean, and by how much it moved; None where it wasn't measured.
+    """
+
+    samples: tuple[int, int]
+    span: tuple[float, float]
+    record: Path
+    seen: SeenRecord
+    done: tuple[str, ...]
+    further: Mapping[str, float]
+    temperature: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class CutPart:
+    """Samples that are in no run, as the file counts them; their times; and why."""
+
+    samples: tuple[int, int]
+    span: tuple[float, float]
+    why: str
+
+
+@dataclass(frozen=True)
+class TakenPart:
+    """What became of a table, or of a part of it.
+
+    Attributes:
+        drafts: of its runs.
+        runs: into which it was cut, usable or not.
+        cut: what is in no run.
+        time, displacement: thinned out to stretches, shape (n,), and the least and largest of each, (n, 2).
+    """
+
+    drafts: tuple[Draft, ...]
+    runs: int
+    cut: tuple[CutPart, ...]
+    time: Array
+    displacement: Array
+
+
+@dataclass(frozen=True)
+class TakenTable:
+    """A table that was taken: its name within the file, its channels, and what became of it."""
+
+    name: str
+    mapped: Mapped
+    taken: TakenPart
+
+
+@dataclass(frozen=True)
+class TakenFile:
+    """A file that was taken: as campaign.toml states it, and its tables."""
+
+    file: ImportedFile
+    tables: tuple[TakenTable, ...]
+
+
+@dataclass(frozen=True)
+class KnownFile:
+    """A file that isn't taken, because what it holds is there already."""
+
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Rows of a table between two that surely part runs.
+
+    Attributes:
+        where: names the table in errors.
+        table: these rows of it.
+        begin: rows before them.
+        record: path of the records' files, to which a number and an ending are added.
+        stretches: that a picture of it is thinned out to.
+    """
+
+    where: str
+    table: RawTable
+    columns: tuple[Column, ...]
+    rate: float | None
+    begin: int
+    record: Path
+    format: Format
+    stretches: int
+
+
+Over = Callable[[Callable[[Piece], "TakenPart | UserError"], Iterable[Piece]], Iterator["TakenPart | UserError"]]
+"""Applies a function to each piece, here or in other processes."""
+
+
+def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile | KnownFile | Open:
+    """Take a file.
+
+    Args:
+        path: of the file.
+        number: tells its records from those of others.
+        way: how files are taken.
+        over: goes through its pieces.
+
+    Raises:
+        UserError: it can't be read, or what a channel is, is open and nobody can be asked.
+    """
+    digest = digest_of(path)
+    if digest in way.known:
+        return KnownFile(digest)
+    source = read_file(path)
+    used = mapped_tables(source, way.columns, way.rate, ask=way.ask)
+    if isinstance(used, Open):
+        return used
+    tables = []
+    for index, (table, mapped) in enumerate(used):
+        record = way.records / f"{number:05d}_{index:03d}"
+        tables.append(TakenTable(table.name, mapped, _taken(source, table, mapped, record, way, over)))
+    first, mapped = used[0]
+    file = ImportedFile(
+        file=source.name,
+        sha256=digest,
+        format=source.format,
+        read_as="; ".join(first.told),
+        columns={OURS.get(one.ours, one.ours): _imported(one) for one in mapped.columns},
+    )
+    return TakenFile(file, tuple(tables))
+
+
+def _taken(source: SourceFile, table: RawTable, mapped: Mapped, record: Path, way: Way, over: Over) -> TakenPart:
+    """Take a table, piece by piece."""
+    parts: list[TakenPart] = []
+    for part in over(take_piece, _pieces(where_of(source, table), table, mapped.columns, record, way)):
+        if isinstance(part, UserError):
+            raise part
+        parts.append(part)
+    drafts = tuple(draft for part in parts for draft in part.drafts)
+    cut = tuple(one for part in parts for one in part.cut)
+    # one run from end to end needs no picture of where it lies
+    drawn = parts if cut or len(drafts) > 1 else parts[:0]
+    return TakenPart(
+        drafts,
+        sum(part.runs for part in parts),
+        cut,
+        np.concatenate([np.empty(0), *(part.time for part in drawn)]),
+        np.concatenate([np.empty((0, 2)), *(part.displacement for part in drawn)]),
+    )
+
+
+def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Path, way: Way) -> Iterator[Piece]:
+    """Give the pieces of a table, with the channels that are ours alone."""
+    headings = {column.heading for column in columns}
+    channels = [channel for channel in table.channels if channel.heading in headings]
+    time = time_of(table, columns, way.rate)
+    timed = np.flatnonzero(np.isfinite(time))
+    bounds = np.zeros(2, dtype=np.intp)
+    if len(timed):
+        segment = segment_of(table, columns, timed)
+        bounds = piece_bounds(time[timed], lambda: first_motion(table, columns, timed), segment)
+    begins = [0, *timed[bounds[1:-1]].tolist(), table.length]
+    for number, (first, last) in enumerate(itertools.pairwise(begins)):
+        rows = tuple(replace(channel, values=channel.values[first:last]) for channel in channels)
+        yield Piece(
+            where=where,
+            table=RawTable(table.name, rows, table.first_row + first, table.told),
+            columns=columns,
+            rate=way.rate,
+            begin=first,
+            record=record.with_name(f"{record.name}_{number:05d}"),
+            format=way.format,
+            stretches=max(1, round(WIDEST_OVERVIEW * (last - first) / table.length)),
+        )
+
+
+def take_piece(piece: Piece) -> TakenPart | UserError:
+    """Take a piece of a table; a mistake of the user's is given, not raised, so that the first one is told first."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # of numbers that a check refuses
+            return _taken_piece(piece)
+    except UserError as error:
+        return error
+
+
+def _taken_piece(piece: Piece) -> TakenPart:
+    trace = trace_of(piece.where, piece.table, piece.columns, piece.rate, piece.begin)
+    finite = np.isfinite(trace.motion)
+    if np.count_nonzero(finite) < 2:
+        rows = piece.table.first_row, piece.table.first_row + piece.table.length - 1
+        nowhere = CutPart(rows, (0.0, 0.0), "no samples of displacement")
+        return TakenPart((), 0, (nowhere,), np.empty(0), np.empty((0, 2)))
+    y = trace.motion
+    if not np.all(finite):
+        y = np.interp(np.arange(len(finite)), np.flatnonzero(finite), trace.motion[finite])
+    found = levels(trace.record.time_s, y)
+    drafts: list[Draft] = []
+    left = list(found.left)
+    for part in found.runs:
+        try:
+            record = piece.record.with_name(f"{piece.record.name}_{len(drafts):03d}.{piece.format}")
+            drafts.append(_draft(piece, trace, part, record))
+        except UnusableRecord as fault:
+            left.append(replace(part, why=str(fault)))
+    cut = tuple(
+        CutPart(_samples(piece.table, trace, part), _span(trace, part), part.why)
+        for part in sorted(left, key=lambda part: part.first)
+    )
+    edges = np.unique(np.linspace(0, len(y), min(piece.stretches, len(y)) + 1).astype(np.intp))
+    thinned = np.stack([np.minimum.reduceat(y, edges[:-1]), np.maximum.reduceat(y, edges[:-1])], axis=1)
+    return TakenPart(tuple(drafts), len(found.runs), cut, trace.record.time_s[edges[:-1]], thinned)
+
+
+def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> Draft:
+    """Give a part as a run, its record written.
+
+    Raises:
+        UnusableRecord: it can't be one.
+    """
+    clean = mended(trace.record.part(part.first, part.last))
+    repaired = evened(clean.record)
+    record, seen, words = _usable(repaired.record)
+    path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
+    known = record.temperature_C
+    return Draft(
+        samples=_samples(piece.table, trace, part),
+        span=_span(trace, part),
+        record=path,
+        seen=seen,
+        done=(*trace.told, *clean.told, *repaired.told, *words),
+        further={name: float(np.nanmean(values[part.first : part.last])) for name, values in trace.further.items()},
+        temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
+    )
+
+
+def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
+    """Give a record that can be used, what it shows, and what was cut out of it.
+
+    Raises:
+        UnusableRecord: it can't be.
+    """
+    check_samples(record)
+    try:
+        cycles = find_cycles(record)
+    except UnusableRecord:
+        return record, seen_free(record, free_motion(record)), ("its motion is no sine: it is free",)
+    words: tuple[str, ...] = ()
+    try:
+        check_clipping(record, cycles)
+    except SensorFailure as failure:
+        record, told = without_clipped_cycles(record, cycles, failure)
+        words = (told,)
+        cycles = find_cycles(record)
+        check_clipping(record, cycles)
+    return record, seen_sine(record, cycles), words
+
+
+def _imported(column: Column) -> ImportedColumn:
+    return ImportedColumn(
+        channel=column.heading,
+        unit=column.unit,
+        factor=column.conversion.factor,
+        offset=column.conversion.offset,
+        stated=column.stated,
+    )
+
+
+def _samples(table: RawTable, trace: Trace, part: Part) -> tuple[int, int]:
+    """Give the first and the last sample of a part as the file counts them."""
+    return (
+        int(trace.places[part.first]) + table.first_row,
+        int(trace.places[part.last - 1]) + table.first_row,
+    )
+
+
+def _span(trace: Trace, part: Part) -> tuple[float, float]:
+    """Give a part's first and last time."""
+    return float(trace.record.time_s[part.first]), float(trace.record.time_s[part.last - 1])
