@@ -17,6 +17,8 @@ PANELS = 24
 LONGEST_NAME = 24
 """Characters of a run's name above its loop."""
 MOST_OVERVIEWS, MOST_LABELS = 40, 24
+FINEST = 600
+"""Part of a picture's width that can be seen."""
 KEPT, CUT = SERIES[0], SERIES[1]
 
 
@@ -80,6 +82,17 @@ def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:
     return [Section("Where the runs lie", words, (), [_overview_picture(one) for one in cut])]
 
 
+def _joined(spans: list[tuple[float, float]], near: float) -> list[tuple[float, float]]:
+    """Give spans of time, those joined between which nobody could see a gap."""
+    found: list[tuple[float, float]] = []
+    for first, last in spans:
+        if found and 0 <= first - found[-1][1] < near and len(spans) > MOST_LABELS:
+            found[-1] = (found[-1][0], last)
+        else:
+            found.append((first, last))
+    return found
+
+
 def _overview_picture(overview: Overview) -> go.Figure:
     """Draw a table's displacement over time, its runs and what was cut marked."""
     time = np.repeat(overview.time, 2)
@@ -88,9 +101,17 @@ def _overview_picture(overview: Overview) -> go.Figure:
             x=time, y=overview.displacement.ravel(), mode="lines", line={"color": MEASURED, "width": 1}, name="y"
         )
     )
-    for spans, colour in ((overview.runs, KEPT), (overview.cut, CUT)):
-        for _, first, last in spans:
-            figure.add_vrect(x0=first, x1=last, fillcolor=colour, opacity=0.18, line_width=0, layer="below")
+    near = float(np.ptp(overview.time)) / FINEST
+    figure.update_layout(
+        shapes=[
+            {
+                "type": "rect", "xref": "x", "yref": "paper", "x0": first, "x1": last, "y0": 0, "y1": 1,
+                "fillcolor": colour, "opacity": 0.18, "line": {"width": 0}, "layer": "below",
+            }
+            for spans, colour in ((overview.runs, KEPT), (overview.cut, CUT))
+            for first, last in _joined([(first, last) for _, first, last in spans], near)
+        ]
+    )  # fmt: skip
     for name, first, last in overview.runs if len(overview.runs) <= MOST_LABELS else ():
         figure.add_annotation(
             x=(first + last) / 2, y=1.0, yref="paper", yanchor="bottom", text=name.rpartition("_")[2],

@@ -104,7 +104,8 @@ class _Columns:
         except pl.exceptions.PolarsError:
             frame = _frame(content, delimiter, layout, quote, numbers=False)
             return [self._read(place, frame[name]) for place, name in enumerate(frame.columns)]
-        return [frame[name].fill_null(float("nan")).to_numpy() for name in frame.columns]
+        # a float column's missing values become nan
+        return [frame[name].to_numpy() for name in frame.columns]
 
     def _read(self, place: int, cells: pl.Series) -> Array:
         """Give a column's numbers, nan where a cell is none; stamps of time become seconds."""

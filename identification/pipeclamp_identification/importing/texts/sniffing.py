@@ -15,7 +15,7 @@ DELIMITERS = ("\t", ";", ",", "|", " ")
 WORDS = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", " ": "blanks"}
 PLACES = 40
 """Parts of the file that lines are looked at in."""
-LINES_A_PLACE = 5
+LINES_A_PLACE = 2
 MANY_LINES = 300
 """Lines up to which all are looked at."""
 FEWEST_COLUMNS = 2
