@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -126,3 +129,38 @@ def test_python_gives_the_same_answer(pipeclamp, exports, tmp_path):
     assert {name for name in mine if mine[name] != theirs[name]} <= {"import.html"}
     assert len(other.to_frame()) == 10
     assert len(pc.identify(other.tests()).values) > 2
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+rename = Path.rename
+def killed(path, target):
+    if path.name.endswith(".part"):
+        os._exit(9)
+    return rename(path, target)
+Path.rename = killed
+import pipeclamp as pc
+pc.import_files(sys.argv[1:-1], sys.argv[-1])
+"""
+
+
+def test_a_campaign_survives_a_kill_while_it_is_replaced(pipeclamp, refused, exports, tmp_path):
+    campaign = tmp_path / "clamp_7"
+    pipeclamp("import", exports, "-o", campaign)
+    before = contents(campaign)
+    later = write_texts(tmp_path / "later", [loop(0.6, 2.0)], **GERMAN)
+    rooms = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    killed = subprocess.run(
+        [sys.executable, "-c", KILLED, str(exports), str(later), str(campaign)], env=rooms, check=False
+    )
+    assert killed.returncode == 9
+    assert not campaign.exists()
+    told = refused("metrics", campaign)
+    assert "ended while it replaced this campaign" in told
+    assert len(told.splitlines()) == 1
+    pipeclamp("import", exports, "-o", campaign)
+    assert contents(campaign) == before
+    joined = pipeclamp("import", exports, later, "-o", campaign)
+    assert "1 run of 1 file, 10 more" in joined.stdout
+    assert not (tmp_path / ".clamp_7.before").exists()

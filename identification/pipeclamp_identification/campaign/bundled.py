@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError, did_you_mean
+from pipeclamp_models.base.files import set_aside
 
 
 def bundled_campaigns() -> tuple[str, ...]:
@@ -24,7 +25,7 @@ def campaign_folder(path: Path) -> Path:
     Raises:
         UserError: there is neither such a folder nor such a bundled campaign.
     """
-    if path.exists():
+    if path.exists() or set_aside(path).is_dir():
         return path
     name, names = str(path), bundled_campaigns()
     if name in names:

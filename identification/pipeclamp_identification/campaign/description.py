@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt, St
 
 from pipeclamp_identification.units.stated import QUANTITY_OF, Conversion, stated_conversion
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import set_aside
 from pipeclamp_models.base.toml_file import Number, Table, read_table, unknown
 
 FILE_NAME = "campaign.toml"
@@ -176,6 +177,11 @@ def read_description(folder: Path) -> CampaignDescription:
     """
     if not folder.is_dir():
         found = "is a file" if folder.exists() else "no such folder"
+        if set_aside(folder).is_dir():
+            raise UserError(
+                f"{folder}: an import ended while it replaced this campaign; the next import puts it back as it was "
+                f"before, or rename {set_aside(folder).name}, which stands beside it"
+            )
         raise UserError(f"{folder}: {found}; expected a campaign's folder with {FILE_NAME} and runs.csv")
     return read_table(folder / FILE_NAME, CampaignDescription, "the campaign's description with at least its name")
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.smoothing import averaged
 from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
+from pipeclamp_identification.signals.harmonics import phasor_powers
 from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -93,11 +94,11 @@ def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: 
     # Most records have samples enough to do without it.
     from scipy import sparse
 
-    order = np.arange(1, count + 1)
+    powers = phasor_powers(phase, count)
     basis = np.empty((len(phase), 2 * count + 1))
     basis[:, 0] = 1.0
-    basis[:, 1::2] = np.cos(np.outer(phase, order))
-    basis[:, 2::2] = -np.sin(np.outer(phase, order))
+    basis[:, 1::2] = powers.real.T
+    basis[:, 2::2] = -powers.imag.T
     place = (phase % (2 * np.pi)) * (samples / (2 * np.pi))
     left = np.floor(place).astype(np.intp) % samples
     share = place - np.floor(place)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -27,14 +28,14 @@ from pipeclamp_identification.importing.reading import files_in
 from pipeclamp_identification.importing.writing import (
     PAGE,
     existing_campaign,
-    put_in_place,
     write_campaign,
     write_description,
 )
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import staged_folder
+from pipeclamp_models.base.files import replace_folder, restored, staged_folder
 from pipeclamp_models.base.processes import cores, spread
 
+RESTORED = "an earlier import was ended while it replaced the campaign; the campaign was put back as it was before"
 MANY = 100
 """Runs from which on records that were there already are read by several processes."""
 
@@ -72,6 +73,7 @@ def import_whole(
     """
     files = files_in(paths)
     tell = progress or (lambda what: None)
+    back = restored(folder)
     existing = existing_campaign(folder)
     name = name or folder.resolve().name
     taken = [row["run"] for row in existing.rows] if existing else []
@@ -82,6 +84,8 @@ def import_whole(
         plan = plan_import(
             files, options, drafts, format=format, known=existing.known if existing else {}, taken=taken, progress=tell
         )
+        if back:
+            plan = replace(plan, notes=(RESTORED, *plan.notes))
         if not plan.files:
             if existing is None:
                 raise UserError("no file was named; expected test machines' files")
@@ -98,7 +102,7 @@ def import_whole(
         (work / PAGE).write_text(page(found), encoding="utf-8", newline="\n")
         if confirm and not confirm(found):
             raise UserError("nothing was written: the import wasn't confirmed")
-        put_in_place(work, folder)
+        replace_folder(work, folder)
     return found
 
 

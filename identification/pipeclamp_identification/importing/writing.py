@@ -23,7 +23,7 @@ from pipeclamp_identification.campaign.description import (
 from pipeclamp_identification.campaign.writing import PLAIN, Format
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.files import refuse_folder, staged_folder
+from pipeclamp_models.base.files import refuse_folder
 
 PAGE = "import.html"
 OURS = "# Below this line stands what `pipeclamp import` did; it is written anew when files are added."
@@ -178,19 +178,3 @@ def write_campaign(
 def write_description(work: Path, head: str, imported: Imported) -> None:
     """Write campaign.toml: what is the user's, and below it what an import did."""
     (work / campaign_file.FILE_NAME).write_text(head + imported_text(imported), encoding="utf-8", newline="\n")
-
-
-def put_in_place(work: Path, folder: Path) -> None:
-    """Make a finished working folder the campaign; one that was there makes way, and comes back if that fails."""
-    work.chmod(0o755)
-    if not folder.exists():
-        work.rename(folder)
-        return
-    with staged_folder(folder) as aside:
-        old = aside / folder.name
-        folder.rename(old)
-        try:
-            work.rename(folder)
-        except BaseException:
-            old.rename(folder)
-            raise

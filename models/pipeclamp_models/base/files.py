@@ -184,3 +184,37 @@ def staged_folder(folder: Path) -> Iterator[Path]:
         yield work
     finally:
         shutil.rmtree(work, ignore_errors=True)
+
+
+def replace_folder(work: Path, folder: Path) -> None:
+    """Put a finished folder in a place, where another may be, which is deleted when the new one is there.
+
+    No system exchanges two folders in one step. Between the two steps the old one stands beside its place, whole;
+    where the process ends just then, `restored` puts it back.
+    """
+    work.chmod(0o755)
+    if not folder.exists():
+        work.rename(folder)
+        return
+    aside = set_aside(folder)
+    shutil.rmtree(aside, ignore_errors=True)  # of a process that ended after both steps
+    folder.rename(aside)
+    try:
+        work.rename(folder)
+    except BaseException:
+        aside.rename(folder)
+        raise
+    shutil.rmtree(aside, ignore_errors=True)
+
+
+def set_aside(folder: Path) -> Path:
+    """Give where a folder stands while another takes its place."""
+    return folder.with_name(f".{folder.name}.before")
+
+
+def restored(folder: Path) -> bool:
+    """Put a folder back that was set aside by a process which ended before its successor was in place; tell whether."""
+    if os.path.lexists(folder) or not set_aside(folder).is_dir():
+        return False
+    set_aside(folder).rename(folder)
+    return True
