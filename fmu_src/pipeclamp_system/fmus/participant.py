@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import byref
@@ -19,6 +18,7 @@ from pipeclamp_models.base.archive import unpack_archive
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.fmus.library import refuse_cut_libraries, refuse_cut_program
 from pipeclamp_system.fmus.messages import PYTHON_FMU, Messages, callbacks_for
+from pipeclamp_system.fmus.unpacking import unpacking_folder
 from pipeclamp_system.fmus.variables import EXPECTED, find_variables, read_description, renamed, variables_of
 
 
@@ -111,7 +111,7 @@ def opened(fmus: Sequence[tuple[Path, str]]) -> Iterator[list[LoadedFmu]]:
     Raises:
         UserError: one of them can't be loaded.
     """
-    folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
+    folder = unpacking_folder([path for path, _ in fmus])
     search_path = list(sys.path)
     loaded: list[LoadedFmu] = []
     try:

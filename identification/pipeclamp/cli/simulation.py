@@ -277,4 +277,7 @@ def _built(
             "--fmi and --platforms are for --kind native; a Python FMU is of FMI 2.0, for linux64 and win64"
         )
     build_python(source, output)
-    return "FMI 2.0 co-simulation, python"
+    return (
+        "FMI 2.0 co-simulation, python; it ends a tool's process where the path that it is unpacked to holds "
+        "characters that URIs encode, such as + ( ) or letters beyond ASCII: --kind native takes any path"
+    )
