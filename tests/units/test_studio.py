@@ -18,10 +18,14 @@ pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 from studio_server import running
 
 import pipeclamp as pc
+from pipeclamp.studio.on_pipe import system_text
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_models.base.toml_file import parse_table
+from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of
+from pipeclamp_system.description.system import SystemDescription
 
 PLAN = rig.TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
 JOBS = "/c/virtual/jobs"
@@ -145,6 +149,24 @@ def test_jobs_are_followed_until_none_runs(studio):
     assert status == 200
     assert "attachment" in headers["content-disposition"]
     assert zipfile.ZipFile(io.BytesIO(content)).testzip() is None
+
+
+def test_the_page_of_a_law_is_written(studio, home):
+    assert studio.done(studio.json(JOBS, {"kind": "report", "law": "law1"}))["state"] == "done"
+    status, headers, content = studio.ask("/c/virtual/files/law1.html")
+    assert status == 200
+    assert "attachment" in headers["content-disposition"]
+    assert b"RMS error" in content
+
+
+def test_the_pipe_is_described_at_the_ends_of_the_laws_temperatures(home):
+    file = pc.open_law(home / "law1.json").file
+    system = parse_table(system_text(file, "law1.json"), SystemDescription, "studio")
+    (clamp,) = system.clamps
+    assert clamp.law == "law1.json"
+    T, data = system.response.temperatures_C, file.range["T"]
+    assert data.minimum <= T[0] + CELSIUS < T[-1] + CELSIUS <= data.maximum
+    assert T[-1] - T[0] == pytest.approx(data.maximum - data.minimum, abs=0.2)
 
 
 def test_a_studio_that_was_killed_finds_all_again(studio, campaign, home, tmp_path):

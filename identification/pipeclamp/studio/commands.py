@@ -89,6 +89,34 @@ def build_task(project: Project, law: str, kind: str) -> Task:
     return Task("build", f"Build the {kind} FMU of {law}", build_line(project, law, kind), given, law)
 
 
+def report_line(project: Project, law: str) -> str:
+    """Give the line that writes a law's page."""
+    law_file, page = project.shown(f"{law}.json"), project.shown(f"{law}.html")
+    return line("compare", law_file, project.campaign, "--report", page)
+
+
+def report_task(project: Project, law: str) -> Task:
+    """Give the task that writes a law's page."""
+    given = {
+        "campaign": project.campaign, "law": str(project.path_of(law)), "page": project.shown(f"{law}.html"),
+    }  # fmt: skip
+    return Task("report", f"Write the page of {law}", report_line(project, law), given, law)
+
+
+def response_line(project: Project, law: str) -> str:
+    """Give the line that finds the response of a pipe with a law's clamp."""
+    return line("response", project.shown(f"{law}.system.toml"), "-o", project.shown(f"{law}.response.csv"))
+
+
+def response_task(project: Project, law: str) -> Task:
+    """Give the task that finds the response of a pipe with a law's clamp."""
+    given = {
+        "law": str(project.path_of(law)), "system": project.shown(f"{law}.system.toml"),
+        "output": project.shown(f"{law}.response.csv"), "shown": project.shown(f"{law}.response.json"),
+    }  # fmt: skip
+    return Task("respond", f"The pipe with the clamp of {law}, cold and hot", response_line(project, law), given, law)
+
+
 def import_task(files: Path, folder: Path, columns: str, pattern: str, *, dry_run: bool) -> Task:
     """Give the task that makes a campaign of uploaded files, or says what it would be."""
     stated = [*(("--columns", columns) if columns else ()), *(("--pattern", pattern) if pattern else ())]

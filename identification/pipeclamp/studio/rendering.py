@@ -12,6 +12,7 @@ from pipeclamp.api.tests import Tests
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.error_map import EDGES
+from pipeclamp.studio.on_pipe import shown_on_pipe
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UserError
@@ -45,6 +46,8 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
             each.name: commands.add_line(project, name or "", each.name, project.upcoming)
             for each in (told.candidates if told else ())
         },
+        "report": commands.report_line(project, name) if name else "",
+        "respond": commands.response_line(project, name) if name else "",
         "build": commands.build_line(project, name, "python") if name else "",
     }
     return page(
@@ -66,7 +69,8 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         steps=project.steps,
         parent=project.parent(name) if name else None,
         folder=project.folder,
-        fmu=bool(name and (project.folder / f"{name}.fmu").is_file()),
+        on_pipe=shown_on_pipe(project.folder / f"{name}.response.json") if name else None,
+        made={suffix for suffix in ("fmu", "html") if name and (project.folder / f"{name}.{suffix}").is_file()},
     )
 
 

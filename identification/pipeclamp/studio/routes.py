@@ -33,7 +33,7 @@ MOST_ASKED = 64 * 1024
 """Bytes of a request that is no file."""
 MOST_LAWS = 4
 """Drawn over one loop."""
-MEDIA = {".json": "application/json", ".csv": "text/csv", ".fmu": "application/zip"}
+MEDIA = {".json": "application/json", ".csv": "text/csv", ".fmu": "application/zip", ".html": "text/html"}
 
 Endpoint = Callable[[Request], Response]
 
@@ -178,8 +178,12 @@ class Pages:
             task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
         elif kind == "build":
             task = commands.build_task(project, _text(asked, "law"), str(asked.get("fmu", "python")))
+        elif kind == "report":
+            task = commands.report_task(project, _text(asked, "law"))
+        elif kind == "respond":
+            task = commands.response_task(project, _text(asked, "law"))
         else:
-            raise UserError(f"kind: got {kind!r}; expected identify, diagnose, add or build")
+            raise UserError(f"kind: got {kind!r}; expected identify, diagnose, add, build, report or respond")
         return JSONResponse(self.desk.start(opened, task, law).to_dict())
 
     async def start_import(self, request: Request) -> Response:

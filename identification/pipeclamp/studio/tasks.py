@@ -65,6 +65,15 @@ def build(tell: Progress, *, law: str, fmu: str, kind: str) -> dict[str, Any]:
     return {"file": Path(fmu).name}
 
 
+def report(tell: Progress, *, campaign: str, law: str, page: str) -> dict[str, Any]:
+    """Write the page of a law held against the tests."""
+    from pipeclamp.api.comparison import compare
+
+    tell("compare, and draw")
+    compare(law, campaign).report(page)
+    return {"file": Path(page).name}
+
+
 def look_into(tell: Progress, *, files: list[str], folder: str, columns: str, pattern: str) -> dict[str, Any]:
     """Say what files would become, and write nothing."""
     return _imported(tell, files, folder, columns, pattern, dry_run=True)

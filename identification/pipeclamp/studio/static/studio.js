@@ -168,9 +168,9 @@ function ended(job) {
   const address = new URL(location.href);
   if (job.result.law) { address.pathname = `${base}/laws/${job.result.law}`; address.searchParams.delete("with"); }
   else if (job.law && job.law !== law) return;
-  if (job.kind === "build") address.hash = "fmu";
+  address.hash = { build: "fmu", report: "fmu", respond: "on-pipe" }[job.kind] || "";
   address.searchParams.delete("token");
-  if (address.href === location.href || job.kind === "build") { history.replaceState(null, "", address); location.reload(); }
+  if (address.hash || address.href === location.href) { history.replaceState(null, "", address); location.reload(); }
   else location.assign(address);
 }
 
@@ -234,6 +234,7 @@ for (const cell of cells.filter((each) => each.dataset.before)) {
 arrows();
 const wanted = new URLSearchParams(location.search).get("run");
 if (runs.length) look(runs.includes(wanted) ? wanted : worst || runs[0]);
-const waterfall = document.getElementById("waterfall");
-if (waterfall) onLookChanged(() => drawIn(waterfall, JSON.parse(waterfall.dataset.specification)));
+for (const place of document.querySelectorAll(".drawn")) {
+  onLookChanged(() => drawIn(place, JSON.parse(place.dataset.specification)));
+}
 follow(encodeURIComponent(key), ended);
