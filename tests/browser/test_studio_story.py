@@ -72,6 +72,9 @@ def test_the_whole_job(page, url, violations, home):
     page.wait_for_selector(LOOP)
     page.check("input[name=candidate][value=damping_temperature]")
     page.wait_for_selector("#errors :text('law1 + damping_temperature')")
+    page.locator("input[data-candidate=damping_temperature]").first.focus()
+    page.keyboard.press("PageUp")
+    page.wait_for_selector("#errors :text('damping_temperature, moved')")
     assert violations(page) == []
 
     page.click(".answer button:has-text('Add damping_temperature')")

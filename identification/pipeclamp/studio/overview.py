@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,13 +15,12 @@ from pipeclamp.show.comparison import how_much
 from pipeclamp.studio.bench import Bench
 from pipeclamp.studio.error_map import ErrorMap, error_map
 from pipeclamp.studio.project import Project
+from pipeclamp.studio.sliders import Slider, candidate_sliders, sliders_of
 from pipeclamp.studio.told import Told, stamp
 from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.law.file import CoefficientEntry, LawFile, structure_of
+from pipeclamp_models.law.file import CoefficientEntry, LawFile
 
-MOST_ERRORS = 10.0
-"""A slider reaches this many standard errors, and to zero and twice the value at least."""
 WATERFALL_HEIGHT = 270
 
 
@@ -45,19 +44,6 @@ class LawChip:
 
 
 @dataclass(frozen=True)
-class Slider:
-    """A parameter that can be moved."""
-
-    name: str
-    value: float
-    low: float
-    high: float
-    unit: str
-    meaning: str
-    error: float | None
-
-
-@dataclass(frozen=True)
 class LawShown:
     """A law as its page shows it.
 
@@ -70,6 +56,7 @@ class LawShown:
         map, before: of the error; that of the law before it, where there is one on the same tests.
         told: what a diagnosis said of it, where one was made.
         groups: its parameters, by effect.
+    of_candidates: those that each candidate of the diagnosis would add, by its name.
     """
 
     name: str
@@ -82,6 +69,7 @@ class LawShown:
     before: ErrorMap | None
     told: Told | None
     groups: tuple[tuple[str, tuple[Slider, ...]], ...]
+    of_candidates: Mapping[str, tuple[Slider, ...]]
 
 
 def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawShown:
@@ -111,6 +99,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
         before=law_map(project, bench, parent, shown.by) if parent else None,
         told=told,
         groups=sliders_of(file),
+        of_candidates={each.name: candidate_sliders(file, each) for each in told.candidates} if told else {},
     )
 
 
@@ -190,30 +179,3 @@ def side_by_side(one: LawFile, other: LawFile) -> list[tuple[str, str, str, str]
         first, second = one.coefficients.get(name), other.coefficients.get(name)
         rows.append((name, shown(first), shown(second), next(entry.unit for entry in (first, second) if entry)))
     return rows
-
-
-def sliders_of(file: LawFile) -> tuple[tuple[str, tuple[Slider, ...]], ...]:
-    """Give the parameters that can be moved, by effect, the last effect first."""
-    groups: dict[str, list[Slider]] = {}
-    for parameter in structure_of(file).equations.parameters:
-        entry = file.coefficients[parameter.name]
-        if entry.state == "held":
-            continue
-        reach = max(abs(entry.value), MOST_ERRORS * (entry.standard_error or 0.0)) or 1.0
-        groups.setdefault(parameter.effect, []).append(
-            Slider(
-                parameter.name,
-                entry.value,
-                max(entry.value - reach, _bound(parameter.lower, -math.inf)),
-                min(entry.value + reach, _bound(parameter.upper, math.inf)),
-                entry.unit,
-                entry.meaning or parameter.meaning,
-                entry.standard_error,
-            )
-        )
-    return tuple((effect, tuple(sliders)) for effect, sliders in reversed(groups.items()))
-
-
-def _bound(bound: float | str, otherwise: float) -> float:
-    """Give a bound that is a number; one that is in sizes of the data doesn't limit a slider."""
-    return otherwise if isinstance(bound, str) else float(bound)

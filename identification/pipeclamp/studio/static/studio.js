@@ -141,19 +141,24 @@ const sliders = [...document.querySelectorAll("input[data-parameter]")];
 const short = (value) => Number(value).toPrecision(4);
 let busy = false, again = false;
 
+function show(slider) {
+  slider.nextElementSibling.textContent = short(slider.value);
+}
+
 function toFit(slider) {
   slider.value = slider.dataset.fit;
   slider.dataset.moved = "";
-  document.querySelector(`output[for="${slider.id}"]`).textContent = short(slider.dataset.fit);
+  show(slider);
 }
 
 async function move() {
   if (busy) { again = true; return; }
   busy = true;
+  const candidate = sliders.find((each) => each.dataset.moved)?.dataset.candidate || "";
   const values = Object.fromEntries(sliders.filter((each) => each.dataset.moved).map((each) => [each.dataset.parameter, Number(each.value)]));
   const run = shown.run;
   try {
-    const given = await ask(`${base}/moved`, { law, run, values });
+    const given = await ask(`${base}/moved`, { law, run, values, candidate });
     if (shown.run === run) { moved = given; draw(); }
   } catch (error) {
     complain(error.message);
@@ -214,8 +219,10 @@ for (const event of ["pointerover", "focusin"]) {
 }
 for (const slider of sliders) {
   slider.addEventListener("input", () => {
+    // the law's own are moved, or those of one candidate
+    sliders.filter((each) => each.dataset.candidate !== slider.dataset.candidate).forEach(toFit);
     slider.dataset.moved = "yes";
-    document.querySelector(`output[for="${slider.id}"]`).textContent = short(slider.value);
+    show(slider);
     if (shown) move();
   });
 }
