@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -101,8 +101,18 @@ def parameter_set(component: Component) -> bytes:
     return _written(root)
 
 
-def _ports(fmu: Path) -> Iterable[tuple[str, str, str]]:
-    """Give the FMU's inputs and outputs: name, causality and type.
+@dataclass(frozen=True)
+class _Port:
+    """An input or output of an FMU: name, causality, type, unit ("" where the FMU doesn't define it)."""
+
+    name: str
+    causality: str
+    kind: str
+    unit: str
+
+
+def _ports(fmu: Path) -> tuple[list[_Port], dict[str, Mapping[str, str]]]:
+    """Give the FMU's inputs and outputs, and the units that it defines, each by its base units.
 
     Raises:
         UserError: the FMU is not of FMI 2.0.
@@ -116,9 +126,16 @@ def _ports(fmu: Path) -> Iterable[tuple[str, str, str]]:
             f"{fmu}: FMI {root.get('fmiVersion')}; expected FMI 2.0, as masters take it in an SSP 1.0: "
             "build it without --fmi 3"
         )
+    units: dict[str, Mapping[str, str]] = {
+        unit.get("name", ""): dict(base.attrib) for unit in root.iter("Unit") for base in unit.findall("BaseUnit")
+    }
+    ports = []
     for variable in root.iter("ScalarVariable"):
-        if variable.get("causality") in ("input", "output"):
-            yield variable.get("name", ""), variable.get("causality", ""), variable[0].tag
+        causality, unit = variable.get("causality", ""), variable[0].get("unit", "")
+        if causality in ("input", "output"):
+            known = unit if unit in units else ""
+            ports.append(_Port(variable.get("name", ""), causality, variable[0].tag, known))
+    return ports, units
 
 
 def _description(structure: SystemStructure) -> bytes:
@@ -127,6 +144,7 @@ def _description(structure: SystemStructure) -> bytes:
     system = _element(root, "ssd:System", {"name": "system"})
     connected = {end for _, end in structure.connections}
     elements = _element(system, "ssd:Elements", {})
+    units: dict[str, Mapping[str, str]] = {}
     for component in structure.components:
         listed = _element(elements, "ssd:Component", {
             "name": component.name,
@@ -135,11 +153,14 @@ def _description(structure: SystemStructure) -> bytes:
             "implementation": "CoSimulation",
         })  # fmt: skip
         connectors = _element(listed, "ssd:Connectors", {})
-        for name, causality, kind in _ports(component.fmu):
-            if causality == "input" and (component.name, name) not in connected:
+        ports, defined = _ports(component.fmu)
+        for port in ports:
+            if port.causality == "input" and (component.name, port.name) not in connected:
                 continue  # a master would set an unconnected one to zero
-            connector = _element(connectors, "ssd:Connector", {"name": name, "kind": causality})
-            _element(connector, f"ssc:{kind}", {})
+            connector = _element(connectors, "ssd:Connector", {"name": port.name, "kind": port.causality})
+            _element(connector, f"ssc:{port.kind}", {"unit": port.unit} if port.unit else {})
+            if port.unit:
+                units.setdefault(port.unit, defined[port.unit])
         if component.parameters:
             bindings = _element(listed, "ssd:ParameterBindings", {})
             _element(bindings, "ssd:ParameterBinding", {"source": f"resources/{component.name}.ssv"})
@@ -148,6 +169,9 @@ def _description(structure: SystemStructure) -> bytes:
         _element(connections, "ssd:Connection", {
             "startElement": start, "startConnector": output, "endElement": end, "endConnector": into,
         })  # fmt: skip
+    listed_units = _element(root, "ssd:Units", {}) if units else root
+    for name, base in sorted(units.items()):
+        _element(_element(listed_units, "ssc:Unit", {"name": name}), "ssc:BaseUnit", base)
     times = {"startTime": "0.0", "stopTime": repr(float(structure.stop_time))}
     experiment = _element(root, "ssd:DefaultExperiment", times)
     if structure.step is not None:

@@ -85,6 +85,13 @@ def test_it_holds_every_part(ssp, tmp_path):
         archive.extractall(tmp_path)
     system = ElementTree.parse(tmp_path / "SystemStructure.ssd").getroot()
     assert (system.get("name"), system.get("description")) == ("two_clamps", "two clamps")
+    kinds = {entry.tag.split("}")[1] for entry in system}
+    assert kinds == {"System", "Units", "DefaultExperiment"}
+    units = {entry.get("name"): entry[0].attrib for entry in system.iter() if entry.tag.endswith("}Unit")}
+    assert units["N"] == {"kg": "1", "m": "1", "s": "-2"}
+    connectors = [entry for entry in system.iter() if entry.tag.endswith("}Connector")]
+    assert {entry[0].get("unit") for entry in connectors if entry.get("name") == "flange.s"} == {"m"}
+    assert {entry[0].get("unit") for entry in connectors} <= {*units, None}
     parts = {f"resources/{name}.fmu" for name in ("excitation", "pipe", "clamp1", "clamp2")}
     assert names == {"SystemStructure.ssd", "resources/clamp1.ssv", "resources/clamp2.ssv", *parts}
     assert [validate_fmu(str(tmp_path / part)) for part in sorted(parts)] == [[], [], [], []]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.passivity import Interval, ScalarLaw, loaded
-from pipeclamp_fmu.contents.reference import reference_files
+from pipeclamp_fmu.contents.reference import Reference, reference_files
 from pipeclamp_fmu.contents.steady_loop import SAMPLES, steady_loop
 from pipeclamp_fmu.describe.documentation import Section, page, variables_section
 from pipeclamp_fmu.describe.history import history_section
@@ -307,17 +307,25 @@ def clamp_variables(model: ClampModel, described: Mapping[str, Quantity]) -> Var
     )
 
 
-def clamp_extras(model: ClampModel, variables: Variables) -> tuple[bytes, dict[str, bytes]]:
-    """Give the clamp's icon and the reference results that travel inside its FMU."""
+def clamp_extras(model: ClampModel, variables: Variables, model_exchange: bool) -> tuple[bytes, dict[str, bytes]]:
+    """Give the clamp's icon and the reference results that travel inside its FMU, for model exchange too or not."""
     loop = steady_loop(clamp_module(model), values_text("", model.name, numbers_of(variables, model.ranges)))
-    return loop_icon(loop.s[SAMPLES:], loop.force[SAMPLES:]), reference_files(loop)
+    reference = Reference(
+        name="loop",
+        description="two cycles from rest in the middle of the law's range, under the default conditions",
+        step=loop.step,
+        stimuli={"flange.s": loop.s, "flange.v": loop.v},
+        results={"flange.f": loop.force, "energyDissipated": loop.dissipated},
+        at_once=True,
+    )
+    return loop_icon(loop.s[-SAMPLES:], loop.force[-SAMPLES:]), reference_files(reference, model_exchange)
 
 
 def clamp_content(model: ClampModel, version: str) -> Content:
     """Give all that goes into the clamp's Python FMU."""
     described = quantities(model)
     variables = clamp_variables(model, described)
-    icon, references = clamp_extras(model, variables)
+    icon, references = clamp_extras(model, variables, model_exchange=False)
     further = [entry.name for entry in model.further]
     return Content(
         kind="clamp",

@@ -8,6 +8,8 @@ from importlib import resources
 
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.pipe_dependencies import pipe_dependencies
+from pipeclamp_fmu.contents.pipe_reference import pipe_reference
+from pipeclamp_fmu.contents.reference import reference_files
 from pipeclamp_fmu.describe.documentation import Section, page, variables_section
 from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
 from pipeclamp_fmu.slaves import pipe as pipe_slave
@@ -52,6 +54,11 @@ def pipe_module(pipe: ReducedPipe) -> str:
 def excitation_input(pipe: ReducedPipe) -> str:
     """Give the name of the input that shakes the pipe."""
     return "base.a" if pipe.excitation == "base" else "excitation.f"
+
+
+def input_names(pipe: ReducedPipe) -> tuple[str, ...]:
+    """Give the names of all inputs: what shakes the pipe, and the clamps' forces."""
+    return (excitation_input(pipe), *(f"{name}.f" for name in pipe.clamp_names))
 
 
 def quantities(pipe: ReducedPipe) -> Mapping[str, Quantity]:
@@ -116,14 +123,17 @@ def pipe_text(pipe: ReducedPipe, version: str) -> ModelText:
 def pipe_content(pipe: ReducedPipe, version: str) -> Content:
     """Give all that goes into the pipe's Python FMU."""
     described = quantities(pipe)
+    text = pipe_text(pipe, version)
+    reference = pipe_reference(pipe, text.step_size, input_names(pipe), described)
     return Content(
         kind="pipe",
         source=pipe_module(pipe),
         class_name=pipe_slave.PipeSlave.__name__,
-        text=pipe_text(pipe, version),
+        text=text,
         quantities=described,
         initially=pipe_dependencies(pipe, excitation_input(pipe)).initially,
         documentation=pipe_documentation(pipe, described, "Standard library of Python only."),
+        further=reference_files(reference, model_exchange=False),
     )
 
 

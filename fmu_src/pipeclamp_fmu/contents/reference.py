@@ -1,12 +1,15 @@
-"""Reference results that travel inside a clamp's FMU, as the layered standard FMI-LS-REF describes them."""
+"""Reference results that travel inside an FMU, as the layered standard FMI-LS-REF describes them.
+
+They are what a co-simulation gives that sets a row of stimuli at its time, then steps to the next row's time.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from pipeclamp_fmu.contents.steady_loop import Loop
 from pipeclamp_fmu.describe.model_description import xml_bytes
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
@@ -14,39 +17,79 @@ MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
 TEXT = "Layered Standard providing information on related files included in an FMU."
 
 
-def reference_files(loop: Loop) -> dict[str, bytes]:
+@dataclass(frozen=True)
+class Reference:
+    """Stimuli at equal steps from time 0, and what they make of the FMU.
+
+    Attributes:
+        name: of the experiment.
+        description: what is done.
+        step: s.
+        stimuli: by input, each (n,), at time 0 and after each step but the last.
+        results: by output, each (n,), at the end of each step.
+        at_once: whether in model exchange the results stand at the times of their stimuli, a step earlier.
+    """
+
+    name: str
+    description: str
+    step: float
+    stimuli: Mapping[str, Sequence[float]]
+    results: Mapping[str, Sequence[float]]
+    at_once: bool
+
+
+def reference_files(reference: Reference, model_exchange: bool) -> dict[str, bytes]:
     """Give the files by name: the manifest, an experiment, its stimuli and its results.
 
-    Co-simulation steps end at the rows' times, and a row's stimuli are set before the step that ends there.
+    Args:
+        reference: what they say.
+        model_exchange: whether the FMU has that interface too; where its results stand at other times it has an
+            experiment and results of its own.
     """
-    times = [index * loop.step for index in range(1, len(loop.s) + 1)]
-    stimuli = _table(("time", "flange.s", "flange.v"), (times, loop.s, loop.v))
-    results = _table(("time", "flange.f", "energyDissipated"), (times, loop.force, loop.dissipated))
-    stop = repr(times[-1])
-    experiments = Element("Experiments", {"name": "reference"})
+    count = len(next(iter(reference.stimuli.values())))
+    times = [index * reference.step for index in range(count + 1)]
+    files = {
+        "experiments.xml": _experiments(reference, times[-1], "results.csv"),
+        "stimuli.csv": _table(times[:-1], reference.stimuli),
+        "results.csv": _table(times[1:], reference.results),
+    }
+    related = [
+        ("experiments.xml", "application/xml", "experiment/smoke-test", reference.description),
+        ("stimuli.csv", "text/csv", "testcase", "inputs, to be set before the step that begins at their time"),
+        ("results.csv", "text/csv", "result", "outputs after that step"),
+    ]
+    if model_exchange and reference.at_once:
+        files["experiments_model_exchange.xml"] = _experiments(reference, times[-2], "results_model_exchange.csv")
+        files["results_model_exchange.csv"] = _table(times[:-1], reference.results)
+        what = f"{reference.description}, in model exchange"
+        related += [
+            ("experiments_model_exchange.xml", "application/xml", "experiment/smoke-test", what),
+            ("results_model_exchange.csv", "text/csv", "result", "outputs at the time of the stimuli"),
+        ]
+    files["fmi-ls-manifest.xml"] = _manifest(related)
+    return {f"{FOLDER}/{name}": content for name, content in files.items()}
+
+
+def _experiments(reference: Reference, stop: float, results: str) -> bytes:
+    root = Element("Experiments")
     experiment = SubElement(
-        experiments,
+        root,
         "Experiment",
         {
-            "name": "loop",
-            "description": "two cycles from rest, middle of the range; stimuli are those at each step's end",
+            "name": reference.name,
+            "description": reference.description,
             "startTime": "0.0",
-            "stopTime": stop,
-            "stepSize": repr(loop.step),
-            "tolerance": "1e-9",
+            "stopTime": repr(stop),
+            "stepSize": repr(reference.step),
+            "tolerance": "1e-6",
         },
     )
     SubElement(experiment, "Stimuli", {"source": "stimuli.csv"})
-    SubElement(experiment, "References", {"source": "results.csv"})
-    return {
-        f"{FOLDER}/fmi-ls-manifest.xml": _manifest(),
-        f"{FOLDER}/experiments.xml": xml_bytes(experiments),
-        f"{FOLDER}/stimuli.csv": stimuli,
-        f"{FOLDER}/results.csv": results,
-    }
+    SubElement(experiment, "References", {"source": results})
+    return xml_bytes(root)
 
 
-def _manifest() -> bytes:
+def _manifest(related: Sequence[tuple[str, str, str, str]]) -> bytes:
     ElementTree.register_namespace("fmi-ls", MANIFEST)
     root = Element(
         "fmiReferences",
@@ -56,15 +99,12 @@ def _manifest() -> bytes:
             f"{{{MANIFEST}}}fmi-ls-description": TEXT,
         },
     )
-    for source, kind, role, meaning in (
-        ("experiments.xml", "application/xml", "experiment/smoke-test", "a loop in the middle of the law's range"),
-        ("stimuli.csv", "text/csv", "testcase", "its motion, under the default conditions"),
-        ("results.csv", "text/csv", "result", "force and dissipated energy, of the Python FMU"),
-    ):
+    for source, kind, role, meaning in related:
         SubElement(root, "Related", {"type": kind, "source": source, "role": role, "description": meaning})
     return xml_bytes(root)
 
 
-def _table(names: Sequence[str], columns: Sequence[Sequence[float]]) -> bytes:
-    rows = [",".join(names), *(",".join(map(repr, row)) for row in zip(*columns, strict=True))]
+def _table(times: Sequence[float], columns: Mapping[str, Sequence[float]]) -> bytes:
+    rows = [",".join(("time", *columns))]
+    rows += [",".join(map(repr, row)) for row in zip(times, *columns.values(), strict=True)]
     return ("\n".join(rows) + "\n").encode("utf-8")

@@ -17,7 +17,7 @@ THIRD = 0.3
 
 @dataclass(frozen=True)
 class Loop:
-    """Two cycles from rest under the clamp's default conditions: motion and answer, in SI units.
+    """Two cycles from rest, after a step at rest, under the clamp's default conditions: motion and answer, SI units.
 
     Attributes:
         step: s.
@@ -46,12 +46,12 @@ def steady_loop(module: str, values: str) -> Loop:
     A, f = slave.get_real([places["A"], places["f"]])
     h, omega = 1 / (f * SAMPLES), 2 * math.pi * f
     rows = []
-    for index in range(1, 2 * SAMPLES + 1):
+    for index in range(2 * SAMPLES + 1):
         theta = 2 * math.pi * index / SAMPLES
         s = A / (1 + THIRD) * (math.sin(theta) + THIRD * math.sin(3 * theta))
-        v = A / (1 + THIRD) * omega * (math.cos(theta) + 3 * THIRD * math.cos(3 * theta))
+        v = A / (1 + THIRD) * omega * (math.cos(theta) + 3 * THIRD * math.cos(3 * theta)) * (index > 0)
         slave.set_real([places["flange.s"], places["flange.v"]], [s, v])
-        slave.do_step((index - 1) * h, h)
+        slave.do_step(index * h, h)
         rows.append((s, v, *slave.get_real([places["flange.f"], places["energyDissipated"]])))
     motion, speed, force, dissipated = zip(*rows, strict=True)
     return Loop(h, motion, speed, force, dissipated)

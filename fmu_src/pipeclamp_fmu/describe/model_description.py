@@ -41,17 +41,17 @@ UNITS: Mapping[str, Unit] = {
     "1": Unit({}),
 }
 
-LAW_UNITS: Mapping[str, tuple[Mapping[str, int], float]] = {
-    "N": ({"kg": 1, "m": 1, "s": -2}, 1.0),
-    "mm": ({"m": 1}, 1e-3),
-    "cm": ({"m": 1}, 1e-2),
-    "s": ({"s": 1}, 1.0),
-    "Hz": ({"s": -1}, 1.0),
-    "K": ({"K": 1}, 1.0),
-    "g": ({"kg": 1}, 1e-3),
-    "t": ({"kg": 1}, 1e3),
+LAW_UNITS: Mapping[str, tuple[Mapping[str, int], int]] = {
+    "N": ({"kg": 1, "m": 1, "s": -2}, 0),
+    "mm": ({"m": 1}, -3),
+    "cm": ({"m": 1}, -2),
+    "s": ({"s": 1}, 0),
+    "Hz": ({"s": -1}, 0),
+    "K": ({"K": 1}, 0),
+    "g": ({"kg": 1}, -3),
+    "t": ({"kg": 1}, 3),
 }
-"""What units of a law's coefficients are made of: SI base units and a factor."""
+"""What units of a law's coefficients are made of: SI base units and a power of ten."""
 
 
 def find_unit(name: str) -> Unit:
@@ -59,7 +59,7 @@ def find_unit(name: str) -> Unit:
     if name in UNITS:
         return UNITS[name]
     exponents: Counter[str] = Counter()
-    factor = 1.0
+    ten = 0
     for sign, side in zip((1, -1), name.split("/"), strict=False):
         for part in side.split():
             match = re.fullmatch(r"([A-Za-z]+)(\d*)", part)
@@ -67,11 +67,12 @@ def find_unit(name: str) -> Unit:
                 continue
             if match is None or match[1] not in LAW_UNITS or name.count("/") > 1:
                 return Unit({})
-            base, share = LAW_UNITS[match[1]]
+            base, tens = LAW_UNITS[match[1]]
             power = sign * int(match[2] or 1)
             exponents.update({symbol: power * exponent for symbol, exponent in base.items()})
-            factor *= share**power
-    return Unit({symbol: exponent for symbol, exponent in exponents.items() if exponent}, None, factor)
+            ten += tens * power
+    left = {symbol: exponent for symbol, exponent in exponents.items() if exponent}
+    return Unit(left, None, float(f"1e{ten}"))  # no product of floats, which would leave 999999999.9999999
 
 
 @dataclass(frozen=True)
@@ -208,6 +209,10 @@ def xml_bytes(root: Element) -> bytes:
     return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)) + b"\n"
 
 
+DIGITS = 12
+"""Of bounds, which are conversions and products of others: so many that rounding doesn't show."""
+
+
 def number_attributes(quantity: Quantity) -> dict[str, str]:
     """Give the attributes of a Real variable that its quantity says."""
     attributes = {
@@ -218,7 +223,7 @@ def number_attributes(quantity: Quantity) -> dict[str, str]:
         "nominal": quantity.nominal,
     }
     return {
-        name: value if isinstance(value, str) else repr(float(value))
+        name: value if isinstance(value, str) else repr(float(f"{value:.{DIGITS}g}"))
         for name, value in attributes.items()
         if value is not None
     }

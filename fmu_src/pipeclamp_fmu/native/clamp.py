@@ -38,7 +38,7 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
     """
     described = quantities(model)
     variables = clamp_variables(model, described)
-    icon, references = clamp_extras(model, variables)
+    icon, references = clamp_extras(model, variables, model_exchange=True)
     return NativeContent(
         kind="clamp",
         text=clamp_text(model, version),

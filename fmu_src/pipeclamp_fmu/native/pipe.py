@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipeclamp_fmu.contents.pipe import excitation_input, pipe_documentation, pipe_text, quantities
+from pipeclamp_fmu.contents.pipe import excitation_input, input_names, pipe_documentation, pipe_text, quantities
 from pipeclamp_fmu.contents.pipe_dependencies import WORKS, displacement, pipe_dependencies, velocity
+from pipeclamp_fmu.contents.pipe_reference import pipe_reference
+from pipeclamp_fmu.contents.reference import reference_files
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_fmu.describe.variables import Variable, Variables
 from pipeclamp_fmu.native.description import FLANGE, Terminal
@@ -27,7 +29,7 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
     """Give all that goes into the pipe's native FMU."""
     described = dict(quantities(pipe))
     flag = described.pop("inputsAtStepEnd")
-    inputs = (excitation_input(pipe), *(f"{name}.f" for name in pipe.clamp_names))
+    inputs = input_names(pipe)
     states = _states(pipe)
     variables = Variables(
         inputs=tuple(Variable(name, described[name], 0.0) for name in inputs),
@@ -40,9 +42,11 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
         signals=len(inputs),
         states=len(states),
     )
+    text = pipe_text(pipe, version)
+    reference = pipe_reference(pipe, text.step_size, inputs, described)
     return NativeContent(
         kind="pipe",
-        text=pipe_text(pipe, version),
+        text=text,
         model=NativeModel(
             pipe.name,
             ("pipe.c", "pipe.h", "no_warnings.c"),
@@ -54,6 +58,7 @@ def native_pipe(pipe: ReducedPipe, version: str) -> NativeContent:
         dependencies=pipe_dependencies(pipe, excitation_input(pipe)),
         documentation=pipe_documentation(pipe, quantities(pipe), NEEDS),
         icon=b"",
+        further=reference_files(reference, model_exchange=True),
     )
 
 
