@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -23,9 +22,7 @@ from pipeclamp_identification.campaign.seen import LeftOut, SeenRecord, seen_fre
 from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothing
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_content
-
-# threads that read records: more than most machines' cores for it, because each also waits for the disk
-READERS = 4
+from pipeclamp_models.base.threads import in_threads
 
 
 @dataclass(frozen=True)
@@ -133,12 +130,13 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
 
 def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable, strict: bool) -> Campaign:
     """Read the records of a campaign whose description and table have been read, as `read_campaign` does."""
-    with ThreadPoolExecutor(max_workers=READERS) as readers:
-        # parsing lets other threads run; the many small steps of finding cycles don't, and come after it
-        records = list(readers.map(partial(read_run, folder, description), table.rows))
+    records = in_threads(partial(read_run, folder, description), table.rows)
     digests = digests_of(folder, {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)})
-    checked = [checked_run(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
-    seen = {row.run: seen_of(one) for row, one in zip(table.rows, checked, strict=True)}
+    size = sum(len(record.time_s) for _, record in records) / len(records)
+    jobs = [(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
+    looked = in_threads(_looked_at, jobs, size)
+    checked = [one for one, _ in looked]
+    seen = {row.run: one for row, (_, one) in zip(table.rows, looked, strict=True)}
     judged = judge(folder, table.rows, seen, strict)
     runs = tuple(_judged(one, judged) for one in checked if isinstance(one, Run) and one.name in judged.sines)
     return Campaign(
@@ -155,6 +153,12 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         digests=digests,
         doubts=judged.doubts,
     )
+
+
+def _looked_at(job: tuple[RunRow, Record]) -> tuple[Run | FreeRun | LeftOut, SeenRecord | LeftOut]:
+    """Give a run of its row and record, and what the record shows."""
+    run = checked_run(*job)
+    return run, seen_of(run)
 
 
 def _judged(run: Run, judged: Judged) -> Run:

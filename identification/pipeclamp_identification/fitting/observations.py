@@ -17,6 +17,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.signals import REFERENCES, condition_signal
+from pipeclamp_models.base.threads import in_threads
 from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.force import LawForce, known_jacobian
 from pipeclamp_models.realise.motion import Motion
@@ -102,10 +103,10 @@ def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: 
     place = (phase % (2 * np.pi)) * (samples / (2 * np.pi))
     left = np.floor(place).astype(np.intp) % samples
     share = place - np.floor(place)
-    points = np.concatenate([left, (left + 1) % samples])
-    weights = np.concatenate([1 - share, share])
-    rows = np.tile(np.arange(len(phase)), 2)
-    interpolation = sparse.csr_array((weights, (points, rows)), shape=(samples, len(phase)))
+    points = np.stack([left, (left + 1) % samples], axis=1)
+    weights = np.stack([1 - share, share], axis=1)
+    ends = np.arange(0, 2 * len(phase) + 1, 2)
+    interpolation = sparse.csc_array((weights.ravel(), points.ravel(), ends), shape=(samples, len(phase)))
     transform = np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T
     near = at_reversals.places.ravel()
     left_over = (interpolation[:, near].toarray() - transform @ basis[near].T).reshape(samples, 3, -1)
@@ -121,12 +122,14 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
     count = loops.force.shape[1] - 1
     plain = harmonics_of(np.eye(samples), count)
     own = np.tile(plain, (len(loops.run), 1, 1))
+
+    def fill(row: int) -> None:
+        carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row, 1:])))
+        own[row, :, : 2 * carried + 1] = sampled_transform(loops.phases[row], loops.at_reversals[row], samples, carried)
+
+    rows: list[int] = np.flatnonzero(few).tolist()
     with one_thread():
-        for row in np.flatnonzero(few):
-            carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row, 1:])))
-            own[row, :, : 2 * carried + 1] = sampled_transform(
-                loops.phases[row], loops.at_reversals[row], samples, carried
-            )
+        in_threads(fill, rows, sum(len(loops.phases[row]) for row in rows) / max(len(rows), 1))
     # An average is symmetric: the transform of averaged forces is the averaged transform of forces.
     return averaged(own, loops.force_average, axis=1)
 

@@ -212,12 +212,15 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     headings = {column.heading for column in columns}
     channels = [channel for channel in table.channels if channel.heading in headings]
     time = time_of(table, columns, way.rate)
-    timed = np.flatnonzero(np.isfinite(time))
+    finite = np.isfinite(time)
+    timed = None if np.all(finite) else np.flatnonzero(finite)
+    own = time if timed is None else time[timed]
     bounds = np.zeros(2, dtype=np.intp)
-    if len(timed):
-        segment = segment_of(table, columns, timed)
-        bounds = piece_bounds(time[timed], lambda: first_motion(table, columns, timed), segment)
-    begins = [0, *timed[bounds[1:-1]].tolist(), table.length]
+    if len(own):
+        bounds = piece_bounds(own, lambda: first_motion(table, columns, timed), segment_of(table, columns, timed))
+    inner = bounds[1:-1] if timed is None else timed[bounds[1:-1]]
+    begins = [0, *inner.tolist(), table.length]
+    del time, own
     for number, (first, last) in enumerate(itertools.pairwise(begins)):
         rows = tuple(replace(channel, values=channel.values[first:last]) for channel in channels)
         yield Piece(

@@ -50,16 +50,19 @@ def time_of(table: RawTable, columns: Sequence[Column], rate: float | None, begi
     return np.arange(begin, begin + table.length) / rate
 
 
-def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray) -> Array:
-    """Give the first samples of the displacement that have a time, in mm, lines in the place of blanks and spikes."""
+def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array:
+    """Give the first samples of the displacement that have a time, in mm, lines in the place of blanks and spikes.
+
+    `timed`: rows that have a time; None for all.
+    """
     column = next(one for one in columns if one.ours == "displacement")
-    first = timed[:LOOKED_AT]
+    first = np.arange(min(LOOKED_AT, table.length)) if timed is None else timed[:LOOKED_AT]
     motion = mended_channel("displacement_mm", _turned(table, column, first))
     finite = np.flatnonzero(np.isfinite(motion))
     return motion if len(finite) < 2 else np.interp(np.arange(len(motion)), finite, motion[finite])
 
 
-def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray) -> Array | None:
+def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array | None:
     """Give what tells the runs of a table apart, of the samples that have a time; None where there is nothing."""
     column = next((one for one in columns if one.ours == SEGMENT), None)
     return None if column is None else _turned(table, column, timed)
@@ -68,8 +71,10 @@ def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray) -> A
 def _turned(table: RawTable, column: Column, rows: IntArray | None = None) -> Array:
     """Give a channel's samples in our unit."""
     values = next(channel.values for channel in table.channels if channel.heading == column.heading)
-    chosen = values if rows is None or len(rows) == len(values) else values[rows]
-    return np.asarray(chosen * column.conversion.factor + column.conversion.offset)
+    chosen = values if rows is None else values[rows]
+    factor, offset = column.conversion.factor, column.conversion.offset
+    # a large table has no room for copies
+    return chosen if (factor, offset) == (1.0, 0.0) else np.asarray(chosen * factor + offset)
 
 
 def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float | None, begin: int = 0) -> Trace:

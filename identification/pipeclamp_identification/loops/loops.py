@@ -15,6 +15,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.loops.loop import Loop, loop_of
 from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array, ComplexArray
+from pipeclamp_models.base.threads import in_threads
 
 HARMONICS = 20
 """H, the highest harmonic that is kept."""
@@ -103,8 +104,9 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
         One row per usable run, in the campaign's order.
     """
     average = campaign.smoothing.displacement
-    rows = tuple(loop_of(run, campaign.condition_columns, harmonics, average) for run in campaign.runs)
-    return Loops(rows, campaign.smoothing.force)
+    size = sum(len(run.record.time_s) for run in campaign.runs) / max(len(campaign.runs), 1)
+    rows = in_threads(lambda run: loop_of(run, campaign.condition_columns, harmonics, average), campaign.runs, size)
+    return Loops(tuple(rows), campaign.smoothing.force)
 
 
 def per_cycle(loops: Loops) -> Loops:

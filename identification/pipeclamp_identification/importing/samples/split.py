@@ -82,14 +82,15 @@ def piece_bounds(time: Array, motion: Callable[[], Array], segment: Array | None
         motion: gives the displacement in mm, or the first part of it, which tells how long cycles are.
         segment: shape (n,), where there is one.
     """
-    step = np.diff(time)
-    some = step[:: max(1, len(step) // LOOKED_AT)]
-    usual = float(np.median(some[some > 0])) if np.any(some > 0) else 0.0
-    cuts = np.flatnonzero((step < 0) | (step > GAP_STEPS * usual)) + 1
     changes = np.empty(0, dtype=np.intp)
     if segment is not None:
         change = np.diff(segment)
         changes = np.flatnonzero((change != 0.0) & ~np.isnan(change)) + 1
+        del change
+    step = np.diff(time)
+    some = step[:: max(1, len(step) // LOOKED_AT)]
+    usual = float(np.median(some[some > 0])) if np.any(some > 0) else 0.0
+    cuts = np.flatnonzero((step < 0) | (step > GAP_STEPS * usual)) + 1
     if len(cuts) or len(changes):
         y = motion()
         turns = _turns(y)

@@ -1,0 +1,32 @@
+"""Threads for work on large arrays, in which NumPy and polars let others run; on small ones threads only wait."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+MOST = 4
+"""Threads: memory holds what as many work on."""
+LARGE = 4000
+"""Numbers in an array from which on most of the time goes by inside of NumPy."""
+
+
+def in_threads(work: Callable[[Job], Result], jobs: Sequence[Job], size: float = LARGE) -> list[Result]:
+    """Give the result of each job, in order; what isn't begun when one fails, or by Ctrl-C, isn't begun any more.
+
+    Args:
+        work: to be done.
+        jobs: with each of these.
+        size: numbers in the arrays of one, on average; few are worked on one after the other.
+    """
+    if size < LARGE or len(jobs) < 2:
+        return [work(job) for job in jobs]
+    threads = ThreadPoolExecutor(MOST)
+    try:
+        return list(threads.map(work, jobs))
+    finally:
+        threads.shutdown(cancel_futures=True)
