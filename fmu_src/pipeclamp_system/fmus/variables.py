@@ -10,7 +10,7 @@ from typing import Any
 
 import fmpy
 
-from pipeclamp_models.base.archive import read_part
+from pipeclamp_models.base.archive import opened_archive
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import unknown
 
@@ -30,6 +30,7 @@ Variables = Mapping[str, Variable]
 
 
 EXPECTED = "an FMU of FMI 2.0 for co-simulation"
+DESCRIPTION = "modelDescription.xml"
 IDENTIFIER = re.compile(r"\w{1,200}", re.ASCII)
 """A model's, which is the name of its library."""
 
@@ -40,11 +41,14 @@ def read_description(path: Path) -> Any:
     Raises:
         UserError: the file is no FMU of FMI 2.0 co-simulation.
     """
-    read_part(path, "modelDescription.xml", EXPECTED)
-    try:
-        description = fmpy.read_model_description(str(path))
-    except Exception as error:  # fmpy raises bare Exceptions for all that can be wrong with a file
-        raise UserError(f"{path}: not a readable FMU ({error}); expected {EXPECTED}") from error
+    with opened_archive(path, EXPECTED) as archive:
+        if DESCRIPTION not in archive.namelist():
+            raise UserError(f"{path}: holds no {DESCRIPTION}; expected {EXPECTED}")
+        try:
+            # of the file that was looked at, which is open already
+            description = fmpy.read_model_description(archive.fp)
+        except Exception as error:  # fmpy raises bare Exceptions for all that can be wrong with a file
+            raise UserError(f"{path}: not a readable FMU ({error}); expected {EXPECTED}") from error
     if description.fmiVersion != "2.0" or description.coSimulation is None:
         raise UserError(
             f"{path}: FMI {description.fmiVersion}, "

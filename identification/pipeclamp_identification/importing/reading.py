@@ -127,6 +127,8 @@ def read_file(path: Path) -> SourceFile:
             tables = tuple(_told_apart(table) for table in found.read(path) if table.length)
         except Damaged as error:
             failure = f"{path}: {error}"
+        except UserError as error:
+            failure = str(error)
         except (Exception, pl.exceptions.PanicException) as error:  # foreign readers raise anything of a damaged file
             failure = f"{path}: is no whole {found.name} file ({_first_line(error)}); export or copy it again"
         if failure:

@@ -14,6 +14,8 @@ from pipeclamp_models.base.files import refuse_no_file
 MOST_BYTES = 1_000_000_000
 """Of all files of an archive, unpacked."""
 MOST_FILES = 100_000
+MOST_TIMES, FEW_BYTES = 300, 1_000_000
+"""Bytes for each byte of the archive, and those of any: zeros shrink a thousandfold, but no text, number or program."""
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """Compressions of an FMU, by its standard."""
 DAMAGE = (OSError, EOFError, ValueError, RuntimeError, NotImplementedError, zipfile.BadZipFile, zlib.error)
@@ -30,8 +32,8 @@ def read_archive(path: Path, expected: str) -> dict[str, bytes]:
     Raises:
         UserError: it can't be read, is damaged or encrypted, or would unpack to more than memory should hold.
     """
-    with _opened(path, expected) as archive:
-        return {entry.filename: archive.read(entry) for entry in archive.infolist() if not entry.is_dir()}
+    with opened_archive(path, expected) as archive:
+        return {entry.filename: _content(archive, entry) for entry in archive.infolist() if not entry.is_dir()}
 
 
 def read_part(path: Path, name: str, expected: str) -> bytes:
@@ -40,10 +42,16 @@ def read_part(path: Path, name: str, expected: str) -> bytes:
     Raises:
         UserError: as of `read_archive`, or there is no such file in it.
     """
-    with _opened(path, expected) as archive:
+    with opened_archive(path, expected) as archive:
         if name not in archive.namelist():
             raise UserError(f"{path}: holds no {name}; expected {expected}")
-        return archive.read(name)
+        return _content(archive, archive.getinfo(name))
+
+
+def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> bytes:
+    """Read a file of an archive; `ZipFile.read` would unpack all that there is, and then take what was stated."""
+    with archive.open(entry) as stream:
+        return stream.read(entry.file_size + 1)
 
 
 def unpack_archive(path: Path, folder: Path, expected: str) -> None:
@@ -52,13 +60,17 @@ def unpack_archive(path: Path, folder: Path, expected: str) -> None:
     Raises:
         UserError: as of `read_archive`.
     """
-    with _opened(path, expected) as archive:
+    with opened_archive(path, expected) as archive:
         archive.extractall(folder)
 
 
 @contextmanager
-def _opened(path: Path, expected: str) -> Iterator[zipfile.ZipFile]:
-    """Open an archive that is fit to be unpacked."""
+def opened_archive(path: Path, expected: str) -> Iterator[zipfile.ZipFile]:
+    """Open an archive that is fit to be unpacked.
+
+    Raises:
+        UserError: as of `read_archive`; also where what is done with it inside finds it damaged.
+    """
     refuse_no_file(path, expected)
     try:
         with zipfile.ZipFile(path) as archive:
@@ -73,12 +85,16 @@ def _opened(path: Path, expected: str) -> Iterator[zipfile.ZipFile]:
 def _refuse_unfit(path: Path, entries: list[zipfile.ZipInfo], expected: str) -> None:
     """Refuse what must not be unpacked, by what the archive's directory says of it.
 
-    A file never unpacks to more than is said there: zipfile stops, and its check sum is wrong then.
+    A file that is read in parts never unpacks to more than is said there: zipfile stops, and its check sum is wrong.
     """
-    size = sum(entry.file_size for entry in entries)
+    size, packed = sum(entry.file_size for entry in entries), path.stat().st_size
+    if size > FEW_BYTES + MOST_TIMES * packed:
+        raise UserError(
+            f"{path}: would unpack to {size / 1e6:.3g} MB, {size / packed:.0f} times its size; expected {expected}"
+        )
     if size > MOST_BYTES or len(entries) > MOST_FILES:
         raise UserError(
-            f"{path}: unpacks to {size / 1e9:.3g} GB in {len(entries)} files, at most {MOST_BYTES / 1e9:g} GB in "
+            f"{path}: would unpack to {size / 1e9:.3g} GB in {len(entries)} files, at most {MOST_BYTES / 1e9:g} GB in "
             f"{MOST_FILES} can be taken; expected {expected}"
         )
     for entry in entries:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import re
 import zipfile
+from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -14,10 +15,9 @@ import numpy as np
 
 from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, table_of
 from pipeclamp_identification.importing.texts.sniffing import names_above
+from pipeclamp_models.base.archive import opened_archive
 
 OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
-LARGEST, MOST_TIMES = 4 << 30, 300
-"""Bytes that a sheet may unpack to, in all and for each byte of the file."""
 MOST_CELLS = 300_000_000
 PLACE = re.compile(rb'<c[^>]*? r="([A-Z]{1,3})(\d{1,7})"|<(?:\w+:)?row[^>]*? r="(\d{1,7})"')
 REPEATED = re.compile(rb'number-(?:rows|columns)-repeated="(\d+)"[^>]*?(?:office:value|office:string)')
@@ -40,17 +40,19 @@ def read(path: Path) -> Sequence[RawTable]:
 
 
 def _refuse_sizes(path: Path) -> None:
-    """Refuse sheets that unpack to far more than the file holds, or whose cells lie too far apart to be held."""
-    size = path.stat().st_size
-    with zipfile.ZipFile(path) as packed:
-        unpacked = sum(member.file_size for member in packed.infolist())
-        if unpacked > min(LARGEST, MOST_TIMES * size + (1 << 20)):
-            raise Damaged(f"would unpack to {unpacked} bytes, {unpacked / size:.0f} times its size; expected a sheet")
+    """Refuse workbooks that aren't fit to be unpacked, or whose cells lie too far apart to be held.
+
+    Each part is unpacked here once, by zipfile, which stops where a part holds more than the archive says: calamine
+    would go on.
+    """
+    with opened_archive(path, "a spreadsheet") as packed:
         for member in packed.infolist():
-            if not re.search(r"worksheets/.*\.xml$|^content\.xml$", member.filename):
-                continue
             with packed.open(member) as stream:
-                _refuse_far_cells(member.filename, iter(partial(stream.read, 1 << 20), b""))
+                chunks = iter(partial(stream.read, 1 << 20), b"")
+                if re.search(r"worksheets/.*\.xml$|^content\.xml$", member.filename):
+                    _refuse_far_cells(member.filename, chunks)
+                else:
+                    deque(chunks, maxlen=0)
 
 
 def _refuse_far_cells(name: str, chunks: Iterator[bytes]) -> None:
