@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import sys
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,9 @@ from pipeclamp_models.law.declaration_files import read_declaration, read_effect
 from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.file import law_of, law_text, parse_law
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise import bounded
+from pipeclamp_models.realise.c import c_source
+from pipeclamp_models.realise.scalar import python_source
 
 EXAMPLES = Path(__file__).parents[1] / "effects" / "declared"
 GOOD = """
@@ -193,3 +197,15 @@ def test_a_second_effect_of_the_same_symbols_is_no_partner():
     with_copy = Structure(effects=(copy.id,), declared=(copy,))
     assert not fits_beside(with_copy, "contact_growth")
     assert fits_beside(with_copy, "viscous")
+
+
+@pytest.mark.parametrize("write", [c_source, python_source])
+def test_what_is_derived_of_expressions_has_a_bound_of_time(write, monkeypatch):
+    def forever(structure):
+        while True:
+            pass
+
+    monkeypatch.setattr(bounded, "MOST_SECONDS", 0.2)
+    monkeypatch.setattr(sys.modules[write.__module__], "stepping", forever)
+    with pytest.raises(UserError, match=r"more than 0\.2 s to be worked out"):
+        write(law_of(open_law("emwm2")).structure)

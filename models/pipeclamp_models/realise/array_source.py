@@ -13,6 +13,7 @@ from sympy.printing.numpy import NumPyPrinter
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
+from pipeclamp_models.realise.bounded import bounded
 from pipeclamp_models.realise.scalar import PRODUCTS, ScalarPrinter
 from pipeclamp_models.realise.slopes import StageSlopes, in_order, needed, slope_of, slopes_through
 from pipeclamp_models.realise.stepping import Definition, exact, held_apart
@@ -55,6 +56,7 @@ class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
         return self._extremum("numpy.minimum", expression.args)
 
 
+@bounded()
 def array_source(equations: Composed, function: str) -> dict[str, Any]:
     """Give one function of a law, as JSON holds it.
 

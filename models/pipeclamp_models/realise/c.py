@@ -12,6 +12,7 @@ from sympy.printing.c import C99CodePrinter
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.bounded import bounded
 from pipeclamp_models.realise.slopes import needed, slope_of, slopes_through
 from pipeclamp_models.realise.stepping import Definition, conditions_of, exact, parameter_symbols, stepping
 
@@ -77,6 +78,7 @@ def _named(kind: str, symbol: sp.Symbol, index: int = 0) -> sp.Symbol:
     return sp.Symbol(f"{kind}_{name if re.fullmatch(r'[A-Za-z0-9_]+', name) else index}", real=True)
 
 
+@bounded()
 def c_source(structure: Structure) -> str:
     """Give a law's structure as C functions; its parameters are arguments, so that no value is compiled in.
 

@@ -8,6 +8,7 @@ import sympy as sp
 from sympy.printing.pycode import PythonCodePrinter
 
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.realise.bounded import bounded
 from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of, parameter_symbols, stepping
 
 PRODUCTS = range(2, 5)
@@ -72,6 +73,7 @@ def _tuple(names: Sequence[str]) -> str:
     return "(" + "".join(f"{name}, " for name in names).rstrip() + ")"
 
 
+@bounded()
 def python_source(structure: Structure) -> str:
     """Give a law's structure as the text of a module of the standard library alone; no value of a law is in it.
 
