@@ -77,6 +77,7 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
     try:
         root = ElementTree.fromstring(files[DESCRIPTION])
         connected = [entry.get("name") for entry in root.iter() if entry.get("causality") == "input"]
+        events = root.get("numberOfEventIndicators", "0") != "0" or root.find(".//EventIndicator") is not None
         fmi = {"2": 2, "3": 3}[root.get("fmiVersion", "")[:1]]
         identifier = next(root.iter("CoSimulation")).attrib["modelIdentifier"]
         place = f"resources/{FILE_NAME}"
@@ -90,6 +91,7 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
         T=told.get("T"),
         track=bool(told.get("track", False)),
         connected_temperature="T_in" in connected,
+        events=events,
     )
     return _Built(fmi, identifier, start)
 

@@ -17,7 +17,9 @@ from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
+from pipeclamp_fmu.contents.clamp import Start
 from pipeclamp_fmu.native.compiler import compile_sources, system_compiler
+from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_models.base.errors import UserError
 
 H = 1e-3
@@ -139,6 +141,24 @@ def test_a_reversal_is_an_event(native):
         clamp.fmu.getEventIndicators(indicators, 1)
         assert list(indicators) == [v]
         assert clamp.get("memory.v") == [v]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_without_events_a_reversal_is_seen_at_the_step_s_end(native, law_with_memory, tmp_path, fmi):
+    """And another law's parameters leave it so."""
+    path = tmp_path / "clamp.fmu"
+    build_native_clamp(law_with_memory, path, fmi, told=Start(events=False))
+    set_parameters(path, law_with_memory, path)
+    clamp = NativeDriver(path, tmp_path / "unpacked", "ModelExchange", {})
+    assert not clamp.description.numberOfEventIndicators
+    assert clamp.fmu.getNumberOfEventIndicators() == 0 if fmi == 3 else True
+    assert validate_fmu(str(path)) == []
+    with_events = native(fmi, "ModelExchange")
+    for s, v in waves(500):
+        clamp.step(H, s, v)
+        with_events.step(H, s, v)
+        assert clamp.get("flange.f") == with_events.get("flange.f")
+    clamp.free()
 
 
 KNOWN = ("flange.s", "flange.v", "T_in", "A", "f", "T")

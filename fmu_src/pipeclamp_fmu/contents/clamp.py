@@ -83,6 +83,7 @@ class Start:
         T: temperature of the clamp, K.
         track: whether A and f are followed from the motion.
         connected_temperature: whether T_in is an input, to be connected, and used.
+        events: whether reversals are events of model exchange, where the law has memory.
     """
 
     A: float | None = None
@@ -90,6 +91,7 @@ class Start:
     T: float | None = None
     track: bool = False
     connected_temperature: bool = False
+    events: bool = True
 
 
 USUAL = Start()

@@ -48,7 +48,7 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
             {"law.h": _header(model, source)},
             replace(variables, locals=_memory(described, states)),
             model.ranges,
-            f"{MEMORY}v" if states else "",
+            f"{MEMORY}v" if states and model.told.events else "",
         ),
         terminals=(
             Terminal(
@@ -58,7 +58,9 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
             ),
         ),
         dependencies=clamp_dependencies(model.source, variables, [entry.name for entry in model.further]),
-        documentation=clamp_documentation(model, described, NATIVE_USE),
+        documentation=clamp_documentation(
+            model, described, WITHOUT_EVENTS if states and not model.told.events else NATIVE_USE
+        ),
         icon=icon,
         further=references,
     )
@@ -107,4 +109,10 @@ NATIVE_USE = (
     "going on in the last step's direction.",
     COEFFICIENTS,
     "States are saved, restored and serialised exactly. Standard C library only; the sources are inside.",
+)
+
+WITHOUT_EVENTS = (
+    *NATIVE_USE,
+    "This FMU was built without events: a reversal within an integrator's step is seen at the step's end, so that the "
+    "force errs by what the motion turns back within one step.",
 )

@@ -28,6 +28,7 @@ def build_fmu(
     temperature: float | None = None,
     track: bool = False,
     temperature_input: bool = False,
+    events: bool = True,
 ) -> Path:
     """Package a law as an FMU with A, f and T parameters.
 
@@ -42,6 +43,7 @@ def build_fmu(
         temperature: T at the start, degC; likewise.
         track: A and f follow the motion.
         temperature_input: T_in is an input to connect, in place of T.
+        events: native: in model exchange, a reversal of the motion is an event where the law has memory.
 
     Returns:
         the FMU's path.
@@ -65,8 +67,11 @@ def build_fmu(
         T=None if temperature is None else temperature + CELSIUS,
         track=track,
         connected_temperature=temperature_input,
+        events=events,
     )
     file, target = opened(law).file, Path(path)
+    if not events and kind == "python":
+        raise UsageError("events=False is for kind='native'; a Python FMU has no model exchange")
     if _native(kind, fmi, platforms):
         build_native_clamp(file, target, fmi, platforms, start)
     else:

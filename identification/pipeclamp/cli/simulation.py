@@ -90,6 +90,9 @@ def build_fmu(
     temperature_input: Annotated[
         bool, typer.Option("--temperature-input", metavar="", help="T_in as an input to connect, in place of T.")
     ] = False,
+    no_events: Annotated[
+        bool, typer.Option("--no-events", metavar="", help="Native: reversals are no events of model exchange.")
+    ] = False,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
     from pipeclamp_fmu.build import build_clamp, build_native_clamp
@@ -101,8 +104,13 @@ def build_fmu(
         T=None if temperature is None else temperature + CELSIUS,
         track=track,
         connected_temperature=temperature_input,
+        events=not no_events,
     )
     build_python, build_native = partial(build_clamp, told=start), partial(build_native_clamp, told=start)
+    if no_events and kind is not FmuKind.native:
+        raise typer.BadParameter(
+            "it is for --kind native: a Python FMU has no model exchange", param_hint="--no-events"
+        )
     spare(law, outputs=(output,))
     with told("build-fmu"):
         made = _built(opened_law(law), output, build_python, build_native, kind, fmi, platforms)
