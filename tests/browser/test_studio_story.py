@@ -99,6 +99,7 @@ def test_the_whole_job(page, url, violations, home):
     page.set_viewport_size(NARROW)
     page.wait_for_timeout(300)
     assert no_wider_than_the_window(page)
+    assert page.evaluate("document.querySelector('#loop .main-svg').getBoundingClientRect().height") > 400
     assert violations(page) == []
 
     other = page.context.new_page()  # another tab has its own law

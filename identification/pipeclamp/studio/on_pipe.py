@@ -18,7 +18,6 @@ from pipeclamp_models.law.file import LawFile, read_law
 
 PIPE = "pipe.toml"
 """The pipe's description: an example's where the folder has none; it may be changed there."""
-HEIGHT = 360
 RESPONSE = """
 [response]
 # The pipe's first resonance lies here whatever the clamp's stiffness, and the clamp moves within most laws' data.
@@ -59,7 +58,7 @@ def respond(tell: Progress, *, law: str, system: str, output: str, shown: str) -
     write_whole(path, system_text(read_law(Path(law)), Path(law).name))
     found = run_response(path, tell)
     write_response(found, Path(output))
-    figures = [response_picture(found, index).update_layout(height=HEIGHT) for index in range(len(found.points))]
+    figures = [response_picture(found, index).update_layout(height=None) for index in range(len(found.points))]
     pictures = tuple((_specification(figure), words_of(figure)) for figure in figures)
     write_whole(Path(shown), OnPipe(words=tuple(found.summary().splitlines()), pictures=pictures).json_text())
     return {"file": Path(output).name}

@@ -21,8 +21,6 @@ from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import CoefficientEntry, LawFile
 
-WATERFALL_HEIGHT = 270
-
 
 @dataclass(frozen=True)
 class Picture:
@@ -148,7 +146,7 @@ def waterfall_of(file: LawFile, told: Told | None) -> Picture:
         ]
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
     figure.update_yaxes(title_text="% of rms force")
-    figure.update_layout(height=WATERFALL_HEIGHT, margin={"t": 10, "b": 75}, title_text=None)
+    figure.update_layout(height=None, margin={"t": 10, "b": 75}, title_text=None)
     specification = json.loads(figure.to_json())
     specification["layout"].pop("template", None)
     return Picture(json.dumps(specification), words_of(figure), int(figure.layout.meta or 0))

@@ -1,14 +1,12 @@
 // Pictures of one run, as the pages draw them (page.js, explorer.js), and its harmonics.
 /* global drawIn, lawLine, runPicture */
 
-const HEIGHT = 520;
-
 // `run`: as the studio gives it; its last law is the one that the page is about.
 export function drawRun(run, axis) {
   const names = run.told.map((each) => each.name);
   const picture = runPicture({ ...run, words: "" }, names, [...names.keys()], axis);
   delete picture.layout.title;
-  Object.assign(picture.layout, { height: HEIGHT, showlegend: false, margin: { l: 64, r: 10, t: 8, b: 44 } });
+  Object.assign(picture.layout, { height: undefined, showlegend: false, margin: { l: 64, r: 10, t: 8, b: 44 } });
   // margins that fit themselves are laid out several times
   for (const axis of ["xaxis", "yaxis", "yaxis2"]) picture.layout[axis].automargin = false;
   drawIn(document.getElementById("loop"), picture);
@@ -31,7 +29,7 @@ function drawHarmonics(told) {
   const look = { gridcolor: "#e4e7eb", zerolinecolor: "#52606d", linecolor: "#1f2933", ticks: "outside" };
   const layout = {
     font: { family: "system-ui, 'Segoe UI', Roboto, Arial, sans-serif", size: 12, color: "#1f2933" },
-    plot_bgcolor: "white", paper_bgcolor: "white", height: 180, margin: { l: 64, r: 10, t: 8, b: 38 }, showlegend: false,
+    plot_bgcolor: "white", paper_bgcolor: "white", margin: { l: 64, r: 10, t: 8, b: 38 }, showlegend: false,
     barmode: "group", bargap: 0.25, hovermode: "closest",
     xaxis: { ...look, title: { text: "harmonic", standoff: 4 }, dtick: 1 },
     yaxis: { ...look, title: { text: "N" }, type: "log", dtick: 1, exponentformat: "none", range: [Math.floor(Math.log10(least)), Math.log10(most) + 0.2] },
