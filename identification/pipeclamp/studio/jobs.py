@@ -33,15 +33,16 @@ class Job:
         project: key of the campaign that it belongs to.
         task: what is done.
         state: running, done, refused (a user's mistake), failed (ours), cancelled.
+        stopped: whether it was asked to end.
         says: what is being done, or why it was refused.
         result: what it gave, when done.
-        steps: how often it has said something.
     """
 
     number: int
     project: str
     task: Task
     state: str = "running"
+    stopped: bool = False
     says: str = "starting"
     result: Mapping[str, Any] = field(default_factory=dict)
     began: float = field(default_factory=time.monotonic)
@@ -118,7 +119,7 @@ class Jobs:
             break
         process.join()
         receiving.close()
-        if job.state == "cancelled":
+        if job.stopped:
             state, says, result = "cancelled", "cancelled; nothing was written", {}
         job.says, job.result, job.ended = says, result, time.monotonic()
         if state == "done":
@@ -126,9 +127,9 @@ class Jobs:
                 when_done(job)
             except UserError as error:
                 state, job.says = "refused", str(error)
-        job.state = state
         with self._lock:
-            self._processes.pop(job.number, None)
+            job.state = state
+            del self._processes[job.number]
         self._tell()
 
     def cancel(self, number: int) -> None:
@@ -136,7 +137,7 @@ class Jobs:
         with self._lock:
             process = self._processes.get(number)
             if process is not None:
-                self._jobs[number].state = "cancelled"
+                self._jobs[number].stopped = True
                 _end(process)
 
     def end(self) -> None:
