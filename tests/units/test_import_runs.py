@@ -10,10 +10,11 @@ from exports import RATE, Loop, loop, text
 
 import pipeclamp as pc
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.importing import importer
 from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
 from pipeclamp_identification.importing.samples.repair import evened, without_spikes
 from pipeclamp_identification.importing.samples.split import split
-from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.errors import UsageError, UserError
 
 
 def sine(amplitude, frequency, cycles, end=None):
@@ -192,3 +193,25 @@ def test_conditions_come_from_a_table_and_from_channels(tmp_path):
     (read,) = pc.read_campaign(tmp_path / "d").tests.campaign.runs
     assert read.temperature_C == pytest.approx(27.0)
     assert read.conditions == pytest.approx({"current_A": 0.25})
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != "import.html"}
+
+
+def test_several_processes_and_pieces_of_a_file_make_the_same_campaign(tmp_path, monkeypatch):
+    folder = tmp_path / "exports"
+    folder.mkdir()
+    export(folder / "day.csv", *(loop(A, 4.0, cycles=8) for A in (0.3, 0.9)))
+    for number, frequency in enumerate((1.0, 3.0)):
+        (folder / f"r{number}.csv").write_text(text(loop(0.5, frequency, seed=number)))
+    pc.import_files(folder, tmp_path / "a", name="c")
+    monkeypatch.setattr(importer, "WORTH_PROCESSES", 0)
+    pc.import_files(folder, tmp_path / "b", name="c")
+    monkeypatch.setattr(importer, "LARGE", 0)
+    pc.import_files(folder, tmp_path / "d", name="c")
+    assert contents(tmp_path / "a") == contents(tmp_path / "b") == contents(tmp_path / "d")
+    (folder / "s.csv").write_text("no table")
+    with pytest.raises(UserError, match=r"s\.csv: holds no table"):
+        pc.import_files(folder, tmp_path / "e")
+    assert not (tmp_path / "e").exists()

@@ -108,10 +108,12 @@ def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: 
     ends = np.arange(0, 2 * len(phase) + 1, 2)
     interpolation = sparse.csc_array((weights.ravel(), points.ravel(), ends), shape=(samples, len(phase)))
     transform = np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T
-    near = at_reversals.places.ravel()
-    left_over = (interpolation[:, near].toarray() - transform @ basis[near].T).reshape(samples, 3, -1)
     sums = np.where(np.arange(basis.shape[1]) > 0, 2.0, 1.0) * basis[at_reversals.sample] / len(phase)
-    return np.asarray(transform + at_reversals.change(left_over) @ sums)
+    # what bridging changes is linear in what the harmonics leave over, of each grid point's own samples and of the fit
+    near = at_reversals.places.ravel()
+    weighted = (at_reversals.weights[:, :, None] * sums).reshape(len(near), -1)
+    followed = at_reversals.change(basis[near].T.reshape(basis.shape[1], 3, -1)) @ sums
+    return np.asarray(transform + interpolation[:, near] @ weighted - transform @ followed)
 
 
 def _transforms(loops: Loops, samples: int) -> Array | None:

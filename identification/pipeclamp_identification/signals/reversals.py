@@ -65,6 +65,11 @@ class Bridged:
         """
         return np.asarray((self.between(left_over) - left_over[..., 1, :]) / self.yielding)
 
+    @property
+    def weights(self) -> Array:
+        """By what `change` weighs what is left over at each of `places`, shape (3, K)."""
+        return self.change(np.broadcast_to(np.eye(3)[:, :, None], (3, 3, len(self.before))))
+
 
 def bridged(displacement: ComplexArray, phase: Array, per_cycle: float, count: int) -> Bridged:
     """Find the samples at reversals.
