@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 import signal
 import socket
@@ -19,15 +20,24 @@ LINE = re.compile(r"http://127\.0\.0\.1:\d+/\?token=[\w-]{20,}\n")
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize(("how", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_it_prints_its_address_and_serves_until_it_is_stopped(started, tmp_path, how, status):
+def test_it_prints_its_address_and_serves_until_it_is_stopped_with_its_jobs(started, tmp_path, how, status):
     home = tmp_path / "home"
     process = started("studio", "clamp_a", "-o", home, "--no-browser")
     line = process.stdout.readline()
     assert LINE.fullmatch(line), line + process.stderr.read()
     with urllib.request.urlopen(line.strip()) as answer:
         assert "48 runs" in answer.read().decode()
+    address, token = line.strip().split("/?token=")
+    asked = urllib.request.Request(
+        f"{address}/c/clamp_a/jobs?token={token}", b'{"kind": "identify", "base": "power"}', {"Origin": address}
+    )
+    with urllib.request.urlopen(asked) as answer:
+        assert json.load(answer)["state"] == "running"
+    followed = urllib.request.urlopen(f"{address}/c/clamp_a/jobs?token={token}")
+    assert b"running" in followed.readline()
     process.send_signal(how)
     out, told = process.communicate(timeout=30)
+    followed.close()
     assert process.returncode == status
     assert out == ""
     assert told == (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import socket
 import threading
 import webbrowser
@@ -18,6 +19,21 @@ from pipeclamp_models.base.errors import InterruptError, UserError
 
 GRACE_s = 1
 """So long an answer may take to end when the studio is stopped."""
+
+
+class Server(uvicorn.Server):
+    """A server that ends its jobs first, and with them the streams that tell of them."""
+
+    def __init__(self, config: uvicorn.Config, desk: Desk) -> None:
+        """Serve what lies on a desk."""
+        super().__init__(config)
+        self._desk = desk
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End."""
+        self._desk.jobs.end()
+        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)  # what is cut off now is meant to be
+        await super().shutdown(sockets)
 
 
 def serve(desk: Desk, host: str, port: int, tell: Callable[[str], None], *, browser: bool) -> None:
@@ -39,7 +55,7 @@ def serve(desk: Desk, host: str, port: int, tell: Callable[[str], None], *, brow
         app = Guard(application(desk), door, most_bytes)
         config = uvicorn.Config(
             app, log_level="warning", access_log=False, server_header=False, lifespan="off",
-            timeout_graceful_shutdown=GRACE_s, h11_max_incomplete_event_size=64 * 1024, ws="none",
+            timeout_graceful_shutdown=GRACE_s, h11_max_incomplete_event_size=64 * 1024, ws="none", proxy_headers=False,
         )  # fmt: skip
         tell(door.url)
         # while the browser starts, what its first page needs is made
@@ -47,7 +63,7 @@ def serve(desk: Desk, host: str, port: int, tell: Callable[[str], None], *, brow
         if browser:
             webbrowser.open(door.url)
         try:
-            uvicorn.Server(config).run(sockets=[listening])
+            Server(config, desk).run(sockets=[listening])
         except KeyboardInterrupt as stop:
             raise InterruptError(f"all laws are in {desk.home}; the same command goes on with them") from stop
         finally:
