@@ -1,0 +1,207 @@
+"""Find a term that a law lacks and no catalogue has, or say that there is none that these tests can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
+from pipeclamp_identification.diagnosis.problem import (
+    Contender,
+    Judged,
+    Problem,
+    judge,
+    judge_each,
+    prepare,
+    weighed_again,
+)
+from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
+from pipeclamp_identification.discovery.columns import Column, Evaluation, all_columns
+from pipeclamp_identification.discovery.grammar import LEVELS, RATE, STRENGTH, Term, terms
+from pipeclamp_identification.discovery.guards import (
+    Guard,
+    at_the_edges,
+    beyond_chance,
+    comes_back,
+    confirmed,
+    not_in_the_catalogue,
+)
+from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.fitting.heldout import condition_groups
+from pipeclamp_identification.fitting.least_squares import varies
+from pipeclamp_identification.loops.loops import Loops, loops_of
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import LawFile, law_of, structure_of
+from pipeclamp_models.law.law import Structure, with_effect
+
+MOST_REFITTED = 30
+"""Terms that are refitted together with the law, at most."""
+KEPT_BACK, FEWEST_GROUPS = 5, 6
+"""Of so many groups of A and f one is kept back from the search; fewer groups than that leave too little to search."""
+LISTED = 3
+"""Effects of the catalogue, best first, that a term must better."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A term that passed, or the one that came nearest.
+
+    Attributes:
+        term: the term.
+        judged: the law with it, fitted to the tests that the search saw.
+        law: the law without it, likewise.
+        rivals: other terms that do as well, best first.
+        guards: what was asked of it.
+    """
+
+    term: Term
+    judged: Judged
+    law: Judged
+    rivals: tuple[Term, ...]
+    guards: tuple[Guard, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether it may be proposed."""
+        return all(guard.passed for guard in self.guards)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What a search came to.
+
+    Attributes:
+        diagnosed: the law's diagnosis before it.
+        found: the best term, whether it passed or not; None where none was looked at.
+        tried: terms that were evaluated.
+        reason: why nothing is proposed; empty where something is.
+    """
+
+    diagnosed: Diagnosed
+    found: Found | None
+    tried: int
+    reason: str = ""
+
+
+def search(
+    file: LawFile,
+    campaign: Campaign,
+    loops: Loops | None = None,
+    *,
+    declared: Iterable[Declaration] = (),
+    jobs: int = 1,
+    progress: Progress,
+) -> Search:
+    """Search the grammar for a term that a law lacks.
+
+    Args:
+        file: the law.
+        campaign: the tests.
+        loops: `loops_of(campaign)`, where they are known already.
+        declared: a user's own effects, which count as the catalogue's.
+        jobs: processes; -1 for as many as there are cores.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: the tests can't serve the law, or are too few.
+    """
+    loops = loops or loops_of(campaign)
+    groups = condition_groups(loops)
+    if int(groups.max()) + 1 < FEWEST_GROUPS:
+        raise UserError(
+            f"{int(groups.max()) + 1} groups of amplitude and frequency can't show a new term; expected at least "
+            f"{FEWEST_GROUPS}, so that one can be kept back"
+        )
+    found = diagnosed(file, campaign, loops, declared=declared, jobs=jobs, progress=progress)
+    if found.verdict == "complete":
+        return Search(found, None, 0, "nothing is missing: what the law leaves over is scatter")
+    if found.kind == "cause":
+        return Search(
+            found, None, 0, f"the catalogue has what is missing: {' or '.join(found.effects)}; `add` it first"
+        )
+    kept = groups % KEPT_BACK == KEPT_BACK // 2
+    structure = structure_of(file).with_declared(declared)
+    seen = _rows(loops, ~kept)
+    problem, law = _weighed(structure, seen, law_of(file).values)
+    evaluation = Evaluation(problem, law)
+    every = list(terms(*_varied(problem)))
+    columns = all_columns(evaluation, every, progress)
+    progress("what chance would explain")
+    scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+    chance, explained = scanned.by_chance(), scanned.explained()
+    places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
+    if not places:
+        return Search(found, None, len(every), "no term of the grammar explains more than chance would at its best")
+    by_id = {columns[place].term.declaration.id: place for place in places}
+    contenders = [_contender(structure, law, scanned, place) for place in places]
+    judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
+    if not judged:
+        return Search(found, None, len(every), "no term of the grammar could be fitted together with the law")
+    best, rivals = _best(judged, columns, by_id)
+    place = by_id[best.effects[0]]
+    listed = [
+        judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
+        for each in found.diagnosis.candidates[:LISTED]
+    ]
+    progress("ask the conditions that were kept back")
+    guards = (
+        beyond_chance(explained[place], chance),
+        comes_back(scanned, place),
+        at_the_edges(scanned, place, problem.loops),
+        confirmed(law.result.law, best.result.law, _rows(loops, kept), groups[kept]),
+        not_in_the_catalogue(best, listed, problem),
+    )
+    result = Found(columns[place].term, best, law, tuple(columns[by_id[one.effects[0]]].term for one in rivals), guards)
+    failed = next((guard for guard in guards if not guard.passed), None)
+    reason = "" if failed is None else f"{result.term.acts_like}: {failed.words}"
+    return Search(found, result, len(every), reason)
+
+
+def _rows(loops: Loops, chosen: npt.NDArray[np.bool_]) -> Loops:
+    return replace(loops, rows=tuple(row for row, one in zip(loops.rows, chosen, strict=True) if one))
+
+
+def _weighed(structure: Structure, loops: Loops, start: Mapping[str, float]) -> tuple[Problem, Judged]:
+    """Fit the law to tests, weighed by noise and by what it leaves over."""
+    problem, in_newtons = prepare(structure, loops, start)
+    law = judge((), structure, [in_newtons.law.values], problem)
+    return weighed_again(problem, structure, in_newtons, [in_newtons, law.result])
+
+
+def _varied(problem: Problem) -> tuple[Sequence[str], Mapping[str, float]]:
+    """Give what varies over the tests: of A, f, T and N, and further columns with their largest magnitude."""
+    slow = problem.observations.motion.slow
+    names = [name for name in LEVELS if name in slow and varies(name, slow[name])]
+    conditions = {
+        name: float(np.max(np.abs(values)))
+        for name, values in problem.loops.conditions.items()
+        if np.all(np.isfinite(values)) and np.ptp(values) > 0
+    }
+    return names, conditions
+
+
+def _contender(structure: Structure, law: Judged, scanned: Screened, place: int) -> Contender:
+    column = scanned.columns[place]
+    term = column.term
+    larger = with_effect(structure.with_declared([term.declaration]), term.declaration.id)
+    symbol = RATE if term.family == "factor" else STRENGTH
+    start = {**law.result.law.values, **column.values, symbol: scanned.strength(place) / scanned.lengths[place]}
+    return Contender((term.declaration.id,), larger, [start])
+
+
+def _best(judged: Sequence[Judged], columns: Sequence[Column], by_id: Mapping[str, int]) -> tuple[Judged, list[Judged]]:
+    """Give the term that foretells best, of those that do as well that of fewest parameters, and the others."""
+
+    def parameters(one: Judged) -> int:
+        return len(columns[by_id[one.effects[0]]].term.declaration.parameters)
+
+    first = min(judged, key=lambda one: one.squares)
+    near = [one for one in judged if one.squares <= first.squares + RIVAL_LIKELIHOOD]
+    best = min(near, key=lambda one: (parameters(one), one.squares))
+    return best, sorted((one for one in near if one is not best), key=lambda one: one.squares)

@@ -1,0 +1,309 @@
+"""The grammar: every term that may be proposed, as a declaration, enumerated.
+
+Four families: a spring (the force is the derivative of a potential), a damper (that of a convex dissipation potential
+in v, times a factor >= 0 of y), an element that slips (one state, whose stored energy can only be given back or lost),
+and a factor > 0 on a coefficient of the law. A spring, a damper or an element may itself be scaled by a power of a
+condition. A force in N multiplies what has no dimension; lengths and times are parameters or reference values.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from pipeclamp_models.law.declaration import Declaration
+
+Family = Literal["spring", "damper", "element", "factor"]
+Entry = Mapping[str, object]
+
+STRENGTH, RATE = "F_x", "s_x"
+"""Symbols of the force that a term adds, N, and of the exponent of a factor."""
+SIGN_Y, SIGN_V = "(y / sqrt(y**2 + y_r**2))", "(v / sqrt(v**2 + v_r**2))"
+SIZE_Y, SIZE_V = "sqrt(y**2 + y_r**2)", "sqrt(v**2 + v_r**2)"
+LONG = {"symbol": "y_x", "unit": "mm", "lower": "0.01 * A_typical", "upper": "3 * A_highest"}
+FAST = {
+    "symbol": "v_x",
+    "unit": "mm/s",
+    "lower": "0.01 * A_typical * f_typical",
+    "upper": "100 * A_highest * f_highest",
+}
+MOST_PARAMETERS = 4
+MOST_STARTS = 8
+LONGEST_ID = 40
+ROLES = {"stiffness": "stiffness", "damping": "damping", "slip": "slip force"}
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term of the grammar.
+
+    Attributes:
+        family: which kind it is.
+        declaration: the term, its strength the first parameter.
+        acts_like: what it does, in a test engineer's words.
+    """
+
+    family: Family
+    declaration: Declaration
+    acts_like: str
+
+    @property
+    def size(self) -> int:
+        """Length of the formula in symbols, its parameters counted twice."""
+        told = self.declaration
+        text = " ".join((told.force, *(state.update for state in told.states), *(one.factor for one in told.scales)))
+        return len(re.findall(r"[A-Za-z_]\w*|[\d.]+", text)) + 2 * len(told.parameters)
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A force without its strength: an expression, its parameters, words, and the state that it needs."""
+
+    name: str
+    expression: str
+    acts_like: str
+    parameters: tuple[Entry, ...] = ()
+    state: Entry | None = None
+    energy: str = ""
+    signed: bool = False
+
+
+def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Term]:
+    """Give every term.
+
+    Args:
+        varied: of A, f, T and N those that vary over the tests.
+        conditions: further columns that vary, with the largest magnitude of each.
+    """
+    scales = [None, *(name for name in SCALED if name in varied), *conditions]
+    shapes: list[tuple[Family, _Shape]] = [
+        *(("spring", shape) for shape in _springs()),
+        *(("damper", shape) for shape in _dampers()),
+        *(("element", shape) for shape in _elements()),
+    ]
+    for (family, shape), scale in itertools.product(shapes, scales):
+        if 1 + len(shape.parameters) + (scale is not None) <= MOST_PARAMETERS:
+            yield _force_term(family, shape, scale, conditions)
+    signals = [*(name for name in LEVELS if name in varied), *conditions]
+    for role, signal in itertools.product(ROLES, signals):
+        yield from _factors(role, signal, conditions)
+
+
+def _length(meaning: str, *shares: float, of: str = "A_highest") -> Entry:
+    return {**LONG, "meaning": meaning, "start": tuple(f"{share} * {of}" for share in shares)}
+
+
+def _exponent(meaning: str, *starts: float, lower: float = 0.0, upper: float = 9.0) -> Entry:
+    return {"symbol": "p_x", "unit": "-", "meaning": meaning, "start": starts, "lower": lower, "upper": upper}
+
+
+def _springs() -> Iterator[_Shape]:
+    power = _exponent("exponent of the displacement", 0.5, 2.0, 5.0, 7.0, lower=0.1)
+    yield _Shape(
+        "power_spring", f"{SIGN_Y} * ({SIZE_Y} / A_0)**p_x",
+        "a spring whose force grows with a power of the displacement", (power,), signed=True,
+    )  # fmt: skip
+    yield _Shape(
+        "one_way_power", f"({SIZE_Y} / A_0)**p_x", "a force to one side that grows with a power of the displacement",
+        (_exponent("exponent of the displacement", 1.0, 2.0, 4.0, lower=0.1),), signed=True,
+    )  # fmt: skip
+    kink = _length("displacement from which it acts", 0.15, 0.4, 0.7)
+    for order, grows in ((1, "linearly"), (2, "with the square"), (3, "with the cube")):
+        for name, gone, where in (
+            ("both", f"max({SIZE_Y} - y_x, 0)", "beyond a displacement on both sides"),
+            ("positive", "max(y - y_x, 0)", "beyond a displacement on the positive side"),
+            ("negative", "max(-y - y_x, 0)", "beyond a displacement on the negative side"),
+        ):
+            sign = {"both": SIGN_Y, "positive": "1", "negative": "-1"}[name]
+            yield _Shape(
+                f"stop_{name}_{order}", f"{sign} * ({gone} / A_0)**{order}",
+                f"a spring that begins {where} and grows {grows}", (kink,),
+            )  # fmt: skip
+    reach = _length("displacement by which it changes", 0.1, 0.3, 1.0)
+    yield _Shape("saturating_spring", "tanh(y / y_x)", "a spring whose force levels off", (reach,), signed=True)
+    yield _Shape(
+        "local_spring", "(y / y_x) * exp(-(y / y_x)**2)", "a spring about the middle only", (reach,), signed=True
+    )
+    yield _Shape(
+        "growing_spring", "(exp(y / y_x) - exp(-y / y_x)) / 2", "a spring whose force grows exponentially",
+        (_length("displacement by which it grows e times", 0.15, 0.3, 1.0),), signed=True,
+    )  # fmt: skip
+    yield _Shape(
+        "growing_one_way", "exp(y / y_x) - 1", "a spring that stiffens to one side and softens to the other",
+        (_length("displacement by which it grows e times", 0.3, 1.0),), signed=True,
+    )  # fmt: skip
+
+
+PLACES = (
+    ("", "1", "", ()),
+    ("_off_middle", f"({SIZE_Y} / A_0)**r_x", " that grows with a power of the displacement",
+     ({"symbol": "r_x", "unit": "-", "meaning": "exponent of the displacement", "start": (1.0, 2.0, 4.0), "lower": 0.1,
+       "upper": 8.0},)),
+    ("_in_middle", "exp(-(y / y_x)**2)", " about the middle only",
+     (_length("displacement by which it fades", 0.2, 0.6),)),
+    ("_beyond", f"max({SIZE_Y} - y_x, 0) / A_0", " beyond a displacement on both sides",
+     (_length("displacement from which it acts", 0.2, 0.5),)),
+    ("_positive_side", "max(y - y_x, 0) / A_0", " beyond a displacement on the positive side",
+     (_length("displacement from which it acts", 0.05, 0.5),)),
+    ("_negative_side", "max(-y - y_x, 0) / A_0", " beyond a displacement on the negative side",
+     (_length("displacement from which it acts", 0.05, 0.5),)),
+)  # fmt: skip
+"""Where a damper or a slip force acts: name, factor >= 0 of y, words, parameters."""
+
+
+def _dampers() -> Iterator[_Shape]:
+    speed = "velocity by which it changes"
+    rates = (
+        ("damping", f"{SIGN_V} * ({SIZE_V} / v_0)**p_x", "damping by a power of the velocity",
+         (_exponent("exponent of the velocity", 0.2, 1.0, 2.0, 3.0, upper=5.0),)),
+        ("saturating_damping", "tanh(v / v_x)", "damping that levels off with velocity", (_velocity(speed, 0.3, 2.0),)),
+        ("relief_damping", f"{SIGN_V} * max({SIZE_V} - v_x, 0) / v_0", "damping that begins beyond a velocity",
+         (_velocity("velocity from which it acts", 1.0, 4.0),)),
+        ("forward_damping", "max(v, 0) / v_0", "damping while the displacement rises only", ()),
+        ("backward_damping", "-max(-v, 0) / v_0", "damping while the displacement falls only", ()),
+        ("forward_square", "(max(v, 0) / v_0)**2", "square damping while the displacement rises only", ()),
+        ("backward_square", "-(max(-v, 0) / v_0)**2", "square damping while the displacement falls only", ()),
+    )  # fmt: skip
+    for (name, rate, words, own), (place, factor, where, further) in itertools.product(rates, PLACES):
+        yield _Shape(f"{name}{place}", f"{factor} * {rate}", f"{words}{where}", (*own, *further))
+
+
+def _velocity(meaning: str, *shares: float) -> Entry:
+    return {**FAST, "meaning": meaning, "start": tuple(f"{share} * A_typical * f_typical" for share in shares)}
+
+
+def _elements() -> Iterator[_Shape]:
+    way: Entry = {"symbol": "w_x", "unit": "mm", "meaning": "way by which it is strained", "lower": "0.001 * A_typical",
+           "upper": "3 * A_highest", "start": ("0.1 * A_typical", "0.5 * A_typical")}  # fmt: skip
+    trial = "z_x + (y - y_previous) / w_x"
+
+    def state(update: str) -> Entry:
+        return {"symbol": "z_x", "unit": "-", "meaning": "strain of the element", "update": update}
+
+    stored = f"{STRENGTH} * w_x * z_x**2 / 2"
+    for place, factor, where, further in PLACES:
+        limit = factor.replace("y_x", "q_x")
+        own = tuple({**one, "symbol": "q_x"} if one["symbol"] == "y_x" else one for one in further)
+        yield _Shape(
+            f"slip{place}", "z_x", f"dry friction{where or ' of one strength'}", (way, *own),
+            state(f"min(max({trial}, -({limit})), {limit})"), stored,
+        )  # fmt: skip
+    for power, words in ((0.5, "softens"), (2, "stiffens"), (3, "stiffens much")):
+        yield _Shape(
+            f"bent_slip_{str(power).replace('.', 'p')}", f"z_x * sqrt(z_x**2 + 1e-6)**{power - 1}",
+            f"dry friction through a spring that {words}", (way,), state(f"min(max({trial}, -1), 1)"),
+        )  # fmt: skip
+    time: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
+            "upper": "100 / f_lowest", "start": ("0.03 / f_typical", "0.3 / f_typical")}  # fmt: skip
+    for power in (1, 2):
+        yield _Shape(
+            f"relaxing_{power}", "z_x",
+            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (way, time),
+            state(f"({trial}) / (1 + h / t_x * abs({trial})**{power})"), stored,
+        )  # fmt: skip
+
+
+SCALED = {
+    "A": ("(A / A_0)**s_x", "amplitude"),
+    "f": ("(f / f_0)**s_x", "frequency"),
+    "T": ("(T / T_0)**s_x", "temperature"),
+}
+"""By what a term that adds a force may be scaled, and how it is called."""
+
+
+def _force_term(family: Family, shape: _Shape, scale: str | None, conditions: Mapping[str, float]) -> Term:
+    """Give a term that adds a force, alone or scaled by a power of A, f or T, or exponentially by a further column."""
+    factor, words = "", ""
+    further: tuple[Entry, ...] = ()
+    if scale is not None:
+        factor, name = SCALED.get(scale) or (f"exp(s_x * {_named(scale)} / {conditions[scale]:.6g})", scale)
+        words = f", scaled with {'the ' if scale in SCALED else ''}{name}"
+        further = (_scaling(f"by how much it follows {scale}", -0.5, 0.5),)
+    strength: Entry = {"symbol": STRENGTH, "unit": "N", "meaning": "force of the term", "start": "0.05 * F_typical"}
+    if not shape.signed:
+        strength = {**strength, "lower": 0.0}
+    scaled = f"{STRENGTH} * {factor}" if factor else STRENGTH
+    return _term(
+        family, f"{shape.name}{f'_by_{_named(scale)}' if scale else ''}", f"{shape.acts_like}{words}",
+        parameters=(strength, *shape.parameters, *further), force=f"{scaled} * ({shape.expression})",
+        states=(shape.state,) if shape.state else (), energy=shape.energy.replace(STRENGTH, scaled),
+        conditions=(scale,) if scale in conditions else (),
+    )  # fmt: skip
+
+
+LEVELS = {
+    "A": ("A / A_0", "0.5 * A_typical", "A_typical", "mm", "amplitude"),
+    "f": ("f / f_0", "f_lowest", "f_typical", "Hz", "frequency"),
+    "T": ("(T - T_0) / 100", "T_lowest + 0.3 * (T_highest - T_lowest)", "T_lowest + 0.6 * (T_highest - T_lowest)", "K",
+          "temperature"),
+    "N": ("N / 1000", "0.1 * N_highest", "0.4 * N_highest", "-", "number of cycles"),
+}  # fmt: skip
+"""Signals that a factor may follow: without its dimension, two levels at which it may bend, its unit, its name."""
+
+
+def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterator[Term]:
+    """Give factors > 0 on a coefficient of the law: exponential, bent, from a threshold on, levelling off."""
+    if signal in conditions:
+        plain, unit, name, size = _named(signal), "in its name", signal, f"{conditions[signal]:.6g}"
+        pure, bends = f"{plain} / {size}", tuple[object, ...](share * conditions[signal] for share in (0.3, 0.6))
+    else:
+        pure, low, high, unit, name = LEVELS[signal]
+        bends = (low, high)
+        plain, size = signal, {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}[signal]
+    bend: Entry = {"symbol": "b_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
+    forms = [
+        ("exponential", pure, "changes exponentially with", ()),
+        ("bent", f"({pure})**2", "changes with the square of", ()),
+        ("beyond", f"max({plain} - b_x, 0) / {size}", "changes beyond a level of", (bend,)),
+        ("levelling", f"{plain} / (abs({plain}) + abs(b_x))", "changes and levels off with", (bend,)),
+    ]
+    for form, exponent, words, parameters in forms:
+        yield _term(
+            "factor", f"{role}_{form}_{plain}", f"{ROLES[role]} that {words} the {name}",
+            parameters=(_scaling("how much the logarithm changes", 0.1), *parameters),
+            scales=({"coefficient": role, "factor": f"exp({RATE} * ({exponent}))"},),
+            conditions=(signal,) if signal in conditions else (),
+        )  # fmt: skip
+
+
+def _scaling(meaning: str, *starts: float) -> Entry:
+    return {
+        "symbol": RATE,
+        "unit": "-",
+        "meaning": meaning,
+        "start": starts,
+        "lower": -5.0,
+        "upper": 5.0,
+        "neutral": 0.0,
+    }
+
+
+def _named(column: str) -> str:
+    """Give the name that a further column has in expressions."""
+    return re.sub(r"\W", "_", column)
+
+
+def _term(
+    family: Family, name: str, acts_like: str, *, parameters: Sequence[Mapping[str, object]], **content: object
+) -> Term:
+    """Give a term; its parameters start from each combination of their starts, of many from some."""
+    starts = [one["start"] if isinstance(one["start"], tuple) else (one["start"],) for one in parameters]
+    grid = list(itertools.product(*starts))
+    grid = grid[:: -(-len(grid) // MOST_STARTS)]
+    tables = [
+        {**one, "start": tuple(each)} for one, each in zip(parameters, zip(*grid, strict=True), strict=True)
+    ]  # fmt: skip
+    declaration = Declaration.model_validate(
+        {"id": _id(name), "title": acts_like, "looks_like": acts_like, "parameters": tables, **content}
+    )
+    return Term(family, declaration, acts_like)
+
+
+def _id(name: str) -> str:
+    """Give a declaration's id: the name, where it is too long its beginning and a mark of its own."""
+    whole = f"found_{name.lower()}"
+    return whole if len(whole) <= LONGEST_ID else f"{whole[: LONGEST_ID - 5]}_{zlib.crc32(whole.encode()) % 10_000:04d}"

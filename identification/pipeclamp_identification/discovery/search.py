@@ -1,0 +1,138 @@
+"""What each column explains beyond the law's own tangents on left-out groups; what noise alone would, at its best.
+
+With the columns freed of what the law's parameters can do, the strength that fits all groups but one is a quotient of
+sums over those groups, and what it explains of the group left out follows from that group's sums. So groups can be
+drawn again, and signs of runs turned, thousands of times at the cost of sums.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_models.base.arrays import Array
+
+FLIPS, DRAWS = 400, 200
+"""Times that signs of runs are turned, and that groups are drawn again."""
+BY_CHANCE = 0.01
+"""A term is looked at where it explains more than the best of the grammar does in all but this share of the turns."""
+ALIKE = 0.9
+"""Columns that correlate by more than this act alike."""
+SAME = 0.999
+SEED = 20_261_123
+LEAST = 1e-9
+WITHIN = 1e-6
+"""What is left of a column beyond the law's tangents below this share of it is rounding."""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """Columns on the left-out groups, C of them.
+
+    Attributes:
+        columns: what they are.
+        free: their whitened changes without what the law can do, shape (R m, C), of unit length.
+        by_run: products with the residual and squares, summed over each run, shapes (R, C).
+        groups: of each run, shape (R,).
+        signed: whether each may be negative, shape (C,).
+        lengths: of the changes before they were made unit, shape (C,).
+    """
+
+    columns: Sequence[Column]
+    free: npt.NDArray[np.float32]
+    by_run: tuple[Array, Array]
+    groups: npt.NDArray[np.intp]
+    signed: npt.NDArray[np.bool_]
+    lengths: Array
+
+    def explained(self, signs: Array | None = None, weights: Array | None = None) -> Array:
+        """Give the squares that each column explains on groups that its strength wasn't fitted to, shape (C,).
+
+        Args:
+            signs: of each run's residual, shape (R,).
+            weights: how often each group was drawn, shape (G,).
+        """
+        products, squares = self.by_run
+        if signs is not None:
+            products = products * signs[:, None]
+        count = int(self.groups.max()) + 1
+        times = np.ones(count) if weights is None else weights
+        by_group = np.zeros((count, products.shape[1])), np.zeros((count, products.shape[1]))
+        np.add.at(by_group[0], self.groups, products)
+        np.add.at(by_group[1], self.groups, squares)
+        others = [np.sum(times[:, None] * sums, axis=0) - times[:, None] * sums for sums in by_group]
+        strength = others[0] / np.maximum(others[1], LEAST)
+        strength = np.where(self.signed, strength, np.maximum(strength, 0.0))
+        return np.asarray(np.sum(times[:, None] * (2 * strength * by_group[0] - strength**2 * by_group[1]), axis=0))
+
+    def strength(self, place: int) -> float:
+        """Give the strength that fits best, of one column."""
+        products, squares = (sums[:, place].sum() for sums in self.by_run)
+        return float(products / max(squares, LEAST))
+
+    def by_chance(self) -> float:
+        """Give what the best column explains where signs of runs are turned at random, but for a rare chance."""
+        random = np.random.default_rng(SEED)
+        runs = len(self.groups)
+        best = [self.explained(signs=random.choice([-1.0, 1.0], runs)).max() for _ in range(FLIPS)]
+        return float(np.quantile(best, 1 - BY_CHANCE))
+
+    def best_first(self, most: int) -> list[int]:
+        """Give the columns that explain most, none that acts as a better one does."""
+        explained = self.explained()
+        chosen: list[int] = []
+        for place in np.argsort(-explained):
+            if len(chosen) == most or explained[place] <= 0:
+                break
+            term = self.columns[place].term.declaration.id
+            if any(self.columns[other].term.declaration.id == term for other in chosen):
+                continue
+            if all(abs(self.free[:, place] @ self.free[:, other]) < SAME for other in chosen):
+                chosen.append(int(place))
+        return chosen
+
+    def comes_back(self, place: int) -> float:
+        """Give in what share of draws of the groups a column that acts as this one does explains most."""
+        random = np.random.default_rng(SEED)
+        alike = np.abs(self.free.T @ self.free[:, place]) > ALIKE
+        count = int(self.groups.max()) + 1
+        wins = 0
+        for _ in range(DRAWS):
+            weights = np.bincount(random.integers(0, count, count), minlength=count).astype(np.float64)
+            wins += bool(alike[int(np.argmax(self.explained(weights=weights)))])
+        return wins / DRAWS
+
+    def alike(self, place: int) -> npt.NDArray[np.bool_]:
+        """Tell which columns act as one does, shape (C,)."""
+        return np.asarray(np.abs(self.free.T @ self.free[:, place]) > ALIKE)
+
+
+def screened(columns: Sequence[Column], residual: Array, jacobian: Array, groups: npt.NDArray[np.intp]) -> Screened:
+    """Free columns of what a law's parameters can do.
+
+    Args:
+        columns: what is tried.
+        residual: whitened, of the law, shape (R, m).
+        jacobian: its derivatives, shape (R, m, P).
+        groups: of each run, shape (R,).
+    """
+    runs, size = residual.shape
+    scale = np.linalg.norm(jacobian.reshape(runs * size, -1), axis=0)
+    tangents, _ = np.linalg.qr(jacobian.reshape(runs * size, -1)[:, scale > 0] / scale[scale > 0])
+    changes = np.stack([column.change.ravel() for column in columns], axis=1)
+    before = np.linalg.norm(changes, axis=0)
+    changes -= tangents @ (tangents.T @ changes)
+    left = residual.ravel() - tangents @ (tangents.T @ residual.ravel())
+    length = np.linalg.norm(changes, axis=0)
+    own = length > WITHIN * before
+    changes = np.where(own, changes / np.where(own, length, 1.0), 0.0)
+    by_run = changes.reshape(runs, size, -1)
+    products = np.einsum("rmc,rm->rc", by_run, left.reshape(runs, size))
+    return Screened(
+        columns, changes.astype(np.float32), (products, np.sum(by_run**2, axis=1)), groups,
+        np.array([column.signed for column in columns]), np.where(own, length, np.inf),
+    )  # fmt: skip
