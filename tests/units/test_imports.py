@@ -19,8 +19,8 @@ ROOMS = {
     "pipeclamp_fmu": ("slaves", "describe", "contents", "python", "native"),
     "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "study"),
     "pipeclamp_identification": (
-        "signals", "units", "campaign", "importing", "loops", "fitting", "comparison", "diagnosis", "metrics_only",
-        "on_pipe", "attribution", "workflow",
+        "signals", "units", "campaign", "importing", "loops", "fitting", "comparison", "diagnosis", "discovery",
+        "metrics_only", "on_pipe", "attribution", "workflow",
     ),
     "pipeclamp": ("show", "pages", "api", "studio", "cli"),
 }  # fmt: skip

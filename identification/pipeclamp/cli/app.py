@@ -18,11 +18,13 @@ from typer.core import TyperGroup
 
 from pipeclamp.cli import campaigns as cli_campaigns
 from pipeclamp.cli import catalogue as cli_catalogue
+from pipeclamp.cli import discover as cli_discover
 from pipeclamp.cli import importing as cli_importing
 from pipeclamp.cli import simulation as cli_simulation
 from pipeclamp.cli import studio as cli_studio
 from pipeclamp.cli.terminal import (
     MARKED,
+    CampaignFolder,
     DeclaredOption,
     EffectsOption,
     JobsOption,
@@ -38,6 +40,7 @@ from pipeclamp.cli.terminal import (
     names_in,
     opened_law,
     print_table,
+    read_and_tell,
     show,
     spare,
     told,
@@ -51,8 +54,6 @@ from pipeclamp_system.description.trust_mark import is_doubt
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import Addition
-    from pipeclamp_identification.workflow.tests import Tests
-    from pipeclamp_models.base.progress import Progress as Tell
 
 WHOLE_SENTENCE = 1000
 """More characters than what any command says of itself has."""
@@ -83,6 +84,7 @@ app = typer.Typer(
 app.add_typer(cli_campaigns.app)
 app.add_typer(cli_catalogue.app)
 app.add_typer(cli_importing.app)
+app.add_typer(cli_discover.app)
 app.add_typer(cli_simulation.app)
 app.add_typer(cli_studio.app)
 
@@ -102,9 +104,6 @@ class FitMethod(StrEnum):
     surfaces = "surfaces"
 
 
-CampaignFolder = Annotated[
-    Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
-]
 ReproducibleOption = Annotated[bool, typer.Option("--reproducible", metavar="", help="Leave out the date.")]
 
 
@@ -166,7 +165,7 @@ def metrics(
 
     spare(campaign, outputs=(json, report))
     with told("metrics") as tell:
-        tests = _read(campaign, strict, tell)
+        tests = read_and_tell(campaign, strict, tell)
         view = metrics_view(tests)
     if output:
         write_folder(output, metric_files(tests.metrics()))
@@ -220,7 +219,7 @@ def identify(
     spare(campaign, *(declared or ()), outputs=(output, report))
     with told("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
-        tests = _read(campaign, strict, tell)
+        tests = read_and_tell(campaign, strict, tell)
         date = None if reproducible else _now()
         if per:
             from pipeclamp_identification.workflow.per_group import identify_per
@@ -292,7 +291,7 @@ def compare(
 
     with told("compare") as tell:
         files = [opened_law(law) for law in laws]
-        tests = _read(campaign, strict, tell, free=True)
+        tests = read_and_tell(campaign, strict, tell, free=True)
         held = [(file, tests.compare(file)) for file in files]
         view = comparison_view(held[0][1]) if len(held) == 1 else laws_view(held)
     best = min(range(len(held)), key=lambda index: held[index][1].nrmse)
@@ -343,7 +342,7 @@ def diagnose(
     with told("diagnose") as tell:
         file = opened_law(law)
         _, declarations = read_effects((), declared or ())
-        tests = _read(campaign, strict, tell)
+        tests = read_and_tell(campaign, strict, tell)
         reach = parse_limits(limits) if limits else None
         if auto:
             settled = add_until_settled(
@@ -425,7 +424,7 @@ def schema(
     name: Annotated[
         str,
         typer.Argument(
-            metavar="[law|metrics|comparison|laws-comparison|system-comparison|diagnosis|import|effects]",
+            metavar="[law|metrics|comparison|laws-comparison|system-comparison|diagnosis|discovery|import|effects]",
             help="Of what is written.",
         ),
     ] = "law",
@@ -434,21 +433,6 @@ def schema(
     from pipeclamp_identification.workflow.schemas import schema_text
 
     sys.stdout.write(schema_text(name))
-
-
-def _read(folder: Path, strict: bool, tell: Tell, *, free: bool = False) -> Tests:
-    """Read tests and say what to know of them; runs of free motion only where they serve."""
-    from pipeclamp_identification.workflow.reading import read_tests
-
-    tell(f"read {folder}")
-    tests = read_tests(folder, strict=strict)
-    if not free:
-        tests = tests.of_sines()
-    for entry in tests.left_out:
-        errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
-    for words in tests.remarks:
-        errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
-    return tests
 
 
 def _change(
@@ -468,7 +452,7 @@ def _change(
     spare(campaign, outputs=(output,))
     with told(title) as tell:
         file = opened_law(law)
-        tests = _read(campaign, strict, tell)
+        tests = read_and_tell(campaign, strict, tell)
         date = None if reproducible else _now()
         changed = change(file, tests=tests, command=command_called(), date=date, progress=tell)
     write_whole(output, law_text(changed.after))

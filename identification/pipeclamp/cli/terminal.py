@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from pipeclamp.show.table import Table
     from pipeclamp.show.view import View
+    from pipeclamp_identification.workflow.tests import Tests
     from pipeclamp_models.base.progress import Progress as Tell
     from pipeclamp_models.law.file import LawFile
 
@@ -111,6 +112,9 @@ def spare(*inputs: str | Path, outputs: Sequence[Path | None]) -> None:
 
 
 LawArgument = Annotated[str, typer.Argument(metavar="LAW", help="Law file, or the name of a bundled law.")]
+CampaignFolder = Annotated[
+    Path, typer.Argument(metavar="CAMPAIGN", help="Folder with campaign.toml and runs.csv, or a bundled campaign.")
+]
 JsonOption = Annotated[Path | None, file_option("F", "Write the answer as JSON.", "--json")]
 ReportOption = Annotated[
     Path | None, _output_option(_refuse_report, "F.html", "Write a report with pictures.", ("--report",))
@@ -251,3 +255,18 @@ def command_called() -> str:
 
     words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
     return " ".join(["pipeclamp", *words])
+
+
+def read_and_tell(folder: Path, strict: bool, tell: Tell, *, free: bool = False) -> Tests:
+    """Read tests and say what to know of them; runs of free motion only where they serve."""
+    from pipeclamp_identification.workflow.reading import read_tests
+
+    tell(f"read {folder}")
+    tests = read_tests(folder, strict=strict)
+    if not free:
+        tests = tests.of_sines()
+    for entry in tests.left_out:
+        errors().print(f"warning: {entry}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+    for words in tests.remarks:
+        errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
+    return tests

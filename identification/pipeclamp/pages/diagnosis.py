@@ -6,6 +6,7 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Card, Section
 from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
+from pipeclamp.pages.sketch import sketch
 from pipeclamp.pages.waterfall import LEFT_OUT, Rung
 from pipeclamp.show.diagnosis import against, before_physics, candidate_table, helpful, sentence
 from pipeclamp_identification.campaign.drive import DrivePlan
@@ -16,7 +17,6 @@ from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.realise.effect_loops import loops_with_and_without
 
 SHOWN_PROMISE = 0.001
 """Less than this share of the best effect's promise is shown as none."""
@@ -79,20 +79,7 @@ def _card(candidate: Judged, law: Judged) -> Card:
         f"Imitated by {', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}.",
         f"Against it: {'; '.join(against(candidate, law)) or 'nothing in this data'}.",
     ]
-    return Card(name, words, _sketch(name, effect))
-
-
-def _sketch(name: str, effect: Effect) -> go.Figure:
-    """Draw what an effect of typical size does to a clamp's loops, from its own equation."""
-    loops = loops_with_and_without(effect)
-    panels = [
-        LoopPanel(label, y, without, with_it)
-        for label, y, without, with_it in zip(
-            loops.labels, loops.displacement, loops.without, loops.with_it, strict=True
-        )
-    ]
-    larger = f", drawn {loops.times} times as large" if loops.times > 1 else ""
-    return loops_picture(panels, f"{name} on a loop: without (grey), with (red){larger}", names=("without", "with"))
+    return Card(name, words, sketch(name, effect, candidate.result.law.structure.declared))
 
 
 def _effect(candidate: Judged) -> Effect:

@@ -24,7 +24,7 @@ HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("missing", "part"): "Part of what is missing: {}.",
     ("ambiguous", "cause"): "One of these is missing, and this data can't tell which: {}.",
     ("ambiguous", "part"): "One of these takes part of what is missing, and this data can't tell which: {}.",
-    ("unknown", None): "Something is missing, and nothing in the catalogue takes a material share of it.",
+    ("unknown", None): "Something is missing, and no effect of the catalogue can be named for it.",
 }
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 

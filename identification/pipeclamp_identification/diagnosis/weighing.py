@@ -341,5 +341,13 @@ def _form_words(lack: LackOfFit, best: Judged | None, law: Judged) -> str:
 
 
 def _immaterial_words(best: Judged, law: Judged) -> str:
+    """Say what the best effect takes, and why it can't be named."""
     takes = explained_share(best, law)
-    return f"the best of the catalogue, {best.effects[0]}, takes {takes:.0%} of what is missing on left-out conditions"
+    worse = [
+        f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
+        for name, error in best.heldout_by.items()
+        if error >= law.heldout_by[name]
+    ]
+    otherwise = "that is too little" if takes < MATERIAL_PART_SHARE else "some conditions gain, others lose"
+    why = "; ".join(worse) or otherwise
+    return f"{best.effects[0]} takes most, {takes:.0%} of what is missing on left-out A and f, but {why}"

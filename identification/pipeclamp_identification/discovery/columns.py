@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -101,22 +101,32 @@ class Evaluation:
             white = observations.poolings.beside(self.law.result.law_force).without(white)
         return np.asarray(white[0])
 
-    def columns(self, term: Term) -> Iterator[Column]:
+    def columns(self, term: Term) -> list[Column]:
         """Give a term at each of its starts; none where the law has nothing that it scales."""
         effect = effect_of(term.declaration)
-        own = [
-            one for one in effect.parameters if one.name not in (STRENGTH, *([RATE] if term.family == "factor" else []))
-        ]
         count = max(len(one.starts) for one in effect.parameters)
-        signed = term.family == "factor" or np.isneginf(effect.parameters[0].lower)
+        starts = [
+            {one.name: number_of(one.starts[start % len(one.starts)], self.sizes) for one in effect.parameters}
+            for start in range(count)
+        ]
+        return self.columns_at(term, starts)
+
+    def columns_at(self, term: Term, points: Iterable[Mapping[str, float]]) -> list[Column]:
+        """Give a term at values of its parameters, by name; its strength, or rate, is one."""
+        effect = effect_of(term.declaration)
+        linear = RATE if term.family == "factor" else STRENGTH
+        own = [one.name for one in effect.parameters if one.name != linear]
+        signed = term.family == "factor" or bool(np.isneginf(effect.parameters[0].lower))
         make = self._scaling(term, effect) if term.family == "factor" else self._force(effect)
         if make is None:
-            return
-        for start in range(count):
-            values = {one.name: number_of(one.starts[start % len(one.starts)], self.sizes) for one in own}
+            return []
+        found = []
+        for point in points:
+            values = {name: point[name] for name in own}
             change = make(values)
             if np.all(np.isfinite(change)) and np.any(change):
-                yield Column(term, values, change, bool(signed))
+                found.append(Column(term, values, change, signed))
+        return found
 
     def _scaling(self, term: Term, effect: Effect) -> Callable[[Mapping[str, float]], Array] | None:
         (role, factor), *_ = effect.scales.items()

@@ -31,6 +31,7 @@ from pipeclamp_identification.discovery.guards import (
     not_in_the_catalogue,
 )
 from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops, loops_of
@@ -57,6 +58,7 @@ class Found:
         judged: the law with it, fitted to the tests that the search saw.
         law: the law without it, likewise.
         rivals: other terms that do as well, best first.
+        next_test: the sine on which the term and its first rival differ most, in words; empty where there is none.
         guards: what was asked of it.
     """
 
@@ -64,6 +66,7 @@ class Found:
     judged: Judged
     law: Judged
     rivals: tuple[Term, ...]
+    next_test: str
     guards: tuple[Guard, ...]
 
     @property
@@ -144,20 +147,26 @@ def search(
     if not judged:
         return Search(found, None, len(every), "no term of the grammar could be fitted together with the law")
     best, rivals = _best(judged, columns, by_id)
-    place = by_id[best.effects[0]]
+    # what was found is asked at its fitted values, among all the others
+    term = columns[by_id[best.effects[0]]].term
+    columns = [*columns, *evaluation.columns_at(term, [best.result.law.values])]
+    scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+    place = len(columns) - 1
     listed = [
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in found.diagnosis.candidates[:LISTED]
     ]
     progress("ask the conditions that were kept back")
     guards = (
-        beyond_chance(explained[place], chance),
+        beyond_chance(float(scanned.explained()[place]), scanned.by_chance()),
         comes_back(scanned, place),
         at_the_edges(scanned, place, problem.loops),
         confirmed(law.result.law, best.result.law, _rows(loops, kept), groups[kept]),
         not_in_the_catalogue(best, listed, problem),
     )
-    result = Found(columns[place].term, best, law, tuple(columns[by_id[one.effects[0]]].term for one in rivals), guards)
+    others = tuple(columns[by_id[one.effects[0]]].term for one in rivals)
+    telling = telling_test(best.result.law, rivals[0].result.law, problem.loops) if rivals else ""
+    result = Found(term, best, law, others, telling, guards)
     failed = next((guard for guard in guards if not guard.passed), None)
     reason = "" if failed is None else f"{result.term.acts_like}: {failed.words}"
     return Search(found, result, len(every), reason)
@@ -204,4 +213,6 @@ def _best(judged: Sequence[Judged], columns: Sequence[Column], by_id: Mapping[st
     first = min(judged, key=lambda one: one.squares)
     near = [one for one in judged if one.squares <= first.squares + RIVAL_LIKELIHOOD]
     best = min(near, key=lambda one: (parameters(one), one.squares))
-    return best, sorted((one for one in near if one is not best), key=lambda one: one.squares)
+    # what only adds to it is no rival
+    others = [one for one in near if one is not best and parameters(one) <= parameters(best)]
+    return best, sorted(others, key=lambda one: one.squares)

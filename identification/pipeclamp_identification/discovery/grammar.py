@@ -140,16 +140,16 @@ def _springs() -> Iterator[_Shape]:
 
 PLACES = (
     ("", "1", "", ()),
-    ("_off_middle", f"({SIZE_Y} / A_0)**r_x", " that grows with a power of the displacement",
+    ("_off_middle", f"({SIZE_Y} / A_0)**r_x", ", growing with a power of the displacement",
      ({"symbol": "r_x", "unit": "-", "meaning": "exponent of the displacement", "start": (1.0, 2.0, 4.0), "lower": 0.1,
        "upper": 8.0},)),
-    ("_in_middle", "exp(-(y / y_x)**2)", " about the middle only",
+    ("_in_middle", "exp(-(y / y_x)**2)", ", about the middle only",
      (_length("displacement by which it fades", 0.2, 0.6),)),
-    ("_beyond", f"max({SIZE_Y} - y_x, 0) / A_0", " beyond a displacement on both sides",
+    ("_beyond", f"max({SIZE_Y} - y_x, 0) / A_0", ", beyond a displacement on both sides",
      (_length("displacement from which it acts", 0.2, 0.5),)),
-    ("_positive_side", "max(y - y_x, 0) / A_0", " beyond a displacement on the positive side",
+    ("_positive_side", "max(y - y_x, 0) / A_0", ", beyond a displacement on the positive side",
      (_length("displacement from which it acts", 0.05, 0.5),)),
-    ("_negative_side", "max(-y - y_x, 0) / A_0", " beyond a displacement on the negative side",
+    ("_negative_side", "max(-y - y_x, 0) / A_0", ", beyond a displacement on the negative side",
      (_length("displacement from which it acts", 0.05, 0.5),)),
 )  # fmt: skip
 """Where a damper or a slip force acts: name, factor >= 0 of y, words, parameters."""

@@ -47,7 +47,7 @@ class Guard:
 def beyond_chance(explained: float, by_chance: float) -> Guard:
     """Ask whether a term explains more than the best of the whole grammar would by chance."""
     words = f"it explains {explained:.0f} squares of what is left; the best of all terms, by chance, {by_chance:.0f}"
-    return Guard("more than chance", explained > by_chance, words)
+    return Guard("more than chance", bool(explained > by_chance), words)
 
 
 def comes_back(screened: Screened, place: int) -> Guard:

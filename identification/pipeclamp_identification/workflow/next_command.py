@@ -50,6 +50,22 @@ def after_comparison(law: str, tests: str) -> str:
     return _line("diagnose", law, tests, "--report", "diagnosis.html")
 
 
+def after_discovery(proposed: bool, law: str, tests: str, effect: str, following: str | None) -> str:
+    """Give the shell line to run after a discovery.
+
+    Args:
+        proposed: whether a term was.
+        law, tests: as for `next_command`.
+        effect: the declaration's file.
+        following: the law with the term, where it was written.
+    """
+    if not proposed:
+        return _line("compare", law, tests, "--report", "compare.html")
+    if following:
+        return _line("diagnose", following, tests)
+    return _line("add", law, effect, tests, "-o", _following(law))
+
+
 def _line(*words: str) -> str:
     """Join words; double quotes are understood by the shells of Windows too."""
     return " ".join(["pipeclamp", *(f'"{word}"' if re.search(r"\s", word) else word for word in words)])

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter
 from pipeclamp_identification.attribution.answer import SystemComparisonAnswer
 from pipeclamp_identification.comparison.answer import ComparisonAnswer
 from pipeclamp_identification.diagnosis.answer import DiagnosisAnswer
+from pipeclamp_identification.discovery.proposal import DiscoveryAnswer
 from pipeclamp_identification.importing.answer import ImportAnswer
 from pipeclamp_identification.loops.answer import MetricsAnswer
 from pipeclamp_identification.metrics_only.comparison_answer import MetricComparisonAnswer
@@ -28,6 +29,7 @@ WRITTEN: dict[str, tuple[Any, str]] = {
     "system-comparison": (SystemComparisonAnswer, "compare --json of a coupled system"),
     "import": (ImportAnswer, "import --json"),
     "effects": (CatalogueAnswer, "effects --json"),
+    "discovery": (DiscoveryAnswer, "discover --json"),
     "diagnosis": (DiagnosisAnswer | MetricDiagnosisAnswer, "diagnose --json"),
 }
 """What there are schemas of, with what writes it; two kinds are of records and of metrics without records."""

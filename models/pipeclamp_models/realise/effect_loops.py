@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import law_of
 from pipeclamp_models.law.law import BASES, Law, Structure, with_effect
 from pipeclamp_models.realise.force import force_of_equations
@@ -51,13 +52,19 @@ class EffectLoops:
     times: int
 
 
-def loops_with_and_without(effect: Effect) -> EffectLoops:
-    """Give a clamp's loops with an effect of typical size and without it, on motions that show it."""
+def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ()) -> EffectLoops:
+    """Give a clamp's loops with an effect of typical size and without it, on motions that show it.
+
+    Args:
+        effect: the effect.
+        declared: a user's own effects, of which it may be one.
+    """
+    bare = replace(BARE, declared=tuple(declared))
     labels, motion = _motions(effect)
     known = law_of(open_law(CLAMP))
     slow = {name: float(values[-1, 0]) for name, values in motion.slow.items() if name not in ("A", "f", "T")}
     sizes = law_sizes(replace(known, structure=BARE), AMPLITUDES, FREQUENCIES[:2], TEMPERATURES, slow)
-    structure = Structure(_base_of(effect)) if effect.part == "base" else with_effect(BARE, effect.name)
+    structure = Structure(_base_of(effect)) if effect.part == "base" else with_effect(bare, effect.name)
     own = {} if effect.part == "base" else {one.name: number_of(one.size, sizes) for one in effect.parameters}
     values = {one.name: number_of(one.size, sizes) for one in structure.equations.composed.parameters}
     values |= {name: value for name, value in known.values.items() if name in values} | own

@@ -1,0 +1,39 @@
+"""The page of a discovery: the term, its loops before and after with the difference, what was asked of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipeclamp.pages.page import Card, Section
+from pipeclamp.pages.sections import comparison_page
+from pipeclamp.pages.sketch import sketch
+from pipeclamp.pages.waterfall import rungs_of, waterfall_picture
+from pipeclamp.show.discovery import discovery_words, guards_table, rivals_table
+from pipeclamp_identification.discovery.proposal import Proposal
+from pipeclamp_identification.workflow.tests import Held
+from pipeclamp_models.law.declared import effect_of
+from pipeclamp_models.law.file import LawFile
+
+
+def discovery_page(proposal: Proposal, laws: Sequence[tuple[LawFile, Held]], next_command: str) -> list[Section]:
+    """Give the page of a discovery.
+
+    Args:
+        proposal: what the search came to.
+        laws: the law, and the one with the term where there is one, against the tests.
+        next_command: the shell line to run next.
+    """
+    file = laws[-1][0]
+    words = discovery_words(proposal)
+    falling = waterfall_picture(rungs_of(file), proposal.noise_nrmse, "The error, effect by effect")
+    answer = Section("Answer", words, figures=[falling] if len(file.history) > 1 else [], command=next_command)
+    cards = []
+    if proposal.declaration is not None:
+        effect = effect_of(proposal.declaration)
+        cards.append(Card(proposal.declaration.id, words[:2], sketch(effect.name, effect, [proposal.declaration])))
+    tables = [guards_table(proposal)] if proposal.guards else []
+    if proposal.found and proposal.found.rivals:
+        tables.append(rivals_table(proposal))
+    evidence = [Section("Evidence", (), tables, cards=cards)] if tables or cards else []
+    _, difference, *details = comparison_page(laws)
+    return [answer, difference, *evidence, *details]

@@ -1,0 +1,50 @@
+"""A discovery told: the proposed term, what was asked of it, and what to run next; or why nothing is proposed."""
+
+from __future__ import annotations
+
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.discovery.proposal import Proposal, formula_of
+
+RIVALS_SHOWN = 5
+
+
+def discovery_words(proposal: Proposal) -> list[str]:
+    """Say what came out, most important first."""
+    found = proposal.found
+    kinds = "springs, dampers, elements that slip or creep, factors on the law's coefficients"
+    tried = f"{proposal.search.tried} terms were tried: {kinds}."
+    if not proposal.proposed or found is None or proposal.heldout is None:
+        nearest = [f"The best term: {proposal.formula()}."] if found else []
+        return [f"Nothing is proposed: {proposal.reason}.", *nearest, *([tried] if proposal.search.tried else [])]
+    before, after = proposal.heldout
+    scatter = f"; {proposal.noise_nrmse:.2%} is scatter" if proposal.noise_nrmse is not None else ""
+    words = [
+        f"Acts like {found.term.acts_like}.",
+        f"{proposal.formula()}.",
+        f"RMS error on left-out conditions {before:.2%} -> {after:.2%} of RMS force{scatter}.",
+        "A formula that these tests support, no proof of a physical cause.",
+    ]
+    if found.rivals:
+        rivals = "; ".join(rival.acts_like for rival in found.rivals[:RIVALS_SHOWN])
+        words.append(f"As well do: {rivals}. What tells: {found.next_test}.")
+    return [*words, tried]
+
+
+def guards_table(proposal: Proposal) -> Table:
+    """Give what was asked of the best term."""
+    rows = [(one.name, "yes" if one.passed else "no", one.words) for one in proposal.guards]
+    return Table(("asked", "passed", "with which figures"), rows, "what is asked before a term is proposed")
+
+
+def rivals_table(proposal: Proposal) -> Table:
+    """Give the terms that do as well."""
+    rivals = proposal.found.rivals if proposal.found else ()
+    rows = [(one.acts_like, formula_of(one.declaration)) for one in rivals]
+    return Table(("acts like", "formula"), rows, "terms that do as well")
+
+
+def discovery_view(proposal: Proposal, next_command: str) -> View:
+    """Tell a discovery, and the command to run next."""
+    tables = [guards_table(proposal)] if proposal.guards else []
+    return View(proposal.answer(), tables, [*discovery_words(proposal), f"Next: {next_command}"])

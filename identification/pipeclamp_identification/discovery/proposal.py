@@ -1,0 +1,158 @@
+"""A found term as a proposal: its declaration with fitted values, the law with it, and the answer for --json."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import tomli_w
+from pydantic import Field
+
+from pipeclamp_identification.discovery.discover import Found, Search
+from pipeclamp_identification.discovery.guards import Guard
+from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.law.declaration import Declaration, ParameterTable
+from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.range import rounded
+
+DIGITS = 4
+
+
+class GuardAnswer(AnswerModel):
+    """One thing that was asked of a term."""
+
+    asked: str
+    passed: bool
+    words: str
+
+
+class RivalAnswer(AnswerModel):
+    """A term that does as well."""
+
+    formula: str
+    acts_like: str
+
+
+class DiscoveryAnswer(AnswerModel):
+    """The answer of `pipeclamp discover --json`."""
+
+    proposed: bool
+    effect: str | None = Field(description="id of the proposed effect, as its declaration has it")
+    formula: str | None = Field(description="what the term adds, with its fitted values; of the best term at least")
+    acts_like: str | None = Field(description="what it does, in words; no cause that the tests can't show")
+    family: Literal["spring", "damper", "element", "factor"] | None
+    heldout_before: float | None = Field(description="error on left-out groups of A and f, as a share of the force")
+    heldout_after: float | None = Field(description="the same with the term")
+    noise_nrmse: float | None = Field(description="cycle-to-cycle scatter, which no law can explain")
+    rivals: tuple[RivalAnswer, ...] = Field(description="terms that do as well")
+    guards: tuple[GuardAnswer, ...] = Field(description="what was asked of the best term, and with which figures")
+    tried: int = Field(description="terms that were evaluated")
+    reason: str = Field(description="why nothing is proposed; empty where something is")
+    next_test: str | None = Field(description="the test that would tell the term from its rivals, in words")
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What a search came to, with the law that has the term.
+
+    Attributes:
+        search: the search.
+        before: the law without the term.
+        after: the law with it, refitted to all tests; None where nothing is proposed.
+        heldout: error on left-out groups before and after, of all tests.
+        noise_nrmse: the scatter; None where it isn't known.
+        declaration: the proposed effect, with its fitted values to start from.
+        guards: what was asked of the best term.
+        reason: why nothing is proposed; empty where something is.
+    """
+
+    search: Search
+    before: LawFile
+    after: LawFile | None
+    heldout: tuple[float, float] | None
+    noise_nrmse: float | None
+    declaration: Declaration | None
+    guards: tuple[Guard, ...]
+    reason: str
+
+    @property
+    def proposed(self) -> bool:
+        """Whether there is anything to add."""
+        return self.declaration is not None
+
+    @property
+    def found(self) -> Found | None:
+        """The best term, whether it passed or not."""
+        return self.search.found
+
+    def answer(self) -> DiscoveryAnswer:
+        """Give the typed answer."""
+        found = self.found
+        return DiscoveryAnswer(
+            proposed=self.proposed,
+            effect=self.declaration.id if self.declaration else None,
+            formula=self.formula(),
+            acts_like=found.term.acts_like if found else None,
+            family=found.term.family if found else None,
+            heldout_before=self.heldout[0] if self.heldout else None,
+            heldout_after=self.heldout[1] if self.heldout else None,
+            noise_nrmse=self.noise_nrmse,
+            rivals=tuple(
+                RivalAnswer(formula=formula_of(rival.declaration), acts_like=rival.acts_like)
+                for rival in (found.rivals if found else ())
+            ),
+            guards=tuple(GuardAnswer(asked=one.name, passed=one.passed, words=one.words) for one in self.guards),
+            tried=self.search.tried,
+            reason=self.reason,
+            next_test=found.next_test or None if found else None,
+        )
+
+    def formula(self) -> str | None:
+        """Give the best term's formula with its fitted values; None where there is none."""
+        if self.found is None:
+            return None
+        values = self.found.judged.result.law.values
+        if self.after is not None:
+            values = {name: entry.value for name, entry in self.after.coefficients.items()}
+        declaration = self.found.term.declaration
+        fitted = (f"{one.symbol} = {values[one.symbol]:.4g} {one.unit}" for one in declaration.parameters)
+        return f"{formula_of(declaration)}, with {', '.join(fitted)}"
+
+
+def formula_of(declaration: Declaration) -> str:
+    """Give what a term adds or scales, and how its state moves."""
+    parts = [f"F += {declaration.force}"] if declaration.force else []
+    parts += [f"{one.coefficient} *= {one.factor}" for one in declaration.scales]
+    parts += [f"{one.symbol} = {one.update}" for one in declaration.states]
+    return "; ".join(parts)
+
+
+def with_fitted(declaration: Declaration, file: LawFile, source: str) -> Declaration:
+    """Give a declaration that starts from a law's fitted values, and says where it comes from."""
+    tables = tuple(_started(table, file.coefficients[table.symbol].value) for table in declaration.parameters)
+    return declaration.model_copy(update={"parameters": tables, "source": source})
+
+
+def _started(table: ParameterTable, value: float) -> ParameterTable:
+    return table.model_copy(update={"start": (rounded(value),)})
+
+
+def toml_of(declaration: Declaration) -> str:
+    """Give a declaration as a file that a person can read, change and rename."""
+    content = declaration.model_dump(mode="json", exclude_defaults=True)
+    for table in content["parameters"]:
+        starts = table["start"]
+        table["start"] = starts[0] if len(starts) == 1 else list(starts)
+    return tomli_w.dumps(content)
+
+
+def failed(guards: Sequence[Guard]) -> Guard | None:
+    """Give the first guard that a term didn't pass."""
+    return next((guard for guard in guards if not guard.passed), None)
+
+
+def refused(proposal: Proposal, guard: Guard) -> Proposal:
+    """Take a proposal back, for a guard that it doesn't pass."""
+    words = f"{proposal.found.term.acts_like if proposal.found else 'the term'}: {guard.words}"
+    return replace(proposal, after=None, heldout=None, declaration=None, guards=(*proposal.guards, guard), reason=words)

@@ -1,0 +1,57 @@
+"""The test on which a found term and its rival differ most."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.signals import condition_signal
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.motion import Motion, sinusoids
+
+BEYOND_A, BEYOND_F = 1.25, 2.0
+"""How far beyond the tests a test may lie, as a share of the largest amplitude and of the highest frequency."""
+
+
+def telling_test(one: Law, other: Law, loops: Loops) -> str:
+    """Say which sine would tell two laws apart best, within and a little beyond the tests' range.
+
+    Args:
+        one, other: the laws.
+        loops: the tests that both fit as well.
+    """
+    motion = _tests(loops)
+    difference = force_of_law(one, motion).force - force_of_law(other, motion).force
+    size = np.sqrt(np.mean(difference**2, axis=1))
+    best = int(np.nanargmax(size))
+    scatter = float(np.median(loops.scatter_rms_N))
+    A, f, T = (float(motion.slow[name][best, 0]) for name in ("A", "f", "T"))
+    at = f"A = {A:.3g} mm, f = {f:.3g} Hz" + (f", T = {T - CELSIUS:.3g} °C" if "T" not in motion.assumed else "")
+    times = f", {size[best] / scatter:.2g} times the scatter" if scatter > 0 else ""
+    return f"{at}: there they differ by {size[best]:.3g} N{times}"
+
+
+def _tests(loops: Loops) -> Motion:
+    amplitudes = _levels(loops.amplitude_mm, BEYOND_A)
+    frequencies = _levels(loops.frequency_Hz, BEYOND_F)
+    known = bool(np.all(np.isfinite(loops.temperature_K)))
+    temperatures = sorted({float(f(loops.temperature_K)) for f in (np.min, np.max)}) if known else [20.0 + CELSIUS]
+    A, f, T = np.array(list(itertools.product(amplitudes, frequencies, temperatures))).T
+    motion = sinusoids(A, f, T)
+    further = {
+        condition_signal(name): np.full((len(A), 1), np.median(values)) for name, values in loops.conditions.items()
+    }
+    if np.all(np.isfinite(loops.density_g_cm3)):
+        further["rho"] = np.full((len(A), 1), np.median(loops.density_g_cm3))
+    return replace(motion, slow={**motion.slow, **further}, assumed=frozenset() if known else frozenset({"T"}))
+
+
+def _levels(values: Array, beyond: float) -> list[float]:
+    low, high = float(np.min(values)), float(np.max(values))
+    return sorted({low, float(np.sqrt(low * high)), high, beyond * high})

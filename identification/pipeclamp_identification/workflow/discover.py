@@ -1,0 +1,68 @@
+"""Discover a term, put it into the law, and take it back where the law with it doesn't hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pipeclamp_identification.discovery.discover import search
+from pipeclamp_identification.discovery.guards import Guard, passive
+from pipeclamp_identification.discovery.proposal import Proposal, refused, with_fitted
+from pipeclamp_identification.fitting.identify import software
+from pipeclamp_identification.workflow.change import add_effect
+from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_identification.workflow.tests import Tests, silent
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import LawFile
+
+
+def discover(
+    file: LawFile,
+    tests: Tests,
+    *,
+    command: str,
+    declared: Iterable[Declaration] = (),
+    jobs: int = 1,
+    progress: Progress = silent,
+) -> Proposal:
+    """Find a term that a law lacks and no catalogue has, or say why none is proposed.
+
+    Args:
+        file: the law.
+        tests: records of sines.
+        command: the command that makes the law with the term again.
+        declared: a user's own effects, which count as the catalogue's.
+        jobs: processes; -1 for as many as there are cores.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: the tests hold no records, or can't serve the law.
+    """
+    if not isinstance(tests, RecordTests):
+        raise UserError(f"{tests.name}: metrics alone; expected a campaign with records, along which a term can act")
+    declared = tuple(declared)
+    found = search(file, tests.sines, tests.loops, declared=declared, jobs=jobs, progress=progress)
+    noise = found.diagnosed.comparison.known_noise
+    guards = found.found.guards if found.found else ()
+    proposal = Proposal(found, file, None, None, noise, None, guards, found.reason)
+    if found.found is None or not found.found.passed:
+        return proposal
+    progress("refit with the term to all tests")
+    term, fitted = found.found.term.declaration, found.found.judged.result.law.values
+    added = add_effect(
+        file, term.id, tests,
+        command=command, date=file.date, declared=(*declared, term), start=fitted, progress=progress,
+    )  # fmt: skip
+    before, after = added.heldout
+    whole = Guard("on all tests", after < before, f"on left-out conditions of all tests {before:.2%} -> {after:.2%}")
+    if not whole.passed:
+        return refused(proposal, whole)
+    energy = passive(added.after, file)
+    if not energy.passed:
+        return refused(proposal, energy)
+    source = f"discovered from the tests {tests.name} by {software()}: a formula that fits, no proof of a cause"
+    declaration = with_fitted(term, added.after, source)
+    others = tuple(one for one in added.after.declared if one.id != term.id)
+    law = added.after.model_copy(update={"declared": (*others, declaration)})
+    return Proposal(found, file, law, added.heldout, noise, declaration, (*guards, whole, energy), "")
