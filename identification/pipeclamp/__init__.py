@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pipeclamp.api.comparison import Comparison, LawsComparison, compare, compare_laws
     from pipeclamp.api.diagnosis import Diagnosis, diagnose
+    from pipeclamp.api.discovery import Discovery, discover
     from pipeclamp.api.fmu import build_fmu, build_pipe
     from pipeclamp.api.importing import Import, import_files
     from pipeclamp.api.law import Law, open_law
@@ -27,15 +28,16 @@ if TYPE_CHECKING:
     from pipeclamp_models.base.errors import UserError
 
 __all__ = [
-    "Comparison", "Cosimulation", "Diagnosis", "Import", "Law", "LawsComparison", "Tests", "UserError", "add",
-    "build_fmu", "build_pipe", "compare", "compare_laws", "cosim", "diagnose", "identify", "identify_per",
-    "import_files", "open_law", "read_campaign", "remove",
+    "Comparison", "Cosimulation", "Diagnosis", "Discovery", "Import", "Law", "LawsComparison", "Tests", "UserError",
+    "add", "build_fmu", "build_pipe", "compare", "compare_laws", "cosim", "diagnose", "discover", "identify",
+    "identify_per", "import_files", "open_law", "read_campaign", "remove",
 ]  # fmt: skip
 
 _HOMES = {
     "Comparison": "pipeclamp.api.comparison",
     "Cosimulation": "pipeclamp.api.system",
     "Diagnosis": "pipeclamp.api.diagnosis",
+    "Discovery": "pipeclamp.api.discovery",
     "Import": "pipeclamp.api.importing",
     "Law": "pipeclamp.api.law",
     "LawsComparison": "pipeclamp.api.comparison",
@@ -48,6 +50,7 @@ _HOMES = {
     "compare_laws": "pipeclamp.api.comparison",
     "cosim": "pipeclamp.api.system",
     "diagnose": "pipeclamp.api.diagnosis",
+    "discover": "pipeclamp.api.discovery",
     "identify": "pipeclamp.api.laws",
     "identify_per": "pipeclamp.api.laws",
     "import_files": "pipeclamp.api.importing",

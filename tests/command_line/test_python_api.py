@@ -16,7 +16,7 @@ from pipeclamp_models.law.file import law_of
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
-DOCUMENTED_ELSEWHERE = {"Cosimulation", "Diagnosis", "LawsComparison", "UserError"}
+DOCUMENTED_ELSEWHERE = {"Cosimulation", "Diagnosis", "Discovery", "LawsComparison", "UserError"}
 """What the example of another public name makes and shows."""
 
 

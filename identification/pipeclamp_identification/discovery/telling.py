@@ -44,11 +44,10 @@ def _tests(loops: Loops) -> Motion:
     temperatures = sorted({float(f(loops.temperature_K)) for f in (np.min, np.max)}) if known else [20.0 + CELSIUS]
     A, f, T = np.array(list(itertools.product(amplitudes, frequencies, temperatures))).T
     motion = sinusoids(A, f, T)
-    further = {
-        condition_signal(name): np.full((len(A), 1), np.median(values)) for name, values in loops.conditions.items()
-    }
+    middle = {condition_signal(name): float(np.median(values)) for name, values in loops.conditions.items()}
     if np.all(np.isfinite(loops.density_g_cm3)):
-        further["rho"] = np.full((len(A), 1), np.median(loops.density_g_cm3))
+        middle["rho"] = float(np.median(loops.density_g_cm3))
+    further = {name: np.full((len(A), 1), value) for name, value in middle.items()}
     return replace(motion, slow={**motion.slow, **further}, assumed=frozenset() if known else frozenset({"T"}))
 
 

@@ -1,0 +1,137 @@
+"""A term that a law lacks and no catalogue has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from os import fspath
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeclamp.api.law import Law, opened
+from pipeclamp.api.shown import PathOrName, Shown
+from pipeclamp.api.tests import Tests, tested
+from pipeclamp.show.view import View
+from pipeclamp_identification.discovery.proposal import Proposal, toml_of
+from pipeclamp_identification.workflow import discover as workflow
+from pipeclamp_identification.workflow.next_command import after_discovery
+from pipeclamp_identification.workflow.tests import silent
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration_files import read_declaration
+
+if TYPE_CHECKING:
+    from pipeclamp.pages.page import Section
+
+COMMAND = "pipeclamp.discover"
+
+
+class Discovery(Shown):
+    """A term that was proposed, or why none was.
+
+    Attributes:
+        before, tests: the law and the tests.
+
+    `discover` makes one; its example shows what it holds.
+    """
+
+    def __init__(self, before: Law, tests: Tests, found: Proposal) -> None:
+        self.before = before
+        self.tests = tests
+        self._found = found
+
+    @property
+    def proposed(self) -> bool:
+        """Whether a term is proposed."""
+        return self._found.proposed
+
+    @property
+    def formula(self) -> str | None:
+        """What the best term adds, with its fitted values; None where no term came near."""
+        return self._found.formula()
+
+    @property
+    def reason(self) -> str:
+        """Why nothing is proposed; empty where something is."""
+        return self._found.reason
+
+    @property
+    def law(self) -> Law | None:
+        """The law with the term; None where none is proposed."""
+        return None if self._found.after is None else Law(self._found.after, self.before.origin)
+
+    def save(self, path: PathOrName) -> Path:
+        """Write the term's declaration, TOML, whole or not at all.
+
+        Raises:
+            UserError: nothing is proposed, or it can't be written there.
+        """
+        if self._found.declaration is None:
+            raise UserError(f"nothing is proposed: {self.reason}")
+        write_whole(Path(path), toml_of(self._found.declaration))
+        return Path(path)
+
+    @cached_property
+    def _next(self) -> str:
+        return after_discovery(self.proposed, self.before.origin, self.tests.origin, "effect.toml", None)
+
+    def view(self) -> View:
+        """Give what `pipeclamp discover` tells."""
+        from pipeclamp.show.discovery import discovery_view
+
+        return discovery_view(self._found, self._next)
+
+    def page(self) -> tuple[str, str, Sequence[Section]]:
+        """Give the page, as `pipeclamp discover --report` writes it."""
+        from pipeclamp.pages.discovery import discovery_page
+
+        files = [self.before.file, *([self._found.after] if self._found.after else [])]
+        with one_thread():
+            laws = [(file, self.tests.tests.compare(file)) for file in files]
+        title = f"Discovery on {self.tests.name}"
+        return title, f"what law {self.before.name} lacks", discovery_page(self._found, laws, self._next)
+
+    def __repr__(self) -> str:
+        """Give the tests and what is proposed."""
+        return f"<discovery on {self.tests.name}: {self.formula if self.proposed else 'nothing proposed'}>"
+
+
+@one_thread()
+def discover(
+    law: Law | PathOrName,
+    tests: Tests | PathOrName,
+    *,
+    declared: Iterable[PathOrName] = (),
+    jobs: int = 1,
+    progress: Progress = silent,
+) -> Discovery:
+    """Propose a term that no catalogue has, where a law lacks one.
+
+    Springs, dampers, elements that slip or creep, and factors on the law's coefficients are tried; none can create
+    energy. What is proposed explains more than chance would at its best, comes back where the conditions are drawn
+    again, foretells conditions that were kept back, and betters every effect of the catalogue beyond doubt.
+
+    Args:
+        law: the law, or its file or bundled name.
+        tests: records of sines in six groups of A and f or more, or their folder or bundled name.
+        declared: declarations of your own effects by path (F.toml): they count as the catalogue's.
+        jobs: processes; -1 for as many as there are cores.
+        progress: is told what is being done.
+
+    Raises:
+        UserError: the tests can't serve the law, or hold no records.
+
+    >>> from pipeclamp import identify, read_campaign
+    >>> tests = read_campaign("clamp_a")
+    >>> answer = discover(identify(tests), tests)
+    >>> answer.proposed, answer.reason
+    (False, 'the catalogue has what is missing: damping_temperature; `add` it first')
+    """
+    known, tests = opened(law), tested(tests)
+    declarations = [read_declaration(Path(fspath(path))) for path in declared]
+    found = workflow.discover(
+        known.file, tests.tests, command=COMMAND, declared=declarations, jobs=jobs, progress=progress
+    )
+    return Discovery(known, tests, found)

@@ -1,0 +1,72 @@
+"""A term that no catalogue has is proposed where one is missing, and none where nothing is, through the command."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeclamp as pc
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.law import Law, Structure
+
+HIDDEN = Declaration.model_validate(
+    {
+        "id": "hidden",
+        "title": "damping that grows off the middle",
+        "looks_like": "a loop that is wide where it is high",
+        "force": "c_h * v * (y / A_0)**2",
+        "parameters": [{"symbol": "c_h", "unit": "N s/mm", "meaning": "its size", "start": 1.0, "lower": 0}],
+    }
+)
+BASE = {
+    "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
+    "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
+}  # fmt: skip
+PLAN = replace(rig.TestPlan(seed=11), rate=500.0, temperatures=(20.0, 200.0), repeats=1)
+
+
+@pytest.fixture(scope="module")
+def campaigns(tmp_path_factory):
+    """The same tests of a clamp with something hidden, and without."""
+    folder = tmp_path_factory.mktemp("discover")
+    for name, size in (("with", 3.0), ("without", 0.0)):
+        law = Law(Structure("power", ("hidden",), declared=(HIDDEN,)), {**BASE, "c_h": size}, 0.0126, 0.002)
+        write_campaign(folder / name, rig.virtual_runs(law, PLAN), name=name, notes="")
+    return folder
+
+
+def test_the_hidden_term_is_found_and_can_be_added(campaigns, pipeclamp, tmp_path):
+    tests = campaigns / "with"
+    law = pc.identify(tests).save(tmp_path / "law.json")
+    words = ("discover", law, tests, "-o", tmp_path / "term.toml", "--auto", tmp_path / "law2.json")
+    done = pipeclamp(*words, "--json", tmp_path / "answer.json", "--report", tmp_path / "page.html")
+    answer = json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))
+    assert answer["proposed"], answer["reason"]
+    assert answer["family"] == "damper"
+    assert answer["heldout_after"] < 1.1 * answer["noise_nrmse"] < answer["heldout_before"] / 2
+    assert all(guard["passed"] for guard in answer["guards"])
+    found, without = pc.open_law(tmp_path / "law2.json"), pc.open_law(law)
+    y = np.linspace(-0.9, 0.9, 7)
+    for v in (3.0, 12.0):
+        added = found.force(y, np.full(7, v)) - without.force(y, np.full(7, v))
+        truth = 3.0 * v * y**2
+        assert np.corrcoef(added, truth)[0, 1] > 0.95
+    assert answer["acts_like"].split(",")[0] in done.stdout
+    assert "<h2>Difference</h2>" in (tmp_path / "page.html").read_text(encoding="utf-8")
+    added = pc.add(law, tmp_path / "term.toml", tests)
+    assert added.nrmse == pytest.approx(found.nrmse, rel=0.01)
+
+
+def test_nothing_is_proposed_where_nothing_is_missing(campaigns, pipeclamp, tmp_path):
+    tests = campaigns / "without"
+    law = pc.identify(tests).save(tmp_path / "law.json")
+    done = pipeclamp("discover", law, tests, "-o", tmp_path / "term.toml", "--auto", tmp_path / "law2.json")
+    assert "Nothing is proposed" in done.stdout
+    assert not (tmp_path / "term.toml").exists()
+    assert not (tmp_path / "law2.json").exists()
+    answer = pc.discover(law, tests)
+    assert not answer.proposed
+    assert answer.law is None
