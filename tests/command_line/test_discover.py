@@ -46,18 +46,19 @@ def test_the_hidden_term_is_found_and_can_be_added(campaigns, pipeclamp, tmp_pat
     answer = json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))
     assert answer["proposed"], answer["reason"]
     assert answer["family"] == "damper"
-    assert answer["heldout_after"] < 1.1 * answer["noise_nrmse"] < answer["heldout_before"] / 2
+    assert answer["heldout_after"] < 1.1 * answer["noise_nrmse"] < 0.6 * answer["heldout_before"]
     assert all(guard["passed"] for guard in answer["guards"])
     found, without = pc.open_law(tmp_path / "law2.json"), pc.open_law(law)
     y = np.linspace(-0.9, 0.9, 7)
     for v in (3.0, 12.0):
-        added = found.force(y, np.full(7, v)) - without.force(y, np.full(7, v))
+        before, after = (one.force(y, np.full(7, v), A=0.9, f=3.0, T=20.0) for one in (without, found))
+        added = after - before
         truth = 3.0 * v * y**2
         assert np.corrcoef(added, truth)[0, 1] > 0.95
     assert answer["acts_like"].split(",")[0] in done.stdout
     assert "<h2>Difference</h2>" in (tmp_path / "page.html").read_text(encoding="utf-8")
-    added = pc.add(law, tmp_path / "term.toml", tests)
-    assert added.nrmse == pytest.approx(found.nrmse, rel=0.01)
+    again = pc.add(law, tmp_path / "term.toml", tests)
+    assert again.nrmse == pytest.approx(found.nrmse, rel=0.01)
 
 
 def test_nothing_is_proposed_where_nothing_is_missing(campaigns, pipeclamp, tmp_path):
