@@ -45,6 +45,8 @@ MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
 KEPT_BACK, FEWEST_GROUPS = 5, 6
 """Of so many groups of A and f one is kept back from the search; fewer groups than that leave too little to search."""
+MOST_HEARD = 3
+"""Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
 LISTED = 3
 """Effects of the catalogue, best first, that a term must better."""
 
@@ -146,30 +148,62 @@ def search(
     judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
     if not judged:
         return Search(found, None, len(every), "no term of the grammar could be fitted together with the law")
-    best, rivals = _best(judged, columns, by_id)
-    # what was found is asked at its fitted values, among all the others
-    term = columns[by_id[best.effects[0]]].term
-    columns = [*columns, *evaluation.columns_at(term, [best.result.law.values])]
-    scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
-    place = len(columns) - 1
     listed = [
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in found.diagnosis.candidates[:LISTED]
     ]
     progress("ask the conditions that were kept back")
-    guards = (
-        beyond_chance(float(scanned.explained()[place]), scanned.by_chance()),
-        comes_back(scanned, place),
-        at_the_edges(scanned, place, problem.loops),
-        confirmed(law.result.law, best.result.law, _rows(loops, kept), groups[kept]),
-        not_in_the_catalogue(best, listed, problem),
-    )
-    others = tuple(columns[by_id[one.effects[0]]].term for one in rivals)
-    telling = telling_test(best.result.law, rivals[0].result.law, problem.loops) if rivals else ""
-    result = Found(term, best, law, others, telling, guards)
-    failed = next((guard for guard in guards if not guard.passed), None)
-    reason = "" if failed is None else f"{result.term.acts_like}: {failed.words}"
-    return Search(found, result, len(every), reason)
+    hearing = _Hearing(evaluation, columns, by_id, listed, _rows(loops, kept), groups[kept])
+    heard: list[Found] = []
+    while judged and len(heard) < MOST_HEARD and not (heard and heard[-1].passed):
+        best, rivals = _best(judged, columns, by_id)
+        heard.append(hearing.of(best, rivals))
+        # what acts as a term that failed would fail too
+        alike = scanned.alike(by_id[best.effects[0]])
+        judged = [one for one in judged if one is not best and not alike[by_id[one.effects[0]]]]
+    result = heard[-1] if heard[-1].passed else heard[0]
+    failed = next((guard for guard in result.guards if not guard.passed), None)
+    return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+
+
+@dataclass(frozen=True)
+class _Hearing:
+    """What terms are asked with.
+
+    Attributes:
+        evaluation: the law on the tests that the search saw.
+        columns: all that was screened.
+        by_id: of those that were refitted, which one, by the term's id.
+        listed: the catalogue's best effects, on the same tests.
+        unseen, groups: the tests that were kept back, and the group of each.
+    """
+
+    evaluation: Evaluation
+    columns: Sequence[Column]
+    by_id: Mapping[str, int]
+    listed: Sequence[Judged]
+    unseen: Loops
+    groups: npt.NDArray[np.intp]
+
+    def of(self, best: Judged, rivals: Sequence[Judged]) -> Found:
+        """Ask a term, at its fitted values, among all the others."""
+        law, problem = self.evaluation.law, self.evaluation.problem
+        term = self._term(best)
+        columns = [*self.columns, *self.evaluation.columns_at(term, [best.result.law.values])]
+        scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+        place = len(columns) - 1
+        guards = (
+            beyond_chance(float(scanned.explained()[place]), scanned.by_chance()),
+            comes_back(scanned, place),
+            at_the_edges(scanned, place, problem.loops),
+            confirmed(law.result.law, best.result.law, self.unseen, self.groups),
+            not_in_the_catalogue(best, self.listed, problem),
+        )
+        telling = telling_test(best.result.law, rivals[0].result.law, problem.loops) if rivals else ""
+        return Found(term, best, law, tuple(map(self._term, rivals)), telling, guards)
+
+    def _term(self, judged: Judged) -> Term:
+        return self.columns[self.by_id[judged.effects[0]]].term
 
 
 def _rows(loops: Loops, chosen: npt.NDArray[np.bool_]) -> Loops:

@@ -1,0 +1,77 @@
+"""Pages in a real browser: any run is picked by mouse or key, laws are switched, and nobody is shut out; no network."""
+
+from __future__ import annotations
+
+import pytest
+
+from pipeclamp.pages.page import write_report
+from pipeclamp.pages.sections import comparison_page, diagnosis_page
+from pipeclamp_identification.campaign.bundled import bundled_campaign
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.workflow.change import add_effect
+from pipeclamp_identification.workflow.on_records import RecordTests
+
+PICTURE = ".chosen .main-svg"
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """Pages of a diagnosis, and of the law with the effect that it names."""
+    folder = tmp_path_factory.mktemp("pages")
+    tests = RecordTests(read_campaign(bundled_campaign("clamp_a")))
+    law = tests.identify().file(name="law", command="test", date=None)
+    found = tests.diagnose(law)
+    write_report(folder / "diagnosis.html", "Diagnosis", "clamp_a", diagnosis_page(law, found, "pipeclamp add"), "test")
+    better = add_effect(law, found.effects[0], tests, command="test", date=None).after
+    write_report(folder / "compare.html", "Law", "clamp_a", comparison_page([(better, tests.compare(better))]), "test")
+    return folder
+
+
+def open_page(page, path):
+    page.context.set_offline(True)
+    page.goto(path.as_uri())
+    page.wait_for_selector(PICTURE)
+
+
+@pytest.mark.parametrize("name", ["diagnosis", "compare"])
+@pytest.mark.parametrize("look", ["light", "dark"])
+def test_everybody_can_read_it(pages, page, violations, name, look):
+    path = pages / f"{name}.html"
+    assert path.stat().st_size < 2.5e6
+    page.emulate_media(color_scheme=look)
+    open_page(page, path)
+    assert violations(page) == []
+    page.set_viewport_size({"width": 420, "height": 900})
+    page.wait_for_timeout(300)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 420
+
+
+def test_a_run_is_picked_and_laws_are_switched(pages, page):
+    open_page(page, pages / "compare.html")
+    traces = "document.querySelector('.chosen').data.map((trace) => trace.name)"
+    assert page.evaluate(traces).count("+ damping_temperature") == 2, "the loop, and the difference"
+    before = page.text_content(".chosen .gtitle")
+    cell = page.locator(".map").last.locator("button").first
+    cell.focus()
+    page.keyboard.press("Enter")
+    assert page.text_content(".chosen .gtitle") != before
+    assert page.locator(".map").last.locator("button[aria-pressed=true]").count() == 1
+    page.get_by_label("power:").uncheck()
+    assert "power" not in page.evaluate(traces)
+    assert page.locator(".map").count() == 1
+    page.get_by_label("phase").check()
+    assert page.evaluate("document.querySelector('.chosen').layout.xaxis.range") == [0, 360]
+    page.get_by_label("measured less law").check()
+    assert page.locator(".map svg path").count() == 12
+    page.select_option("select >> nth=0", "0,1")
+    assert page.locator(".map button").count() == 12
+
+
+def test_it_prints_in_the_light_look(pages, page, tmp_path):
+    page.emulate_media(color_scheme="dark")
+    open_page(page, pages / "compare.html")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.evaluate("document.querySelector('.chosen').layout.paper_bgcolor") == "white"
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.evaluate("document.querySelector('.chosen').layout.paper_bgcolor") == "#161b22"
+    assert len(page.pdf()) > 50_000
