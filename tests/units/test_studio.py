@@ -18,7 +18,10 @@ pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 from studio_server import running
 
 import pipeclamp as pc
+from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
 from pipeclamp.studio.on_pipe import system_text
+from pipeclamp.studio.project import Project
+from pipeclamp.studio.told import stamp
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_models.base.toml_file import parse_table
@@ -128,6 +131,24 @@ def test_a_job_that_is_cancelled_leaves_nothing_and_keeps_nobody_waiting(studio,
     ended = studio.done(job)
     assert ended["state"] == "cancelled"
     assert sorted(path.name for path in home.iterdir()) == before
+
+
+def test_a_search_for_a_term_that_tests_cannot_serve_is_told(studio, home):
+    """Four groups of A and f are too few; the law that was reserved for the term isn't there, nor in the session."""
+    ended = studio.done(studio.json(JOBS, {"kind": "discover", "law": "law1"}))
+    assert ended["state"] == "refused"
+    assert "4 groups of amplitude and frequency" in ended["says"]
+    laws = [step["law"] for step in json.loads((home / "session.json").read_text(encoding="utf-8"))["steps"]]
+    assert all((home / f"{law}.json").is_file() for law in laws if law)
+
+
+def test_what_a_search_found_is_shown(studio, home):
+    law = pc.open_law(home / "law1.json").file
+    words, guards = ("Nothing is proposed: noise.",), (("asked", False, "why"),)
+    told = ToldDiscovery(law_command=stamp(law), proposed=False, words=words, guards=guards, law=None)
+    (home / "law1.discovery_told.json").write_text(told.json_text(), encoding="utf-8")
+    assert discovery_in(Project("virtual", home), "law1", law) == told
+    assert discovery_in(Project("virtual", home), "law1", law.model_copy(update={"date": "another"})) is None
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="kills a process by a signal")

@@ -77,6 +77,26 @@ def diagnose_task(project: Project, law: str, limits: str) -> Task:
     return Task("diagnose", f"Find what {law} lacks", diagnose_line(project, law, limits), given, law)
 
 
+def discover_line(project: Project, of: str, law: str) -> str:
+    """Give the line that searches a term which no catalogue has."""
+    return line(
+        "discover", project.shown(f"{of}.json"), project.campaign, "-o", project.shown(f"{of}.term.toml"),
+        "--auto", project.shown(f"{law}.json"), "--json", project.shown(f"{of}.discovery.json"),
+    )  # fmt: skip
+
+
+def discover_task(project: Project, of: str) -> tuple[Task, str]:
+    """Give the task that searches a term for a law, and the name of the law with it, if one is found."""
+    law = project.reserve()
+    command = discover_line(project, of, law)
+    given = {
+        "campaign": project.campaign, "of": str(project.path_of(of)), "law": project.shown(f"{law}.json"),
+        "term": project.shown(f"{of}.term.toml"), "answer": project.shown(f"{of}.discovery.json"),
+        "told": project.shown(f"{of}.discovery_told.json"), "command": _last_parts(command),
+    }  # fmt: skip
+    return Task("discover", f"Search a term that {of} lacks", command, given, of), law
+
+
 def build_line(project: Project, law: str, kind: str) -> str:
     """Give the line that builds a law's FMU."""
     beside = ("--kind", "native") if kind == "native" else ()

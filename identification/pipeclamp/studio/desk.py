@@ -96,7 +96,8 @@ class Desk:
         """Start a task; what it makes is noted in the campaign's session."""
 
         def noted(job: Job) -> None:
-            opened.project.note(Step(command=task.command, law=law, of=task.law))
+            made = law if job.result.get("law") else None
+            opened.project.note(Step(command=task.command, law=made, of=task.law))
 
         return self.jobs.start(opened.key, task, noted)
 

@@ -17,7 +17,7 @@ from pipeclamp_models.law.file import LawFile, read_law
 
 SESSION = "session.json"
 LAW_NAME = re.compile(r"law[1-9]\d{0,3}")
-FILE_NAME = re.compile(r"law[1-9]\d{0,3}(\.[a-z_]+)?\.(json|csv|fmu|html)")
+FILE_NAME = re.compile(r"law[1-9]\d{0,3}(\.[a-z_]+)?\.(json|csv|fmu|html|toml)")
 """What may be downloaded: files of this folder that the studio wrote."""
 
 

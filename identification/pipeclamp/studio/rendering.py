@@ -11,6 +11,7 @@ import jinja2
 from pipeclamp.api.tests import Tests
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
+from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe
 from pipeclamp.studio.project import Project
@@ -46,6 +47,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
             each.name: commands.add_line(project, name or "", each.name, project.upcoming)
             for each in (told.candidates if told else ())
         },
+        "discover": commands.discover_line(project, name, project.upcoming) if name else "",
         "report": commands.report_line(project, name) if name else "",
         "respond": commands.response_line(project, name) if name else "",
         "build": commands.build_line(project, name, "python") if name else "",
@@ -65,6 +67,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         worst=worst.runs[0] if worst else "",
         told=told,
         lines=lines,
+        discovery=discovery_in(project, name, project.law(name)) if name else None,
         bases=commands.BASES,
         steps=project.steps,
         parent=project.parent(name) if name else None,

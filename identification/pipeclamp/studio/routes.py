@@ -33,7 +33,13 @@ MOST_ASKED = 64 * 1024
 """Bytes of a request that is no file."""
 MOST_LAWS = 4
 """Drawn over one loop."""
-MEDIA = {".json": "application/json", ".csv": "text/csv", ".fmu": "application/zip", ".html": "text/html"}
+MEDIA = {
+    ".json": "application/json",
+    ".csv": "text/csv",
+    ".fmu": "application/zip",
+    ".html": "text/html",
+    ".toml": "application/toml",
+}
 
 Endpoint = Callable[[Request], Response]
 
@@ -176,6 +182,8 @@ class Pages:
             task, law = commands.add_task(project, of, effect)
         elif kind == "diagnose":
             task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
+        elif kind == "discover":
+            task, law = commands.discover_task(project, _text(asked, "law"))
         elif kind == "build":
             task = commands.build_task(project, _text(asked, "law"), str(asked.get("fmu", "python")))
         elif kind == "report":
@@ -183,7 +191,7 @@ class Pages:
         elif kind == "respond":
             task = commands.response_task(project, _text(asked, "law"))
         else:
-            raise UserError(f"kind: got {kind!r}; expected identify, diagnose, add, build, report or respond")
+            raise UserError(f"kind: got {kind!r}; expected identify, diagnose, add, discover, build, report or respond")
         return JSONResponse(self.desk.start(opened, task, law).to_dict())
 
     async def start_import(self, request: Request) -> Response:

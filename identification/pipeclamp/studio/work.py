@@ -67,12 +67,12 @@ def _work(kind: str, given: dict[str, Any], sending: Connection) -> None:
 
 
 def _function(kind: str) -> Callable[..., Result]:
-    from pipeclamp.studio import on_pipe, tasks
+    from pipeclamp.studio import discovering, on_pipe, tasks
 
     functions: dict[str, Callable[..., Result]] = {
         "identify": tasks.identify, "diagnose": tasks.diagnose, "add": tasks.add, "build": tasks.build,
         "look": tasks.look_into, "import": tasks.import_into,
-        "respond": on_pipe.respond, "report": tasks.report,
+        "discover": discovering.discover, "respond": on_pipe.respond, "report": tasks.report,
     }  # fmt: skip
     return functions[kind]
 

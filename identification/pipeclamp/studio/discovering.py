@@ -1,0 +1,66 @@
+"""The search for a term that no catalogue has: what its job does, and what is shown of it."""
+
+from __future__ import annotations
+
+import datetime
+import os
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from pipeclamp.studio.project import Project
+from pipeclamp.studio.told import stamp
+from pipeclamp_identification.workflow.reading import read_tests
+from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.file import LawFile, law_text, read_law
+
+
+class ToldDiscovery(AnswerModel):
+    """A discovery as it is shown."""
+
+    law_command: str = Field(description="the command that made the law which was asked, and its date")
+    proposed: bool
+    words: tuple[str, ...]
+    guards: tuple[tuple[str, bool, str], ...] = Field(description="what was asked of the best term, whether it passed")
+    law: str | None = Field(description="name of the law with the term")
+
+
+def discover(
+    tell: Progress, *, campaign: str, of: str, law: str, term: str, answer: str, told: str, command: str
+) -> dict[str, Any]:
+    """Search a term that a law lacks; write it, the law with it, the answer, and what the studio shows of it."""
+    from pipeclamp.show.discovery import discovery_words
+    from pipeclamp_identification.discovery.proposal import toml_of
+    from pipeclamp_identification.workflow.discover import discover as discovered
+
+    tell("reading the tests")
+    tests, file = read_tests(Path(campaign)).of_sines(), read_law(Path(of))
+    # one core stays for the studio
+    found = discovered(file, tests, command=command, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
+    if found.declaration is not None and found.after is not None:
+        now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+        write_whole(Path(term), toml_of(found.declaration))
+        write_whole(Path(law), law_text(found.after.model_copy(update={"date": now})))
+    write_whole(Path(answer), found.answer().json_text())
+    shown = ToldDiscovery(
+        law_command=stamp(file),
+        proposed=found.proposed,
+        words=tuple(discovery_words(found)),
+        guards=tuple((one.name, one.passed, one.words) for one in found.guards),
+        law=Path(law).stem if found.proposed else None,
+    )
+    write_whole(Path(told), shown.json_text())
+    return {"law": shown.law} if shown.law else {}
+
+
+def discovery_in(project: Project, name: str, file: LawFile) -> ToldDiscovery | None:
+    """Give what a search found for a law; None where there was none, or another law of that name was asked."""
+    path = project.folder / f"{name}.discovery_told.json"
+    try:
+        told = ToldDiscovery.model_validate_json(path.read_text(encoding="utf-8"))
+    except (OSError, ValidationError, UnicodeDecodeError):
+        return None
+    return told if told.law_command == stamp(file) else None
