@@ -116,7 +116,9 @@ class Proposal:
         if self.after is not None:
             values = {name: entry.value for name, entry in self.after.coefficients.items()}
         declaration = self.found.term.declaration
-        fitted = (f"{one.symbol} = {values[one.symbol]:.4g} {one.unit}" for one in declaration.parameters)
+        fitted = (
+            f"{one.symbol} = {values[one.symbol]:.4g} {one.unit}".removesuffix(" -") for one in declaration.parameters
+        )
         return f"{formula_of(declaration)}, with {', '.join(fitted)}"
 
 
