@@ -10,6 +10,7 @@ import typer
 
 from pipeclamp.cli.terminal import console, told
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.files import refuse_parent
 
 app = typer.Typer()
 NEEDED = ("starlette", "uvicorn")
@@ -36,6 +37,8 @@ def studio(
     ),
 ) -> None:
     """The whole job in the browser: tests, law, what it lacks, FMU; serves this machine until Ctrl-C."""
+    if output is not None:
+        refuse_parent(output)
     if any(find_spec(name) is None for name in NEEDED):
         raise UserError(f"studio: needs {' and '.join(NEEDED)}; pip install 'pipeclamp[studio]' brings them")
     from pipeclamp.studio.desk import Desk, default_home

@@ -1,4 +1,4 @@
-"""What a report may be called."""
+"""What a report may not be called."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from pathlib import Path
 
 from pipeclamp_models.base.errors import UsageError
 
-ENDINGS = (".html", ".htm")
+OTHER_FORMATS = (".pdf", ".ps", ".png", ".svg", ".jpg", ".docx", ".odt")
+"""Endings that promise something else than a page."""
 
 
 def refuse_report_name(path: Path) -> None:
-    """Refuse a name that a page can't have.
+    """Refuse a name that promises something else than a page.
 
     Raises:
-        UsageError: it doesn't end in .html.
+        UsageError: it ends as a file of another format.
     """
-    if path.suffix.lower() not in ENDINGS:
+    if path.suffix.lower() in OTHER_FORMATS:
         raise UsageError(f"{path}: a report is an HTML page; expected a name that ends in .html; a browser prints PDF")

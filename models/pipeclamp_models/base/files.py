@@ -90,7 +90,7 @@ def refuse_file(path: Path) -> None:
         raise UserError(f"{path}: is no name that a file can have; expected the name of a file to write")
     if path.is_dir():
         raise UserError(f"{path}: is a folder; expected the name of a file to write")
-    _refuse_parent(path)
+    refuse_parent(path)
 
 
 def refuse_folder(folder: Path) -> None:
@@ -103,10 +103,15 @@ def refuse_folder(folder: Path) -> None:
         raise UserError(f"{folder}: is no name that a folder can have; expected one that is not there yet")
     if os.path.lexists(folder):
         raise UserError(f"{folder}: exists already; expected a folder that is not there yet")
-    _refuse_parent(folder)
+    refuse_parent(folder)
 
 
-def _refuse_parent(path: Path) -> None:
+def refuse_parent(path: Path) -> None:
+    """Refuse a path in a folder that isn't there.
+
+    Raises:
+        UserError: its parent is no folder, or doesn't exist.
+    """
     if not path.parent.is_dir():
         there = "is no folder" if path.parent.exists() else "doesn't exist"
         raise UserError(f"{path}: can't write there ({path.parent} {there}); expected an existing folder")
