@@ -213,7 +213,8 @@ def test_an_output_that_cannot_be_written_is_refused_before_any_work(refused, tm
     further = ["-o", tmp_path / "o"] if option != "-o" and (command, "-o", arguments) in OUTPUTS else []
     words = (command, *["absent"] * arguments, *further, option)
     assert "none doesn't exist); expected an existing folder" in refused(*words, tmp_path / "none" / "file")
-    assert re.search("is a folder|exists already", refused(*words, tmp_path))
+    if command != "studio":  # which goes on in the folder where it stopped
+        assert re.search("is a folder|exists already", refused(*words, tmp_path))
     assert list(tmp_path.iterdir()) == []
 
 
