@@ -9,8 +9,8 @@ from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Condition
 from pipeclamp_identification.comparison.sums import RunSums
 
-EDGES = (1.2, 1.6, 2.4, 4.0, 7.0, 12.0, 20.0)
-"""Excess over scatter at which the colour changes: one scale for every law and every campaign."""
+EDGES = (1.5, 2.3, 3.6, 5.5, 8.4, 13.0, 20.0)
+"""Excess over scatter at which the colour changes: the scale of pages, to 30 by its logarithm, in eight steps."""
 ERROR_EDGES = (0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2)
 """The same for errors as shares of the rms force, where no scatter is known."""
 
