@@ -48,17 +48,17 @@ def fresh(tmp_path_factory):
 def play(slave, kind, sequence):
     """Do the moves and give what each step answered, with all outputs."""
     _, inputs, flags, sizes = SLAVES[kind]
-    first_flag, first_fixed = len(slave._reals), slave._first_fixed
+    first_flag, first_fixed = len(slave._reals) + 1, slave._first_fixed
     seen = []
     for move, *arguments in sequence:
         if move == "input":
             vr = arguments[0] % inputs
-            slave.set_real([vr], [arguments[1] * sizes[vr]])
+            slave.set_real([vr + 1], [arguments[1] * sizes[vr]])
         elif move == "flag":
             slave.set_boolean([first_flag + arguments[0] % flags], [arguments[1]])
         else:
             answer = slave.do_step(0.0, arguments[0])
-            seen.append((answer, tuple(slave.get_real(list(range(inputs, first_fixed))))))
+            seen.append((answer, tuple(slave.get_real(list(range(inputs + 1, first_fixed + 1))))))
     return seen
 
 
@@ -89,7 +89,7 @@ def test_a_refused_step_changes_nothing(fresh, kind, before, bad, where, after):
     slave, twin = fresh(kind), fresh(kind)
     for each in (slave, twin):
         play(each, kind, before)
-    vr = where % SLAVES[kind][1]
+    vr = 1 + where % SLAVES[kind][1]
     good = slave.get_real([vr])
     slave.set_real([vr], [bad])
     assert not slave.do_step(0.0, 1e-3)
