@@ -11,6 +11,8 @@ from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.units.stated import Conversion
 
 MOST_NAMED = 3
+MOST_SHOWN = 60
+"""Runs that a terminal shows; thousands would only scroll by."""
 
 
 def columns_table(files: tuple[ImportedFile, ...]) -> Table:
@@ -35,16 +37,18 @@ def _named(names: list[str]) -> str:
 
 
 def imported_runs_table(answer: ImportAnswer, *, new_only: bool = False) -> Table:
-    """Give every run with what was measured of it, and what was done to it."""
+    """Give every run with what was measured of it, and what was done to it; or the first of the new ones alone."""
+    runs = [run for run in answer.runs if run.new] if new_only else answer.runs
+    shown = runs[:MOST_SHOWN] if new_only else runs
     rows = [
         (
             run.run, run.file, run.amplitude_mm, run.frequency_Hz, run.temperature_C,
             None if run.cycles is None else str(run.cycles), "; ".join(run.done) or "nothing",
         )
-        for run in answer.runs
-        if run.new or not new_only
+        for run in shown
     ]  # fmt: skip
-    return Table(("run", "file", "A / mm", "f / Hz", "T / °C", "cycles", "done to it"), rows)
+    caption = f"the first {len(shown)} of {len(runs)} runs; the page holds all" if len(shown) < len(runs) else ""
+    return Table(("run", "file", "A / mm", "f / Hz", "T / °C", "cycles", "done to it"), rows, caption)
 
 
 def cut_table(answer: ImportAnswer) -> Table:
