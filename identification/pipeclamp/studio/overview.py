@@ -12,6 +12,8 @@ from pydantic import ValidationError
 from pipeclamp.pages.alternative import words_of
 from pipeclamp.pages.waterfall import LEFT_OUT, USED, Rung, rungs_of, waterfall_picture
 from pipeclamp.show.comparison import how_much
+from pipeclamp.show.law import parameters_table
+from pipeclamp.show.table import cell
 from pipeclamp.studio.bench import Bench
 from pipeclamp.studio.error_map import ErrorMap, error_map
 from pipeclamp.studio.project import Project
@@ -19,7 +21,7 @@ from pipeclamp.studio.sliders import Slider, candidate_sliders, sliders_of
 from pipeclamp.studio.told import Told, stamp
 from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.law.file import CoefficientEntry, LawFile
+from pipeclamp_models.law.file import LawFile
 
 
 @dataclass(frozen=True)
@@ -164,16 +166,5 @@ def told_in(project: Project, name: str, file: LawFile) -> Told | None:
 
 def side_by_side(one: LawFile, other: LawFile) -> list[tuple[str, str, str, str]]:
     """Give the parameters of two laws: name, value with standard error in each, unit."""
-    names = dict.fromkeys((*one.coefficients, *other.coefficients))
-
-    def shown(entry: CoefficientEntry | None) -> str:
-        if entry is None:
-            return "–"
-        error = "" if entry.standard_error is None else f" ± {entry.standard_error:.1g}"
-        return f"{entry.value:.4g}{error}"
-
-    rows = []
-    for name in names:
-        first, second = one.coefficients.get(name), other.coefficients.get(name)
-        rows.append((name, shown(first), shown(second), next(entry.unit for entry in (first, second) if entry)))
-    return rows
+    rows = parameters_table([one, other]).rows
+    return [(str(name), cell(first), cell(second), str(unit)) for name, unit, first, second in rows]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -147,11 +146,6 @@ def toml_of(declaration: Declaration) -> str:
         starts = table["start"]
         table["start"] = starts[0] if len(starts) == 1 else list(starts)
     return tomli_w.dumps(content)
-
-
-def failed(guards: Sequence[Guard]) -> Guard | None:
-    """Give the first guard that a term didn't pass."""
-    return next((guard for guard in guards if not guard.passed), None)
 
 
 def refused(proposal: Proposal, guard: Guard) -> Proposal:

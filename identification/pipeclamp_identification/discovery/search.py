@@ -98,7 +98,7 @@ class Screened:
     def comes_back(self, place: int) -> float:
         """Give in what share of draws of the groups a column that acts as this one does explains most."""
         random = np.random.default_rng(SEED)
-        alike = np.abs(self.free.T @ self.free[:, place]) > ALIKE
+        alike = self.alike(place)
         count = int(self.groups.max()) + 1
         wins = 0
         for _ in range(DRAWS):
