@@ -49,6 +49,7 @@ unit = "mm"
 [[responses]]
 file = "sines.csv"
 """
+TWO_PROBES = '[[probes]]\nname = "again"\nposition_m = 2.0\nunit = "mm"\n' + MEASUREMENT
 SINES = [(f, level) for level in (1.0, 4.0) for f in np.linspace(6.0, 18.0, 13).tolist()]
 
 
@@ -105,6 +106,18 @@ def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(bench):
         assert "a probe at" in proposal.test
         assert any("it is a support's stiffness" in words for words in attribution_words(found, proposal))
     assert "ambiguous" in render("test", "", [attribution_section(found, proposal)])
+
+
+def test_a_proposed_test_may_have_fewer_probes_than_the_measurement(bench):
+    measured = bench / "measured" / "sines.csv"
+    head, *rows = measured.read_text(encoding="utf-8").splitlines()
+    twice = [f"{row},{','.join(row.split(',')[2:])}" for row in rows]
+    measured.write_text("\n".join([f"{head},again_real,again_imag", *twice]) + "\n", encoding="utf-8")
+    (bench / "measured" / "measurement.toml").write_text(TWO_PROBES, encoding="utf-8")
+    compared = Compared(compare_pipe(bench / "system.toml", bench / "measured"))
+    found = attribute(compared)
+    assert len(found.named) > 1
+    assert propose(found, compared) is not None
 
 
 def test_roughness_tells_the_noise_whatever_the_misfit(bench):

@@ -260,7 +260,6 @@ def reduce(description: PipeDescription) -> ReducedPipe:
         name=description.name,
         **_moving(full, reduced, kept),
         clamp_names=tuple(entry.name for entry in description.clamps),
-        probe_names=tuple(entry.name for entry in description.probes),
         excitation=description.excitation.kind,
         up_to_Hz=description.modes.up_to_Hz,
         mass=beam.mass_per_length * beam.length + sum(entry.mass_kg for entry in description.masses),
@@ -281,7 +280,8 @@ def reduce(description: PipeDescription) -> ReducedPipe:
 def reduce_likewise(description: PipeDescription, neighbour: ReducedPipe) -> ReducedPipe:
     """Reduce a pipe that differs a little from one that was reduced, keeping as many modes.
 
-    Only what decides its motion is computed again; what the reduction costs, mass and stability stay the neighbour's.
+    Only what decides its motion and what its probes see is computed again, and it may have other probes; what the
+    reduction costs, mass and stability stay the neighbour's.
 
     Raises:
         UserError: a clamp or the force sits where the pipe can't move.
@@ -317,8 +317,9 @@ class _FullModel:
 
 
 class _Moving(TypedDict):
-    """What of a reduced pipe decides its motion, as of `ReducedPipe`."""
+    """What of a reduced pipe decides its motion and what is seen of it, as of `ReducedPipe`."""
 
+    probe_names: tuple[str, ...]
     omega: tuple[float, ...]
     damping: tuple[float, ...]
     coupling_stiffness: tuple[tuple[float, ...], ...]
@@ -332,6 +333,7 @@ class _Moving(TypedDict):
 def _moving(full: _FullModel, reduced: ModalModel, kept: int) -> _Moving:
     clamps = len(full.description.clamps)
     return _Moving(
+        probe_names=tuple(entry.name for entry in full.description.probes),
         omega=_floats(reduced.omega),
         damping=_floats(reduced.damping),
         coupling_stiffness=tuple(map(_floats, reduced.coupling[0])) if reduced.coupling else (),
