@@ -15,10 +15,11 @@ from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
-from pipeclamp_system.steady.balance import SteadySystem, half_range
+from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.detached import detached_branches
 from pipeclamp_system.steady.response import Curve, FrequencyResponse
+from pipeclamp_system.steady.states import half_range
 from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 FIRST, LAST = 3.0, 12.0

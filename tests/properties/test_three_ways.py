@@ -19,9 +19,10 @@ from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.cosim.run import run_system
-from pipeclamp_system.steady.balance import SteadySystem, half_range
+from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.response import Curve, FrequencyResponse
+from pipeclamp_system.steady.states import half_range
 from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
 PIPE_STIFFNESS = 20.23
@@ -269,3 +270,27 @@ def test_the_fundamental_is_control_s_describing_function(bench: Path, write_law
         expected = control.describing_function(lambda y: 4.0 * y + 4.0 * y**3, amplitude, num_points=400)
         assert force.real / amplitude == pytest.approx(expected.real, rel=1e-4)
         assert force.imag == pytest.approx(0.02 * 2 * pi * 9.0 * amplitude, rel=1e-4)
+
+
+SHOT = {11.875: [(1.4039, 3.9042), (1.1769, 2.9049), (0.6093, 1.1952)]}
+
+
+@pytest.mark.parametrize("frequency", [11.875])
+def test_harmonics_are_as_many_as_a_gap_asks_for(bench: Path, write_law: Callable[..., None], frequency: float) -> None:
+    """Amplitudes (mm) at clamp and tip by shooting: the cantilever's own modes, Runge-Kutta, Newton on the cycle."""
+    write_law(bench / "gap.json", {"k10": 400.0, "c0": 0.02, "alpha0": 1.0, "g": 1.0}, "power", ("gap",))
+    clamp = SteadyClamp(law_of(read_law(bench / "gap.json")), 293.15, 1.0, 9.0, (0.01, 5.0), (1.0, 60.0))
+    pipe = reduce(parse_pipe(PIPES["pipe"]))
+    system = SteadySystem(pipe, [(0, clamp)], lambda frequency: ACCELERATION)
+    curve = system.followed(9.0, 14.0)
+    states = system.crossings(curve.states, frequency)
+    found = [(half_range(state.clamps)[0], half_range(state.probes)[0]) for state in states]
+    assert found == [pytest.approx(shot, rel=2e-3) for shot in SHOT[frequency]]
+    assert [state.stable for state in states] == [True, False, True]
+    assert max(state.truncated for state in states) < 1e-3
+    assert states[0].harmonics > 7 > states[2].harmonics  # the last one stays inside the gap: it is linear
+    few = SteadySystem(pipe, [(0, clamp)], lambda frequency: ACCELERATION, harmonics=7)
+    worst = max(few.crossings(few.followed(9.0, 14.0).states, frequency), key=lambda state: state.truncated)
+    assert worst.truncated > 0.01
+    response = FrequencyResponse("gap", ("clamp1",), ("tip",), "", (Curve(None, 1.0, curve),), (), ({},))
+    assert "harmonics balanced: 3 to " in response.summary()

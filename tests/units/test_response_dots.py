@@ -115,7 +115,7 @@ def test_a_dot_off_the_curve_is_confirmed_by_a_finer_one(tmp_path: Path, monkeyp
     with finished(read_system(file), tmp_path) as ready:
         right = co_simulated(ready, None, 1.0, 2.0, [], file)
         moved = tuple(1.2 * amplitude for amplitude in right.amplitudes)
-        off = co_simulated(ready, None, 1.0, 2.0, [Rest(moved, 0.5)], file)
+        off = co_simulated(ready, None, 1.0, 2.0, [Rest(moved, 0.5, 0.0)], file)
     assert off.step == pytest.approx(right.step / 2)
     assert off.trusted
     assert off.difference == pytest.approx(1 / 6, abs=0.01)

@@ -155,7 +155,7 @@ class ResponseTable(Table):
         from_Hz, to_Hz: the frequencies.
         levels: factors on the excitation's amplitude, a curve each.
         temperatures_C: of all clamps, a set of curves each; the clamps' own where it is left out.
-        harmonics: up to which the motion of the clamps is balanced.
+        harmonics: up to which the motion of the clamps is balanced; as many as it asks for where left out.
         dots: co-simulations along each curve.
     """
 
@@ -163,7 +163,7 @@ class ResponseTable(Table):
     to_Hz: Positive
     levels: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=20)] = (1.0,)
     temperatures_C: Annotated[tuple[Celsius, ...], Field(max_length=20)] = ()
-    harmonics: Annotated[int, Field(strict=True, ge=1, le=31)] = 7
+    harmonics: Annotated[int, Field(strict=True, ge=1, le=31)] | None = None
     dots: Annotated[int, Field(strict=True, ge=0, le=100)] = 5
 
     @model_validator(mode="after")

@@ -4,13 +4,13 @@ The pipe is its frequency response G, each clamp the harmonics of its force F(Y)
 
     Y_h = G_e(i h omega) U_h - G_c(i h omega) F_h(Y),   h = 0 .. H.
 
-With H = 1 this is the describing function of the clamp. Whether a motion is stable is told by Floquet's multipliers.
+With H = 1 this is the describing function of the clamp. Unless it is told, H follows what the harmonics beyond it would
+move. Whether a motion is stable is told by Floquet's multipliers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import pi
 
@@ -19,10 +19,12 @@ import numpy as np
 from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.pipe.modes import ReducedPipe
-from pipeclamp_models.pipe.truncation import state_space
-from pipeclamp_system.steady.clamp import SAMPLES, Complex, SteadyClamp, harmonics_of
-from pipeclamp_system.steady.continuation import Equation, Solution, Steps, follow, solve
+from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
+from pipeclamp_system.steady.continuation import Equation, Refinement, Solution, Steps, between, follow, solve
 from pipeclamp_system.steady.floquet import growth
+from pipeclamp_system.steady.harmonics import A_HARMONIC, FEWEST, left_out, packed, resized, unpacked, wanted
+from pipeclamp_system.steady.receptance import Receptance
+from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
 from pipeclamp_system.steady.tangents import linearised, tangents
 
 NUDGE = 1e-5
@@ -30,95 +32,6 @@ NUDGE = 1e-5
 
 SMALLEST = 1e-6
 """mm: no motion is taken for smaller."""
-
-
-@dataclass(frozen=True, eq=False)
-class SteadyState:
-    """A periodic motion of pipe and clamps.
-
-    Attributes:
-        frequency: of the excitation, Hz.
-        clamps: harmonics of each clamp's displacement, mm, (clamps, H + 1).
-        probes: harmonics of each probe's displacement, mm, (probes, H + 1).
-        forces: harmonics of the force into each clamp, N, (clamps, H + 1).
-        conditions: A (mm) and f (Hz) that each clamp's law was taken for, (clamps, 2).
-        growth: of the disturbance that grows fastest, 1/s; below 0 where the motion is stable.
-        beyond: each clamp's conditions that lie beyond its law's data, by name: A (mm), f (Hz), T (K), further ones.
-    """
-
-    frequency: float
-    clamps: Complex
-    probes: Complex
-    forces: Complex
-    conditions: Array
-    growth: float
-    beyond: tuple[Mapping[str, float], ...]
-
-    @property
-    def stable(self) -> bool:
-        """Whether small disturbances die out."""
-        return self.growth < 0
-
-
-@dataclass(frozen=True, eq=False)
-class FollowedResponse:
-    """A frequency response as far as it could be followed.
-
-    Attributes:
-        pieces: states from end to end; or what was followed from each end until it was given up, the lower one first.
-        whole: whether it is one piece from end to end.
-    """
-
-    pieces: tuple[tuple[SteadyState, ...], ...]
-    whole: bool
-
-    @property
-    def states(self) -> tuple[SteadyState, ...]:
-        """The states of all pieces."""
-        return tuple(state for piece in self.pieces for state in piece)
-
-    def reach(self) -> str:
-        """Say which frequencies the pieces reach."""
-        frequencies = [[state.frequency for state in piece] for piece in self.pieces]
-        ranges = " and ".join(f"from {min(piece):.4g} to {max(piece):.4g} Hz" for piece in frequencies)
-        return f"followed {ranges} only{': what lies between them is missing' if len(self.pieces) > 1 else ''}"
-
-
-@dataclass(frozen=True, eq=False)
-class Passage:
-    """Where a curve passes a frequency, by interpolation between two of its states.
-
-    Attributes:
-        clamps, probes: as of `SteadyState`.
-        stable: whether both states are.
-    """
-
-    clamps: Complex
-    probes: Complex
-    stable: bool
-
-
-def passages(states: Sequence[SteadyState], frequency: float) -> list[Passage]:
-    """Give where a curve passes a frequency (Hz), in the order in which it does."""
-    found = []
-    for before, after in pairwise(states):
-        if (before.frequency - frequency) * (after.frequency - frequency) > 0 or before.frequency == after.frequency:
-            continue
-        share = (frequency - before.frequency) / (after.frequency - before.frequency)
-        found.append(
-            Passage(
-                before.clamps + share * (after.clamps - before.clamps),
-                before.probes + share * (after.probes - before.probes),
-                before.stable and after.stable,
-            )
-        )
-    return found
-
-
-def half_range(harmonics: Complex) -> Array:
-    """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
-    waves = np.exp(2j * pi * np.outer(np.arange(harmonics.shape[1]), np.arange(SAMPLES)) / SAMPLES)
-    return np.asarray(np.ptp((harmonics @ waves).real, axis=1) / 2)
 
 
 class SteadySystem:
@@ -129,7 +42,7 @@ class SteadySystem:
         pipe: ReducedPipe,
         clamps: Sequence[tuple[int, SteadyClamp]],
         excitation: Callable[[float], float],
-        harmonics: int = 7,
+        harmonics: int | None = None,
     ) -> None:
         """Prepare the pipe's matrices.
 
@@ -137,47 +50,45 @@ class SteadySystem:
             pipe: the pipe.
             clamps: which of the pipe's clamps have a law, and the law.
             excitation: the sine's amplitude, m/s2 or N, over its frequency in Hz.
-            harmonics: H.
+            harmonics: H; None: as many as each motion asks for.
         """
         self._pipe, self._clamps = pipe, [clamp for _, clamp in clamps]
-        self._excitation, self._orders = excitation, np.arange(harmonics + 1)
+        self._excitation, self._stated = excitation, harmonics
         modes = len(pipe.omega)
         self._shapes = np.array([pipe.clamp_shapes[index] for index, _ in clamps]).reshape(len(clamps), modes)
         probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), modes)
         self._stiffness, self._damping = pipe.stiffness_matrix, pipe.damping_matrix
         loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
         observed = MM * np.vstack([self._shapes, probes])
-        self._linear = state_space(self._stiffness, self._damping, loads, observed)
-        # A pipe that can move as a rigid body has no mean position of its own.
-        self._has_mean = bool(np.linalg.cond(self._stiffness) < 1e14)
+        self._receptance = Receptance(self._stiffness, self._damping, loads, observed)
+        # Harmonics that a cycle's samples can tell; beyond them forces are known roughly.
+        self._told = min((clamp.samples for clamp in self._clamps), default=2) // 2 - 1
+        self._most = (self._told + 1) * 2 // A_HARMONIC
+        self._refinement = Refinement(self._asked, self._in_so_many) if harmonics is None and clamps else None
+
+    @property
+    def clamps(self) -> int:
+        """How many clamps have a law."""
+        return len(self._clamps)
+
+    @property
+    def harmonics(self) -> int:
+        """H that is begun with; where it is stated, that of all motions."""
+        return self._stated or min(FEWEST, self._most)
 
     @property
     def size(self) -> int:
-        """How many real unknowns there are."""
-        return len(self._clamps) * (2 * self._orders.size - 1)
+        """How many real unknowns are begun with."""
+        return self.clamps * (2 * self.harmonics + 1)
 
-    def responses(self, frequency: Array) -> Complex:
+    def responses(self, frequency: Array, harmonics: int | None = None) -> Complex:
         """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1)."""
-        points = 2j * pi * np.outer(frequency, self._orders)
-        if not self._has_mean:
-            points[:, 0] = 1e-3 * points[:, 1]
-        found = self._linear(points.ravel(), squeeze=False)
-        found = found.reshape(self._linear.noutputs, self._linear.ninputs, *points.shape)
-        found = np.moveaxis(found, 2, 0)
-        if not self._has_mean:
-            found[..., 0] = 0.0
-        return np.asarray(found, dtype=np.complex128)
+        orders = np.arange((self.harmonics if harmonics is None else harmonics) + 1)
+        return self._receptance.at(2 * pi * np.outer(frequency, orders))
 
     def unpacked(self, unknowns: Array) -> Complex:
         """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""
-        H, count = self._orders.size - 1, len(self._clamps)
-        parts = unknowns.reshape(len(unknowns), count, 2 * H + 1)
-        return np.concatenate([parts[:, :, :1] + 0j, parts[:, :, 1 : H + 1] + 1j * parts[:, :, H + 1 :]], axis=2)
-
-    def packed(self, harmonics: Complex) -> Array:
-        """Give unknowns (rows, m) of harmonics (rows, clamps, H + 1)."""
-        parts = [harmonics[:, :, :1].real, harmonics[:, :, 1:].real, harmonics[:, :, 1:].imag]
-        return np.concatenate(parts, axis=2).reshape(len(harmonics), self.size)
+        return unpacked(unknowns, self.clamps) if self.clamps else np.zeros((len(unknowns), 0, 2), dtype=np.complex128)
 
     def _forces(self, motion: Complex, frequency: Array) -> Complex:
         """Give the harmonics of the clamps' forces, (rows, clamps, H + 1)."""
@@ -202,14 +113,14 @@ class SteadySystem:
 
     def _driven(self, forces: Complex, drive: Array, responses: Complex) -> Complex:
         """Give the motion under given forces of the clamps (rows, clamps, H + 1); the rest as of `moved`."""
-        sine = np.zeros((len(forces), 1, self._orders.size), dtype=np.complex128)
+        sine = np.zeros((len(forces), 1, responses.shape[3]), dtype=np.complex128)
         sine[:, 0, 1] = -1j * drive
-        return np.asarray(np.einsum("rijh,rjh->rih", responses, np.concatenate([sine, forces], axis=1)))
+        loads = np.concatenate([sine, resized(forces, responses.shape[3])], axis=1)
+        return np.asarray(np.einsum("rijh,rjh->rih", responses, loads))
 
     def residuals(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Array:
         """Give by how much the clamps' motion isn't balanced, mm, (rows, m); arguments as of `moved`."""
-        count = len(self._clamps)
-        return unknowns - self.packed(self.moved(unknowns, frequency, drive, responses[:, :count]))
+        return unknowns - packed(self.moved(unknowns, frequency, drive, responses[:, : self.clamps]))
 
     def _linearised(
         self, unknowns: Array, frequencies: Array, drives: Array, responses: Complex
@@ -219,23 +130,24 @@ class SteadySystem:
         What the clamps make of a small change is taken from their laws' tangents: each law is solved once.
         """
         nudge = NUDGE * self.sizes(unknowns[None])[0]
-        others, width = len(frequencies) - 1, 2 * self._orders.size - 1
+        size, others = unknowns.size, len(frequencies) - 1
+        width = size // self.clamps
         motion = self.unpacked(unknowns[None])[0]
-        forces = np.zeros((1 + self.size + others, *motion.shape), dtype=np.complex128)
+        forces = np.zeros((1 + size + others, *motion.shape), dtype=np.complex128)
         for index, clamp in enumerate(self._clamps):
             own = np.arange(index * width, (index + 1) * width)
-            nudged = self.unpacked(unknowns + nudge * np.eye(self.size)[own])[:, index]
+            nudged = self.unpacked(unknowns + nudge * np.eye(size)[own])[:, index]
             motions = np.vstack([motion[index], nudged, np.tile(motion[index], (others, 1))])
             at = np.concatenate([np.full(1 + width, frequencies[0]), frequencies[1:]])
             force, changes = linearised(clamp, motions, at)
             forces[:, index] = force
             forces[1 + own, index] += changes[:width]
-            forces[1 + self.size :, index] += changes[width:]
-        which = np.concatenate([np.zeros(self.size + 1, dtype=np.intp), np.arange(1, others + 1)])
-        moved = self._driven(forces, drives[which], responses[which][:, : len(self._clamps)])
-        residuals = unknowns - self.packed(moved)
-        by_unknowns = np.eye(self.size) + ((residuals[1 : self.size + 1] - residuals[0]) / nudge).T
-        return residuals[0], by_unknowns, residuals[self.size + 1 :]
+            forces[1 + size :, index] += changes[width:]
+        which = np.concatenate([np.zeros(size + 1, dtype=np.intp), np.arange(1, others + 1)])
+        moved = self._driven(forces, drives[which], responses[which][:, : self.clamps])
+        residuals = unknowns - packed(moved)
+        by_unknowns = np.eye(size) + ((residuals[1 : size + 1] - residuals[0]) / nudge).T
+        return residuals[0], by_unknowns, residuals[size + 1 :]
 
     def sizes(self, unknowns: Array) -> Array:
         """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
@@ -247,24 +159,53 @@ class SteadySystem:
         def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
             two = frequency * np.array([1.0, 1 + NUDGE])
             drives = np.array([self._excitation(one) for one in two.tolist()])
-            residual, by_unknowns, ahead = self._linearised(unknowns, two, drives, self.responses(two))
+            residual, by_unknowns, ahead = self._linearised(
+                unknowns, two, drives, self.responses(two, self._up_to(unknowns))
+            )
             return residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0])
 
-        return equation
+        return Equation(equation, self._refinement)
 
     def over_level(self, frequency: float) -> Equation:
         """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
-        responses = self.responses(at)
-        pushed = np.zeros((1, len(self._clamps), self._orders.size), dtype=np.complex128)
-        pushed[0, :, 1] = -1j * drive * responses[0, : len(self._clamps), 0, 1]
-        by_level = -self.packed(pushed)[0]
 
         def equation(unknowns: Array, level: float) -> tuple[Array, Array, Array]:
+            responses = self.responses(at, self._up_to(unknowns))
             residual, by_unknowns, _ = self._linearised(unknowns, at, level * drive, responses)
-            return residual, by_unknowns, by_level
+            pushed = np.zeros((1, self.clamps, responses.shape[3]), dtype=np.complex128)
+            pushed[0, :, 1] = -1j * drive * responses[0, : self.clamps, 0, 1]
+            return residual, by_unknowns, -packed(pushed)[0]
 
-        return equation
+        def asked(unknowns: Array, level: float) -> int:
+            return self._asked(unknowns, frequency, level)
+
+        return Equation(equation, self._refinement and Refinement(asked, self._in_so_many))
+
+    def _up_to(self, unknowns: Array) -> int:
+        return (unknowns.size // self.clamps - 1) // 2
+
+    def _in_so_many(self, unknowns: Array, size: int) -> Array:
+        """Give unknowns, or a direction in them, with other harmonics: (m,) becomes (size,)."""
+        count = (size // self.clamps + 1) // 2
+        return np.asarray(packed(resized(self.unpacked(unknowns[None]), count))[0])
+
+    def matched(self, unknowns: Sequence[Array]) -> list[Array]:
+        """Give unknowns (m,) each with as many harmonics as the finest of them."""
+        size = max(one.size for one in unknowns)
+        return [self._in_so_many(one, size) for one in unknowns]
+
+    def _asked(self, unknowns: Array, frequency: float, level: float = 1.0) -> int:
+        """Give how many unknowns a motion asks for."""
+        at = np.array([frequency])
+        motion = self.unpacked(unknowns[None])
+        forces = self._forces(resized(motion, self._told + 1), at)
+        return self.clamps * (2 * wanted(self._left_out(forces, at, level), motion.shape[2] - 1, self._most) + 1)
+
+    def _left_out(self, forces: Complex, at: Array, level: float = 1.0) -> Array:
+        """Give what is left out by H, as of `left_out`, from all harmonics of a motion's forces."""
+        drive = np.array([level * self._excitation(float(at[0]))])
+        return left_out(self._driven(forces, drive, self.responses(at, forces.shape[2] - 1))[0])
 
     def at(self, frequency: float) -> SteadyState | None:
         """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""
@@ -306,14 +247,18 @@ class SteadySystem:
         return FollowedResponse(tuple(piece for piece in (lower, upper) if piece), whole=False)
 
     def solutions(self, states: Sequence[SteadyState], frequency: float) -> list[Array]:
-        """Give the unknowns, (m,) each, where a curve passes a frequency (Hz)."""
+        """Give the unknowns, (m,) each, where a curve passes a frequency (Hz), in the order in which it does."""
         found = []
-        for passage in passages(states, frequency):
-            guess = self.packed(passage.clamps[None])[0]
-            size = float(self.sizes(guess[None])[0])
-            unknowns = guess if not guess.size else solve(self.over_frequency(), guess, frequency, size)
-            if unknowns is not None:
-                found.append(unknowns)
+        for before, after in pairwise(states):
+            if (before.frequency - frequency) * (after.frequency - frequency) < 0:
+                one, other = (Solution(state.frequency, packed(state.clamps[None])[0]) for state in (before, after))
+                met = between(self.over_frequency(), one, other, frequency) if self._clamps else one.unknowns
+                if met is not None:
+                    found.append(met)
+            if before.frequency == frequency:
+                found.append(packed(before.clamps[None])[0])
+        if states and states[-1].frequency == frequency:
+            found.append(packed(states[-1].clamps[None])[0])
         return found
 
     def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
@@ -326,18 +271,21 @@ class SteadySystem:
         motion = self.unpacked(unknowns[None])
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
         laws = [tangents(clamp, motion[0, index], frequency) for index, clamp in enumerate(self._clamps)]
-        forces = np.zeros_like(motion)
+        H = motion.shape[2] - 1
+        forces = np.zeros((1, count, max(H, self._told) + 1), dtype=np.complex128)
         for index, law in enumerate(laws):
-            forces[:, index] = harmonics_of(law.force[None], self._orders.size)
-        moved = self._driven(forces, drive, self.responses(at))[0]
+            forces[:, index] = harmonics_of(law.force[None], forces.shape[2])
+        moved = self._driven(forces[:, :, : H + 1], drive, self.responses(at, H))[0]
         conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
         farthest = half_range(moved[:count]).tolist()
+        adrift = self._receptance.adrift
         return SteadyState(
             frequency=frequency,
             clamps=moved[:count],
             probes=moved[count:],
-            forces=forces[0],
+            forces=forces[0, :, : H + 1],
             conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
-            growth=growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency, adrift=not self._has_mean),
+            growth=growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency, adrift=adrift),
+            truncated=float(self._left_out(forces, at)[H]) if count else 0.0,
             beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
         )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
 from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import irfft, rfft
 
 from pipeclamp_fmu.slaves.clamp import within
 from pipeclamp_models.base.arrays import Array
@@ -92,7 +92,6 @@ class SteadyClamp:
     def cycle(self, motion: Complex, frequency: Array) -> Motion:
         """Give a motion in samples, with the law's conditions; arguments as of `forces`."""
         turn = 2j * pi * np.arange(motion.shape[1]) * frequency[:, None]
-        waves = _waves(motion.shape[1], self.samples)
         amplitude, law_frequency = self.conditions(motion, frequency)
         slow = {
             "A": amplitude[:, None],
@@ -101,9 +100,9 @@ class SteadyClamp:
             **{name: np.full((len(motion), 1), value) for name, value in self.further.items()},
         }
         return Motion(
-            (motion @ waves).real,
-            (motion * turn @ waves).real,
-            (motion * turn**2 @ waves).real,
+            _sampled(motion, self.samples),
+            _sampled(motion * turn, self.samples),
+            _sampled(motion * turn**2, self.samples),
             slow,
             1 / (frequency[:, None] * self.samples),
         )
@@ -127,13 +126,13 @@ class SteadyClamp:
 
 def harmonics_of(signals: Array, count: int) -> Complex:
     """Give the first harmonics, from 0, of cycles in samples (rows, samples): (rows, count)."""
-    samples = signals.shape[1]
-    harmonics = 2 / samples * (signals @ _waves(count, samples).conj().T)
+    harmonics = 2 / signals.shape[1] * rfft(signals)[:, :count]
     harmonics[:, 0] /= 2
     return np.asarray(harmonics, dtype=np.complex128)
 
 
-@lru_cache(maxsize=16)
-def _waves(count: int, samples: int) -> Complex:
-    """Give e^(i h omega t) of the first harmonics, from 0, at the samples of a cycle, (h, samples)."""
-    return np.asarray(np.exp(2j * pi * np.outer(np.arange(count), np.arange(samples)) / samples))
+def _sampled(harmonics: Complex, samples: int) -> Array:
+    """Give cycles in samples (rows, samples) of their first harmonics, from 0, (rows, h)."""
+    spectrum = samples / 2 * harmonics
+    spectrum[:, 0] *= 2
+    return np.asarray(irfft(spectrum, samples), dtype=np.float64)

@@ -9,8 +9,46 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
-Equation = Callable[[Array, float], tuple[Array, Array, Array]]
-"""(unknowns (m,), parameter) -> residual (m,), its derivatives by the unknowns (m, m) and by the parameter (m,)."""
+Evaluated = tuple[Array, Array, Array]
+"""Residual (m,), its derivatives by the unknowns (m, m) and by the parameter (m,)."""
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """How finely unknowns stand for what is sought, solution by solution.
+
+    Attributes:
+        asked: how many unknowns a solution at a parameter asks for.
+        resized: gives unknowns, or a direction in them, in so many; what is added is 0.
+    """
+
+    asked: Callable[[Array, float], int]
+    resized: Callable[[Array, int], Array]
+
+
+@dataclass(frozen=True)
+class Equation:
+    """An equation in unknowns and a parameter.
+
+    Attributes:
+        evaluate: what is to vanish, and its derivatives, at unknowns and a parameter.
+        refinement: where the number of unknowns follows the solution; else it stays.
+    """
+
+    evaluate: Callable[[Array, float], Evaluated]
+    refinement: Refinement | None = None
+
+    def __call__(self, unknowns: Array, parameter: float) -> Evaluated:
+        """Evaluate it."""
+        return self.evaluate(unknowns, parameter)
+
+    def asked(self, unknowns: Array, parameter: float) -> int:
+        """Give how many unknowns a solution asks for."""
+        return self.refinement.asked(unknowns, parameter) if self.refinement else unknowns.size
+
+    def resized(self, vector: Array, size: int) -> Array:
+        """Give unknowns, or a direction in them, in so many."""
+        return self.refinement.resized(vector, size) if self.refinement and vector.size != size else vector
 
 
 @dataclass(frozen=True)
@@ -36,6 +74,17 @@ CORRECTIONS = 10
 QUICK = 4
 """Newton corrections after which a step is given up, and up to which the next one may be longer."""
 
+STRAIGHT = 0.7
+"""Cosine of the angle by which a path may turn in a step: what turns by more may have left it for another."""
+
+CAREFUL = 2e-3
+"""Steps that are shorter may turn by more: there a path can have a kink."""
+
+HALVINGS = 30
+BESIDE, SAME = 0.25, 1e-4
+"""Where a path passes a parameter: how often it is halved, how far from the straight line between two of its points it
+is looked for, as a share of their distance, and what difference is none, as a share of the unknowns' size."""
+
 
 @dataclass(frozen=True)
 class Solution:
@@ -45,8 +94,23 @@ class Solution:
     unknowns: Array
 
 
+_Corrected = tuple[Solution, Array, Array, int]
+"""A point of a path, the derivatives next to it, and how many corrections it took."""
+
+
 def solve(equation: Equation, guess: Array, parameter: float, size: float, tolerance: float = 1e-8) -> Array | None:
-    """Solve at one parameter by Newton's method from a guess; None where it doesn't get there."""
+    """Solve at one parameter by Newton's method from a guess, in as many unknowns as the solution asks for.
+
+    None where it doesn't get there.
+    """
+    found = _solved(equation, guess, parameter, size, tolerance)
+    while found is not None and (asked := equation.asked(found, parameter)) > found.size:
+        found = _solved(equation, equation.resized(found, asked), parameter, size, tolerance)
+    return found
+
+
+def _solved(equation: Equation, guess: Array, parameter: float, size: float, tolerance: float) -> Array | None:
+    """Solve in as many unknowns as the guess has."""
     unknowns, last = guess.copy(), 0.0
     for _ in range(3 * CORRECTIONS):
         residual, by_unknowns, _ = equation(unknowns, parameter)
@@ -61,6 +125,37 @@ def solve(equation: Equation, guess: Array, parameter: float, size: float, toler
         if _missing(largest, last) <= tolerance * max(size, float(np.abs(unknowns).max())):
             return unknowns
         last = largest
+    return None
+
+
+def between(equation: Equation, before: Solution, after: Solution, parameter: float) -> Array | None:
+    """Give the unknowns where a path passes a parameter between two of its points; None where it isn't found.
+
+    A solution that is farther from the straight line between them than the path can be belongs to something else: the
+    path is then halved.
+    """
+    size = max(before.unknowns.size, after.unknowns.size)
+    ends = [Solution(end.parameter, equation.resized(end.unknowns, size)) for end in (before, after)]
+    for _ in range(HALVINGS):
+        one, other = ends
+        span, chord = other.parameter - one.parameter, other.unknowns - one.unknowns
+        largest = float(np.abs([one.unknowns, other.unknowns]).max())
+        near = BESIDE * float(np.abs(chord).max()) + SAME * largest
+        guess = one.unknowns + (parameter - one.parameter) / span * chord
+        found = _solved(equation, guess, parameter, largest, Steps.tolerance)
+        if found is not None and np.abs(found - guess).max() <= near:
+            return solve(equation, found, parameter, largest)
+        scales = np.append(np.full(chord.size, largest), abs(span))
+        direction = np.append(chord, span) / scales
+        length = float(np.linalg.norm(direction))
+        middle = _corrected(equation, one, direction / length, length / 2, scales, Steps.tolerance)
+        if middle is None:
+            return None
+        halves = middle[0]
+        if halves.parameter == parameter:
+            return solve(equation, halves.unknowns, parameter, largest)
+        passed = (one.parameter - parameter) * (halves.parameter - parameter) < 0
+        ends = [one, halves] if passed else [halves, other]
     return None
 
 
@@ -90,48 +185,82 @@ def follow(
     span = end - start.parameter
     step, point, largest = steps.first, start, size
     _, by_unknowns, by_parameter = equation(start.unknowns, start.parameter)
-    previous: Array | None = None
+    ahead = _direction(by_unknowns, by_parameter, largest, span)
+    ahead = ahead if ahead[-1] > 0 else -ahead
     yield start
     for _ in range(steps.most):
-        largest = max(largest, float(np.abs(point.unknowns).max()))
         scales = np.append(np.full(point.unknowns.size, largest), span)
-        # The path's direction is the one along which the residual doesn't change.
-        tangent = np.linalg.svd(np.column_stack([by_unknowns, by_parameter]) * scales)[2][-1]
-        onwards = tangent[-1] if previous is None else tangent @ previous
-        tangent = tangent if onwards > 0 else -tangent
-        found = None
-        while found is None:
-            found = _corrected(equation, point, tangent, step, scales, steps.tolerance)
-            if found is None:
-                step /= 2
-                if step < steps.shortest:
-                    return
-        before, previous = point, tangent
-        point, by_unknowns, by_parameter, corrections = found
+        found = _corrected(equation, point, ahead, step, scales, steps.tolerance)
+        fitted = None if found is None else _refined(equation, point, ahead, step, scales, found, steps.tolerance)
+        if fitted is not None:
+            there, by_unknowns, by_parameter, corrections = fitted
+            largest = max(largest, float(np.abs(there.unknowns).max()))
+            before = equation.resized(ahead[:-1], there.unknowns.size)
+            onwards = _direction(by_unknowns, by_parameter, largest, span)
+            turn = float(onwards @ np.append(before, ahead[-1]))
+        if fitted is None or (abs(turn) < STRAIGHT and step > CAREFUL):
+            step /= 2
+            if step < steps.shortest:
+                return
+            continue
+        last, point, ahead = point, there, onwards if turn > 0 else -onwards
         if corrections <= QUICK:
             step = min(1.5 * step, steps.longest)
         share = (point.parameter - start.parameter) / span
         if not 0 <= share <= 1:
             edge = end if share > 1 else start.parameter
-            part = (edge - before.parameter) / (point.parameter - before.parameter)
-            guess = before.unknowns + part * (point.unknowns - before.unknowns)
-            last = solve(equation, guess, edge, largest, steps.tolerance)
-            if last is not None:
-                yield Solution(edge, last)
+            at_edge = between(equation, last, point, edge)
+            if at_edge is not None:
+                yield Solution(edge, at_edge)
             return
         yield point
+        asked = equation.asked(point.unknowns, point.parameter)
+        if asked < point.unknowns.size:  # from here on fewer will do
+            point = Solution(point.parameter, equation.resized(point.unknowns, asked))
+            ahead = np.append(equation.resized(ahead[:-1], asked), ahead[-1])
+            ahead = ahead / np.linalg.norm(ahead)
+
+
+def _direction(by_unknowns: Array, by_parameter: Array, largest: float, span: float) -> Array:
+    """Give the direction of a path, along which the residual doesn't change, in scaled unknowns, (m + 1,)."""
+    scales = np.append(np.full(by_parameter.size, largest), span)
+    return np.asarray(np.linalg.svd(np.column_stack([by_unknowns, by_parameter]) * scales)[2][-1])
+
+
+def _refined(
+    equation: Equation, point: Solution, ahead: Array, step: float, scales: Array, found: _Corrected, tolerance: float
+) -> _Corrected | None:
+    """Give a point of the path in as many unknowns as it asks for; arguments as of `_corrected`, and what it gave."""
+    result: _Corrected | None = found
+    while result is not None:
+        there = result[0]
+        asked = equation.asked(there.unknowns, there.parameter)
+        if asked <= there.unknowns.size:
+            return result
+        point = Solution(point.parameter, equation.resized(point.unknowns, asked))
+        ahead = np.append(equation.resized(ahead[:-1], asked), ahead[-1])
+        scales = np.append(np.full(asked, scales[0]), scales[-1])
+        guess = np.append(equation.resized(there.unknowns, asked), there.parameter)
+        result = _corrected(equation, point, ahead, step, scales, tolerance, guess)
+    return None
 
 
 def _corrected(
-    equation: Equation, point: Solution, tangent: Array, step: float, scales: Array, tolerance: float
-) -> tuple[Solution, Array, Array, int] | None:
-    """Go a step along the tangent and back to the path at a right angle to it.
+    equation: Equation,
+    point: Solution,
+    tangent: Array,
+    step: float,
+    scales: Array,
+    tolerance: float,
+    guess: Array | None = None,
+) -> _Corrected | None:
+    """Go a step along the tangent and back to the path at a right angle to it, or there from a guess (m + 1,).
 
     Returns:
         the point, the derivatives next to it, and how many corrections it took; None where it wasn't found.
     """
     begin = np.append(point.unknowns, point.parameter)
-    place, last = begin + step * tangent * scales, 0.0
+    place, last = begin + step * tangent * scales if guess is None else guess, 0.0
     for correction in range(1, CORRECTIONS + 1):
         residual, by_unknowns, by_parameter = equation(place[:-1], float(place[-1]))
         ahead = float(tangent @ ((place - begin) / scales)) - step

@@ -102,9 +102,11 @@ def steady_clamps(
 
 def steady_system(
     description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, level: float,
-    harmonics: int, where: str,
+    harmonics: int | None, where: str,
 ) -> SteadySystem:  # fmt: skip
     """Give a described system as harmonic balance needs it; `where` is named in errors.
+
+    Harmonics are as many as each motion asks for where they are None.
 
     Raises:
         UserError: a clamp is at no place of the pipe, or is an FMU.

@@ -12,8 +12,10 @@ from itertools import cycle, islice
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.balance import SteadyState, SteadySystem
+from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.continuation import Solution, Steps, follow
+from pipeclamp_system.steady.harmonics import packed
+from pipeclamp_system.steady.states import SteadyState
 
 HIGHEST = 4.0
 """Levels up to which, of the one that is asked for, the excitation is raised."""
@@ -44,7 +46,7 @@ def detached_branches(
         first, last: ends of the range, Hz.
     """
     found: list[tuple[SteadyState, ...]] = []
-    if not system.size:  # without laws all is linear
+    if not system.clamps:  # without laws all is linear
         return ()
     for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
         met = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
@@ -55,12 +57,12 @@ def detached_branches(
             while unseen:
                 branch = _followed(system, Solution(frequency, unseen[0]), first, last)
                 crossed = [unseen[0], *system.solutions(branch, frequency)]
-                unseen = _others(unseen, crossed)
+                unseen = _others(system, unseen, crossed)
                 waiting += crossed
                 met += crossed
                 if not _is_known(system, branch, [*known, *found]):
                     found.append(branch)
-            unseen = _others(list(_joined(system, waiting.pop(), frequency)), met)
+            unseen = _others(system, list(_joined(system, waiting.pop(), frequency)), met)
     return tuple(found)
 
 
@@ -69,7 +71,7 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
     looked_at = branch[:: max(1, len(branch) // LOOKS)]
     there = [
         any(
-            _same(unknowns, system.packed(state.clamps[None])[0])
+            _same(system, unknowns, packed(state.clamps[None])[0])
             for piece in pieces
             for unknowns in system.solutions(piece, state.frequency)
         )
@@ -78,12 +80,13 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
     return sum(there) > len(there) / 2
 
 
-def _same(one: Array, other: Array) -> bool:
+def _same(system: SteadySystem, *two: Array) -> bool:
+    one, other = system.matched(two)
     return bool(np.abs(one - other).max() <= SAME * np.abs(other).max())
 
 
-def _others(some: Sequence[Array], known: Sequence[Array]) -> list[Array]:
-    return [one for one in some if not any(_same(one, other) for other in known)]
+def _others(system: SteadySystem, some: Sequence[Array], known: Sequence[Array]) -> list[Array]:
+    return [one for one in some if not any(_same(system, one, other) for other in known)]
 
 
 def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator[Array]:
@@ -91,7 +94,7 @@ def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator
     size = float(system.sizes(unknowns[None])[0])
     for end in (HIGHEST, 0.0):
         *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, STEPS)
-        if there.parameter == 1.0 and not _same(there.unknowns, unknowns):
+        if there.parameter == 1.0 and not _same(system, there.unknowns, unknowns):
             yield there.unknowns
 
 
@@ -111,7 +114,7 @@ def _half_by_half(system: SteadySystem, start: Solution, ends: tuple[float, floa
         path += half
         if not half or half[-1].parameter != start.parameter:
             return path, False
-        if not _others([half[-1].unknowns], passed):
+        if not _others(system, [half[-1].unknowns], passed):
             return path, True
         passed.append(half[-1].unknowns)
     return path, False

@@ -36,10 +36,12 @@ class Rest:
     Attributes:
         amplitudes: half the peak-to-peak displacement of each clamp and probe, mm.
         decay: with which what is off it dies out, 1/s.
+        truncated: share of its motion that lies in harmonics which are left out.
     """
 
     amplitudes: tuple[float, ...]
     decay: float
+    truncated: float
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class Dot:
         frequency: Hz.
         amplitudes: half the peak-to-peak displacement of each clamp and probe, mm.
         expected: the same of the stable state of the curve that is nearest to it.
+        truncated: share of that state's motion which lies in harmonics that are left out; None where there is none.
         settled: whether it ran until its transient was gone.
         step: macro step, s: the system's, halved until the dot could be trusted.
         trusted: whether it can be at that step.
@@ -61,6 +64,7 @@ class Dot:
     frequency: float
     amplitudes: tuple[float, ...]
     expected: tuple[float, ...]
+    truncated: float | None
     settled: bool
     step: float
     trusted: bool
@@ -125,7 +129,8 @@ def co_simulated(
         trusted = _well_coupled(result) and min(largest_difference(found, expected), moved) <= CLOSE
         if trusted or halvings == MOST_HALVINGS:
             settled = not result.unsettled and (near is None or _cycles_to(near, frequency) <= cycles)
-            return Dot(temperature, level, frequency, found, expected, settled, step, trusted)
+            truncated = near.truncated if near else None
+            return Dot(temperature, level, frequency, found, expected, truncated, settled, step, trusted)
         halvings, before = halvings + 1, found
 
 

@@ -19,10 +19,12 @@ from pipeclamp_system.cosim.building import finished, law_in
 from pipeclamp_system.description.excitation import require_kind
 from pipeclamp_system.description.system import ResponseTable, read_system
 from pipeclamp_system.description.trust_mark import doubt
-from pipeclamp_system.steady.balance import FollowedResponse, SteadyState, SteadySystem, half_range
+from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import ranges_of, response_table, steady_system
 from pipeclamp_system.steady.detached import detached_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
+from pipeclamp_system.steady.harmonics import DOUBTFUL
+from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ class FrequencyResponse:
         excitation: what shakes the pipe, in words.
         curves, dots: what was found.
         ranges: what each clamp's law holds data for, by condition, in the order of clamp_names.
+        stated_harmonics: whether their number was told; else each motion has as many as it asks for.
     """
 
     name: str
@@ -71,6 +74,7 @@ class FrequencyResponse:
     curves: tuple[Curve, ...]
     dots: tuple[Dot, ...]
     ranges: tuple[Mapping[str, Interval], ...]
+    stated_harmonics: bool = False
 
     @property
     def points(self) -> tuple[str, ...]:
@@ -91,9 +95,30 @@ class FrequencyResponse:
             broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
             apart = "".join(f"; {_about_detached(piece)}" for piece in curve.detached)
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
+        lines += self._about_harmonics()
         lines += self.about_ranges()
         lines += self._about_dots() if self.dots else []
         return "\n".join(lines)
+
+    def _about_harmonics(self) -> list[str]:
+        """Say how many harmonics were balanced, and what is left out."""
+        if not self.clamp_names:
+            return []
+        states = [state for curve in self.curves for state in curve.states]
+        counts = [state.harmonics for state in states]
+        span = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
+        worst = max(states, key=lambda state: state.truncated)
+        line = (
+            f"harmonics balanced: {span}; those that are left out would move {worst.truncated:.1%} of the motion at "
+            f"most, at {worst.frequency:.4g} Hz"
+        )
+        if worst.truncated <= DOUBTFUL:
+            return [line]
+        low, high = (edge(s.frequency for s in states if s.truncated > DOUBTFUL) for edge in (min, max))
+        more = "no more can be balanced; co-simulate there"
+        if self.stated_harmonics:
+            more = "leave harmonics out of [response], so that they follow the motion"
+        return [doubt(f"{line}; more than {DOUBTFUL:.0%} from {low:.4g} to {high:.4g} Hz: {more}")]
 
     def about_ranges(self) -> list[str]:
         """Say where a clamp's law is used beyond the range of its data."""
@@ -189,7 +214,9 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
                 for frequency in _dot_frequencies(table):
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
                     passed = [state for piece in curve.pieces for state in system.crossings(piece, frequency)]
-                    stable = [Rest(amplitudes_of(state), -state.growth) for state in passed if state.stable]
+                    stable = [
+                        Rest(amplitudes_of(state), -state.growth, state.truncated) for state in passed if state.stable
+                    ]
                     dots.append(co_simulated(ready, temperature, level, frequency, stable, path))
     excitation = description.excitation
     amount = excitation.model_dump(include={"acceleration_m_s2", "displacement_mm", "force_N"}, exclude_none=True)
@@ -201,6 +228,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
         tuple(curves),
         tuple(dots),
         tuple(ranges_of(law_in(path.parent, str(clamp.law))) for clamp in description.clamps),
+        table.harmonics is not None,
     )
 
 
@@ -236,6 +264,7 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
         for number, state in ((n, state) for n, piece in enumerate(curve.pieces, 1) for state in piece):
             row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
             row |= {"piece": number, "stable": float(state.stable), "growth [1/s]": state.growth}
+            row |= {"harmonics": state.harmonics, "truncated [1]": state.truncated}
             for name, (amplitude, frequency), force, beyond in zip(
                 response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), state.beyond,
                 strict=True,
@@ -245,7 +274,8 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
             rows.append(row)
     for dot in response.dots:
         row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)
-        rows.append(row | {"settled": float(dot.settled), "trusted": float(dot.trusted), "step [s]": dot.step})
+        row |= {"settled": float(dot.settled), "trusted": float(dot.trusted), "step [s]": dot.step}
+        rows.append(row | {"truncated [1]": dot.truncated})
     write_whole(path, pl.from_dicts(rows, infer_schema_length=None).write_csv())
 
 

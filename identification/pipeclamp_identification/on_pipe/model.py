@@ -18,10 +18,12 @@ from pipeclamp_models.pipe.description import PipeDescription, Place, read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce, reduce_likewise
 from pipeclamp_system.description.measured_table import DRIVES, Drive
 from pipeclamp_system.description.system import SystemDescription, read_system
-from pipeclamp_system.steady.balance import Passage, SteadyState, SteadySystem, passages
+from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import steady_clamps
+from pipeclamp_system.steady.harmonics import packed, resized
 from pipeclamp_system.steady.points import Balanced, Operation, balance, fundamentals
+from pipeclamp_system.steady.states import SteadyState
 
 Complex = NDArray[np.complex128]
 Rows = NDArray[np.intp]
@@ -29,8 +31,8 @@ Rows = NDArray[np.intp]
 SAME_LEVEL = 0.06
 """Sines whose excitation differs by less, as a share, are of one level."""
 
-HARMONICS = 3
-"""Up to which the clamps' motion is balanced where the system has no [response] that says it."""
+CLASSES = (3, 5, 9, 15, 23, 32)
+"""Harmonics up to which sines are balanced together: those that ask for about as many."""
 
 SAMPLES = 128
 """Of a cycle, at which the clamps' laws are evaluated; 256 change a response by less than 0.1 %."""
@@ -47,14 +49,14 @@ class CoupledModel:
         pipe: the pipe, with the measurement's probes in their order.
         clamps: which of the pipe's clamps have a law, and the law, by temperature in degC; None: the system's own.
         clamp_names: of those, in their order.
-        harmonics: up to which their motion is balanced.
+        harmonics: up to which their motion is balanced; None: as many as each motion asks for.
         stated: the pipe as it is stated, in modes; `pipe` may differ from it a little.
     """
 
     pipe: PipeDescription
     clamps: Mapping[float | None, tuple[tuple[int, SteadyClamp], ...]]
     clamp_names: tuple[str, ...]
-    harmonics: int
+    harmonics: int | None
     stated: ReducedPipe
 
     @property
@@ -62,13 +64,34 @@ class CoupledModel:
         """The pipe in as many modes as the stated one."""
         return _reduced(self.pipe, self.stated)
 
-    def system(self, temperature: float | None, excitation: Callable[[float], float]) -> SteadySystem:
+    def system(
+        self, temperature: float | None, excitation: Callable[[float], float], harmonics: int | None = None
+    ) -> SteadySystem:
         """Give pipe and clamps at a temperature (degC) under a sine; the excitation's amplitude is m/s2 or N over Hz.
+
+        Harmonics are the model's where they are None.
 
         Raises:
             UserError: the pipe can't be reduced.
         """
-        return SteadySystem(self.reduced, self.clamps[temperature], excitation, self.harmonics)
+        return SteadySystem(self.reduced, self.clamps[temperature], excitation, harmonics or self.harmonics)
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Sines of one temperature that are balanced up to the same harmonic.
+
+    Attributes:
+        temperature: of the clamps, degC; None for the system's own.
+        rows: which of the measurement's sines.
+        harmonics: H.
+        solved: their steady states.
+    """
+
+    temperature: float | None
+    rows: Rows
+    harmonics: int
+    solved: Balanced
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +101,13 @@ class Prediction:
     Attributes:
         response: as of `SteadyMeasurement`, nan where no steady state was found, (P, probes).
         clamps: fundamental of each clamp's displacement, mm, (P, clamps).
-        balanced: the steady states of each temperature's sines.
+        groups: the steady states, sines that ask for about as many harmonics together.
         branches: how many stable states there are, (P,); 1 unless it was looked for.
     """
 
     response: Complex
     clamps: Complex
-    balanced: tuple[Balanced, ...]
+    groups: tuple[Group, ...]
     branches: Rows
 
 
@@ -117,7 +140,7 @@ def read_model(
         for temperature in clamps_at
     }
     names = tuple(source.at for source in system.clamps)
-    harmonics = system.response.harmonics if system.response else HARMONICS
+    harmonics = system.response.harmonics if system.response else None
     return system, CoupledModel(pipe, clamps, names, harmonics, reduced)
 
 
@@ -198,23 +221,19 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
     shape = measured.response.shape
     response, clamps = np.full(shape, np.nan + 0j), np.full((shape[0], len(model.clamp_names)), np.nan + 0j)
     branches = np.ones(shape[0], dtype=np.intp) if near is None else near.branches
-    balanced = []
-    for index, (temperature, rows) in enumerate(temperatures(measured)):
-        operation = Operation(measured.frequency[rows], measured.drive[rows])
-        system = model.system(temperature, lambda frequency: 1.0)
-        if near is None:
-            guess, branches[rows] = _first_guess(model, temperature, measurement, rows)
-            solved = balance(system, operation, guess)
-        else:
-            solved = balance(system, operation, near.balanced[index].unknowns, near.balanced[index].slopes)
-            if not solved.found.all():
-                solved = _again_from_rest(system, operation, solved)
+    groups = []
+    for group in _begun(model, measurement, branches) if near is None else near.groups:
+        rows, operation = group.rows, Operation(measured.frequency[group.rows], measured.drive[group.rows])
+        system = model.system(group.temperature, lambda frequency: 1.0, group.harmonics)
+        solved = balance(system, operation, group.solved.unknowns, None if near is None else group.solved.slopes)
+        if near is not None and not solved.found.all():
+            solved = _again_from_rest(system, operation, solved)
         moved = fundamentals(system, operation, solved)
         count = len(model.clamp_names)
         clamps[rows] = 1e3 * operation.drive[:, None] * moved[:, :count]
         response[rows] = as_measured(moved[:, count:], operation.frequency, measurement, model.pipe)
-        balanced.append(solved)
-    return Prediction(response, clamps, tuple(balanced), branches)
+        groups.append(replace(group, solved=solved))
+    return Prediction(response, clamps, tuple(groups), branches)
 
 
 def as_measured(moved: Complex, frequency: Array, measurement: PipeMeasurement, pipe: PipeDescription) -> Complex:
@@ -227,37 +246,56 @@ def as_measured(moved: Complex, frequency: Array, measurement: PipeMeasurement, 
     return np.column_stack(columns).astype(np.complex128)
 
 
-def _first_guess(
-    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: Rows
-) -> tuple[Array, Rows]:
-    """Give unknowns near the steady states of some sines, and how many stable ones there are at each.
+def _begun(model: CoupledModel, measurement: PipeMeasurement, branches: Rows) -> Iterator[Group]:
+    """Give sines in groups, with guesses of their steady states; set how many stable ones each has."""
+    for temperature, rows in temperatures(measurement.steady):
+        states = _first_states(model, temperature, measurement, rows, branches)
+        asked = np.array([_harmonics(model, state) for state in states])
+        for harmonics in np.unique(asked).tolist():
+            own = np.flatnonzero(asked == harmonics)
+            guess = np.zeros((own.size, len(model.clamp_names), harmonics + 1), dtype=np.complex128)
+            for place, index in enumerate(own):
+                state = states[index]
+                if state is not None:
+                    guess[place] = resized(state.clamps, harmonics + 1)
+            unknowns = packed(guess)
+            nothing = np.zeros((0, 0, 0))
+            begun = Balanced(unknowns, nothing, np.zeros(own.size, np.bool_), nothing[None].astype(np.complex128))
+            yield Group(temperature, rows[own], harmonics, begun)
 
-    The response is followed by describing functions, its fundamental alone: a fifth of the time.
-    """
+
+def _harmonics(model: CoupledModel, state: SteadyState | None) -> int:
+    """Give up to which harmonic a sine is balanced."""
+    if model.harmonics is not None:
+        return model.harmonics
+    return CLASSES[0] if state is None else min(H for H in CLASSES if min(state.harmonics, CLASSES[-1]) <= H)
+
+
+def _first_states(
+    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: Rows, branches: Rows
+) -> list[SteadyState | None]:
+    """Give the steady states at some sines, stable ones where there are any; set how many of those each has."""
     measured = measurement.steady
-    whole, fundamental = model.system(temperature, lambda f: 1.0), replace(model, harmonics=1)
-    guess, branches = np.zeros((rows.size, whole.size)), np.ones(rows.size, np.intp)
+    chosen: list[SteadyState | None] = [None] * rows.size
     for level in number_levels(measured.level[rows], relative=SAME_LEVEL):
         own = rows[level.rows]
         frequency, inverse = np.unique(measured.frequency[own], return_inverse=True)
         drive = np.bincount(inverse, measured.drive[own]) / np.bincount(inverse)
-        system = fundamental.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
+        system = model.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
         states = _states(system, float(frequency[0]), float(frequency[-1]))
         for place, row in zip(level.rows, own, strict=True):
-            everywhere = _passages(states, float(measured.frequency[row]))
-            found = [entry for entry in everywhere if entry.stable]
-            branches[place] = max(1, len(found))
+            everywhere = system.crossings(states, float(measured.frequency[row]))
+            found = [state for state in everywhere if state.stable]
+            branches[row] = max(1, len(found))
             found = found or everywhere
             if not found:
                 continue
-            chosen = found[0] if measured.sweep[row] >= 0 else found[-1]
+            chosen[place] = found[0] if measured.sweep[row] >= 0 else found[-1]
             if len(found) > 1 and measured.sweep[row] == 0:
-                seen = [_seen(entry.probes[:, 1], int(row), measurement, model.pipe) for entry in found]
+                seen = [_seen(state.probes[:, 1], int(row), measurement, model.pipe) for state in found]
                 off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
-                chosen = found[int(np.argmin(off))]
-            harmonics = np.pad(chosen.clamps, ((0, 0), (0, model.harmonics - 1)))
-            guess[place] = whole.packed(harmonics[None])[0]
-    return guess, branches
+                chosen[place] = found[int(np.argmin(off))]
+    return chosen
 
 
 def _again_from_rest(system: SteadySystem, operation: Operation, solved: Balanced) -> Balanced:
@@ -267,13 +305,6 @@ def _again_from_rest(system: SteadySystem, operation: Operation, solved: Balance
     unknowns, slopes, found = solved.unknowns.copy(), solved.slopes.copy(), solved.found.copy()
     unknowns[lost], slopes[lost], found[lost] = again.unknowns, again.slopes, again.found
     return Balanced(unknowns, slopes, found, solved.responses)
-
-
-def _passages(states: list[SteadyState], frequency: float) -> list[Passage]:
-    """Give where a response passes a frequency (Hz); a single state stands for itself."""
-    if len(states) == 1:
-        return [Passage(states[0].clamps, states[0].probes, states[0].stable)]
-    return passages(states, frequency)
 
 
 def _seen(probes: Complex, row: int, measurement: PipeMeasurement, pipe: PipeDescription) -> Complex:

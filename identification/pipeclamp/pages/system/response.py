@@ -9,9 +9,9 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import SERIES, Section, styled
 from pipeclamp.show.table import Table
 from pipeclamp_system.description.trust_mark import DOUBT
-from pipeclamp_system.steady.balance import SteadyState
 from pipeclamp_system.steady.dots import Dot
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, label
+from pipeclamp_system.steady.states import SteadyState
 
 WIDE = 4.0
 """Levels that differ by more than this factor are drawn on a logarithmic axis."""
@@ -27,12 +27,14 @@ def response_sections(response: FrequencyResponse) -> list[Section]:
     """Give the report of a frequency response; the first section holds the summary in words."""
     pictures = [response_picture(response, index) for index in range(len(response.points))]
     header = (
-        "clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve", "step / ms", "",
+        "clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve",
+        "curve leaves out", "step / ms", "",
     )  # fmt: skip
     rows: list[tuple[str | float, ...]] = [
         (
             "own" if dot.temperature is None else f"{dot.temperature:g} °C", dot.level, dot.frequency, *dot.amplitudes,
-            f"{dot.difference:.2%}", 1e3 * dot.step, _remark(dot),
+            f"{dot.difference:.2%}", "" if dot.truncated is None else f"{dot.truncated:.2%}", 1e3 * dot.step,
+            _remark(dot),
         )
         for dot in response.dots
     ]  # fmt: skip

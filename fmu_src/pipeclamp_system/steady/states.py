@@ -1,0 +1,77 @@
+"""Steady states of pipe and clamps, and the response that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_system.steady.clamp import SAMPLES, Complex
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState:
+    """A periodic motion of pipe and clamps.
+
+    Attributes:
+        frequency: of the excitation, Hz.
+        clamps: harmonics of each clamp's displacement, mm, (clamps, H + 1).
+        probes: harmonics of each probe's displacement, mm, (probes, H + 1).
+        forces: harmonics of the force into each clamp, N, (clamps, H + 1).
+        conditions: A (mm) and f (Hz) that each clamp's law was taken for, (clamps, 2).
+        growth: of the disturbance that grows fastest, 1/s; below 0 where the motion is stable.
+        truncated: rms of the harmonics that are left out, as a share of that of the motion, where it is largest.
+        beyond: each clamp's conditions that lie beyond its law's data, by name: A (mm), f (Hz), T (K), further ones.
+    """
+
+    frequency: float
+    clamps: Complex
+    probes: Complex
+    forces: Complex
+    conditions: Array
+    growth: float
+    truncated: float
+    beyond: tuple[Mapping[str, float], ...]
+
+    @property
+    def harmonics(self) -> int:
+        """H, up to which the motion is balanced."""
+        return int(self.forces.shape[1]) - 1
+
+    @property
+    def stable(self) -> bool:
+        """Whether small disturbances die out."""
+        return self.growth < 0
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedResponse:
+    """A frequency response as far as it could be followed.
+
+    Attributes:
+        pieces: states from end to end; or what was followed from each end until it was given up, the lower one first.
+        whole: whether it is one piece from end to end.
+    """
+
+    pieces: tuple[tuple[SteadyState, ...], ...]
+    whole: bool
+
+    @property
+    def states(self) -> tuple[SteadyState, ...]:
+        """The states of all pieces."""
+        return tuple(state for piece in self.pieces for state in piece)
+
+    def reach(self) -> str:
+        """Say which frequencies the pieces reach."""
+        frequencies = [[state.frequency for state in piece] for piece in self.pieces]
+        ranges = " and ".join(f"from {min(piece):.4g} to {max(piece):.4g} Hz" for piece in frequencies)
+        return f"followed {ranges} only{': what lies between them is missing' if len(self.pieces) > 1 else ''}"
+
+
+def half_range(harmonics: Complex) -> Array:
+    """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
+    waves = np.exp(2j * pi * np.outer(np.arange(harmonics.shape[1]), np.arange(SAMPLES)) / SAMPLES)
+    return np.asarray(np.ptp((harmonics @ waves).real, axis=1) / 2)
