@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -23,6 +24,9 @@ from pipeclamp_identification.campaign.smoothing import Smoothing, find_smoothin
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_content
 from pipeclamp_models.base.threads import in_threads
+
+BYTES_OF_A_NUMBER = 8
+"""As a record's file holds it, about, whatever its format."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +134,8 @@ def read_campaign(folder: Path, strict: bool = False) -> Campaign:
 
 def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable, strict: bool) -> Campaign:
     """Read the records of a campaign whose description and table have been read, as `read_campaign` does."""
-    records = in_threads(partial(read_run, folder, description), table.rows)
+    read = partial(read_run, folder, description)
+    records = in_threads(read, table.rows, _numbers_in_a_file(folder, table))
     digests = digests_of(folder, {row.file: digest for row, (digest, _) in zip(table.rows, records, strict=True)})
     size = sum(len(record.time_s) for _, record in records) / len(records)
     jobs = [(row, record) for row, (_, record) in zip(table.rows, records, strict=True)]
@@ -153,6 +158,15 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         digests=digests,
         doubts=judged.doubts,
     )
+
+
+def _numbers_in_a_file(folder: Path, table: RunsTable) -> float:
+    """Give about how many numbers a record's file holds, on average; 0 where one can't be found."""
+    # whoever reads it says why
+    with suppress(OSError, ValueError):
+        size = sum((folder / row.file).stat().st_size for row in table.rows)
+        return size / (BYTES_OF_A_NUMBER * len(table.rows))
+    return 0.0
 
 
 def _looked_at(job: tuple[RunRow, Record]) -> tuple[Run | FreeRun | LeftOut, SeenRecord | LeftOut]:

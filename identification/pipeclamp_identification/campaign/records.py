@@ -34,6 +34,8 @@ class _Reader(Protocol):
 
 NEEDED: tuple[RecordColumn, ...] = ("time_s", "displacement_mm", "force_N")
 OPTIONAL: tuple[RecordColumn, ...] = ("temperature_C",)
+OWN = {name: ColumnSource.model_validate({"from": name}) for name in (*NEEDED, *OPTIONAL)}
+"""Our columns under our own names."""
 MOST_BYTES = 1_000_000_000
 """Of a record of one run, unpacked."""
 PARQUET = b"PAR1"
@@ -77,7 +79,7 @@ def read_record(path: Path, content: bytes, columns: Mapping[RecordColumn, Colum
     Raises:
         UserError: the file is broken, has no such column, or a cell that is no number.
     """
-    sources = {ours: columns.get(ours, ColumnSource.model_validate({"from": ours})) for ours in (*NEEDED, *OPTIONAL)}
+    sources = {**OWN, **columns}
     read = _parquet_channels if path.name.lower().endswith(".parquet") else _csv_channels
     channels = read(path, content, sources, required=(*NEEDED, *columns))
     turned = {ours: sources[ours].conversion(ours) for ours in channels}
@@ -92,7 +94,7 @@ def read_channels(path: Path, content: bytes, names: Sequence[RecordColumn]) -> 
     Raises:
         UserError: as of `read_record`.
     """
-    sources = {name: ColumnSource.model_validate({"from": name}) for name in names}
+    sources = {name: OWN[name] for name in names}
     read = _parquet_channels if path.name.lower().endswith(".parquet") else _csv_channels
     return read(path, content, sources, required=tuple(names))
 
@@ -172,7 +174,7 @@ def _csv_channels(
     # blank rows at the end are how some programs finish a file; in the middle they are missing samples
     if content[-2:].isspace():
         content = content.rstrip()
-    first = content.split(b"\n", 1)[0]
+    first = io.BytesIO(content).readline()
     try:
         header = next(csv.reader([first.decode("utf-8-sig")]), [])
     except UnicodeDecodeError as error:
@@ -182,7 +184,8 @@ def _csv_channels(
     chosen = _chosen_columns(path, header, sources, required)
     theirs = list(chosen.values())
     try:
-        frame = pl.read_csv(content, columns=theirs, schema_overrides=dict.fromkeys(theirs, pl.Float64))
+        types = dict.fromkeys(theirs, pl.Float64)
+        frame = pl.read_csv(content, columns=theirs, schema_overrides=types, infer_schema_length=0)
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
         raise UserError(_first_bad_cell(path, content, header, theirs) or f"{path}: can't be read: {error}") from error
     # a float column's missing values become nan

@@ -120,6 +120,7 @@ def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:
     return found
 
 
+@cache
 def stated_conversion(quantity: Quantity, name: str, factor: float | None) -> Conversion:
     """Give what turns a channel into ours, by the unit in its name and the factor that was stated.
 
