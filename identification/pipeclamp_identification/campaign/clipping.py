@@ -127,7 +127,8 @@ def extremes_of(record: Record, cycles: Cycles, channel: Channel, amplitude: flo
     """Give how far a channel of a run goes; `amplitude` is that of the run's fundamental."""
     samples = getattr(record, COLUMNS[channel])[cycles.steady]
     low, high = float(np.min(samples)), float(np.max(samples))
-    held = frozenset(end for end in (low, high) if _longest_row(samples == end)[1] > 1)
+    agreeing = samples[1:][samples[1:] == samples[:-1]]
+    held = frozenset({low, high}.intersection(agreeing.tolist()))
     quanta = (high - low) / quantum_of(samples) if held and high > low else 0.0
     return Extremes(low, high, held, quanta, amplitude)
 
@@ -148,12 +149,13 @@ def at_common_end(runs: Mapping[str, Extremes]) -> dict[str, float]:
 
 def _longest_row(alike: Flags) -> tuple[int, int]:
     """Give where the longest row of True begins, and how long it is: 0 where nothing is True."""
-    if not alike.any():
+    places = np.flatnonzero(alike)
+    if len(places) == 0:
         return 0, 0
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], alike.astype(np.int8), [0]])))
-    lengths = edges[1::2] - edges[::2]
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(places) > 1) + 1, [len(places)]])
+    lengths = np.diff(edges)
     longest = int(np.argmax(lengths))
-    return int(edges[2 * longest]), int(lengths[longest])
+    return int(places[edges[longest]]), int(lengths[longest])
 
 
 def quantum_of(samples: Array) -> float:

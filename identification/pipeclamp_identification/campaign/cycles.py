@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 
@@ -100,13 +102,16 @@ def find_cycles(record: Record) -> Cycles:
     frequency, rest = _fitted_sine(time[first:last:stride], y[first:last:stride], frequency)
     _require_vibration(y, frequency, rest)
     bounds = first + _bounds(time[first:last], frequency, interval)
+    fresh = False
     if len(bounds) > 2:
-        frequency += _frequency_correction(time, y, bounds, frequency)
-    bounds = first + _bounds(time[first:last], frequency, interval)
+        displacement, force = _few_harmonics(time, [y, record.force_N], bounds, frequency)
+        fresh = _starts_fresh(force)
+        frequency += _frequency_correction(displacement, frequency)
+        bounds = first + _bounds(time[first:last], frequency, interval)
     if len(bounds) < 2:
         held = frequency * (time[last - 1] - time[first] + interval)
         raise UnusableRecord(f"no full cycle: {held:.2f} of one at {frequency:.4g} Hz is steady")
-    if _starts_fresh(time, record.force_N, bounds, frequency):
+    if fresh:
         bounds = bounds[1:]
     return Cycles(frequency, bounds, before=float(frequency * time[bounds[0]]))
 
@@ -137,17 +142,16 @@ def _require_vibration(y: Array, frequency: float, rest: float) -> None:
         )
 
 
-def _starts_fresh(time: Array, force: Array, bounds: IntArray, frequency: float) -> bool:
-    """Tell whether the first cycle's force is that of a specimen that has not yet been through a whole cycle.
+def _starts_fresh(force: ComplexArray) -> bool:
+    """Tell by the force's harmonics of each cycle whether the specimen had not been through a whole one before.
 
     Friction starts on its virgin curve, though the displacement may be steady from the first sample on. That cycle
     stands apart from the next as no two later ones do; with a drift, which is the clamp's own, all differ alike.
     """
-    if len(bounds) < 4:
+    if len(force) < 3:
         return False
-    harmonics = _few_harmonics(time, force, bounds, frequency)
-    change = np.linalg.norm(np.diff(harmonics, axis=0), axis=1)
-    size = float(np.max(np.abs(harmonics[:, 1])))
+    change = np.linalg.norm(np.diff(force, axis=0), axis=1)
+    size = float(np.max(np.abs(force[:, 1])))
     return bool(change[0] > FRESH_TIMES * np.max(change[1:]) and change[0] > FRESH_SHARE * size)
 
 
@@ -206,7 +210,7 @@ def _steady_samples(time: Array, y: Array, frequency: float, interval: float) ->
     amplitude, mean = np.abs(harmonics[:, 1]), harmonics[:, 0].real
     change = np.maximum(np.abs(np.diff(amplitude)), np.abs(np.diff(mean))) / np.max(amplitude)
     # what most cycles do is this drive's own scatter
-    agree = change <= min(max(4 * float(np.median(change)), STEADY), RAMP)
+    agree = change <= min(max(4 * median(change.tolist()), STEADY), RAMP)
     rows = np.split(np.arange(len(amplitude)), np.flatnonzero(~agree) + 1)
     # rest before the test is steady too, but has no amplitude
     rows = [row for row in rows if np.max(amplitude[row]) > np.max(amplitude) / 2]
@@ -269,21 +273,21 @@ def _least_squares(basis: Array, y: Array) -> Array:
     A trace of a ridge lets a record that is no vibration at all pass here, to be told so by what it leaves over.
     """
     gram = basis @ basis.T
-    gram[np.diag_indices_from(gram)] += 1e-13 * np.trace(gram)
+    gram.flat[:: len(gram) + 1] += 1e-13 * np.trace(gram)
     return np.asarray(np.linalg.solve(gram, basis @ y), dtype=np.float64)
 
 
-def _frequency_correction(time: Array, y: Array, bounds: IntArray, frequency: float) -> float:
+def _frequency_correction(displacement: ComplexArray, frequency: float) -> float:
     """Return by how much the frequency errs, from the slope of the fundamental's phase over the cycles."""
-    lag = np.unwrap(np.angle(_few_harmonics(time, y, bounds, frequency)[:, 1]))
+    lag = np.unwrap(np.angle(displacement[:, 1]))
     cycles = np.arange(len(lag)) - (len(lag) - 1) / 2
     return float(frequency * (cycles @ lag) / (cycles @ cycles) / (2 * np.pi))
 
 
-def _few_harmonics(time: Array, samples: Array, bounds: IntArray, frequency: float) -> ComplexArray:
-    """Return the lowest harmonics, (cycles, count + 1), of each cycle."""
+def _few_harmonics(time: Array, channels: Sequence[Array], bounds: IntArray, frequency: float) -> ComplexArray:
+    """Return the lowest harmonics, (channels, cycles, count + 1), of each cycle."""
     steady = slice(bounds[0], bounds[-1])
     phase = 2 * np.pi * frequency * (time[steady] - time[bounds[0]])
     whole: IntArray = bounds - bounds[0]
     count = min(DISTORTION, carried_harmonics(phase, whole))
-    return np.asarray(cycle_harmonics(phase, whole, [samples[steady]], count)[0])
+    return cycle_harmonics(phase, whole, [samples[steady] for samples in channels], count)

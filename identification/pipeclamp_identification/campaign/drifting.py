@@ -165,28 +165,30 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
         y, force, k = run.by_cycle.displacement, run.by_cycle.force, run.by_cycle.stiffness
         mean = np.mean(k)
         series.append(
-            (
-                force[:, 0].real / F,
-                y[:, 0].real / A,
-                k.real / (abs(mean.real) or 1.0),
-                k.imag / (abs(mean.imag) or 1.0),
-                np.abs(y[:, 1]) / A,
-                np.abs(force[:, 1]) / F,
+            np.stack(
+                [
+                    force[:, 0].real / F,
+                    y[:, 0].real / A,
+                    k.real / (abs(mean.real) or 1.0),
+                    k.imag / (abs(mean.imag) or 1.0),
+                    np.abs(y[:, 1]) / A,
+                    np.abs(force[:, 1]) / F,
+                ]
             )
         )
-    changes = [_changes([one[place] for one in series]) for place in range(6)]
+    changes = _changes(series)
     found = {}
     for row, run in enumerate(long):
         usual = complex(np.mean(run.by_cycle.stiffness))
         in_phase, in_quadrature = usual.real / abs(usual), usual.imag / abs(usual)
-        elastic, damping = changes[2][row], changes[3][row]
+        mean_force, mean_displacement, elastic, damping, amplitude, size = changes[row]
         found[run.name] = InRecord(
-            mean_force=changes[0][row],
-            mean_displacement=changes[1][row],
+            mean_force=mean_force,
+            mean_displacement=mean_displacement,
             elastic=elastic,
             damping=damping,
-            amplitude=changes[4][row],
-            force=changes[5][row],
+            amplitude=amplitude,
+            force=size,
             stiffness_share=in_phase,
             loop=math.hypot(in_phase * elastic.certain, in_quadrature * damping.certain),
             goes_on=(_goes_on(series[row][0]), _goes_on(series[row][1])),
@@ -194,26 +196,33 @@ def _in_records(runs: Sequence[Watched]) -> dict[str, InRecord]:
     return found
 
 
-def _line(values: Array) -> tuple[float, float]:
-    """Give the slope of a line through values, per step, and the sum of squares that it leaves over."""
-    along = np.arange(len(values)) - (len(values) - 1) / 2
-    slope = float(along @ values / (along @ along))
-    rest = values - values.mean() - slope * along
-    return slope, float(rest @ rest)
+def _lines(series: Array) -> tuple[Array, Array]:
+    """Give the slopes of lines through rows of values, per step, and the sums of squares that they leave over."""
+    along = np.arange(series.shape[1]) - (series.shape[1] - 1) / 2
+    slopes = series @ along / (along @ along)
+    rest = series - series.mean(axis=1, keepdims=True) - np.outer(slopes, along)
+    return slopes, np.sum(rest**2, axis=1)
 
 
-def _changes(series: Sequence[Array]) -> list[Change]:
-    """Give the change of each run's series from its first cycle to its last by a line; its scatter is partly pooled."""
-    lines = [_line(values) for values in series]
-    pooled = float(np.median([rest / (len(values) - 2) for values, (_, rest) in zip(series, lines, strict=True)]))
-    shared = POOLED_FREEDOMS if len(series) > 1 else 0.0
+def _changes(runs: Sequence[Array]) -> list[list[Change]]:
+    """Give the changes of each run's series, (series, cycles), from its first cycle to its last by lines.
+
+    Their scatter is partly that of all runs together.
+    """
+    lines = [_lines(series) for series in runs]
+    left = [rest / (series.shape[1] - 2) for series, (_, rest) in zip(runs, lines, strict=True)]
+    pooled = np.median(left, axis=0)
+    shared = POOLED_FREEDOMS if len(runs) > 1 else 0.0
     changes = []
-    for values, (slope, rest) in zip(series, lines, strict=True):
-        count = len(values)
+    for series, (slopes, rest) in zip(runs, lines, strict=True):
+        count = series.shape[1]
         freedoms = count - 2 + shared
-        variance = (rest + shared * pooled) / freedoms
         spread = count * (count**2 - 1) / 12
-        changes.append(Change(slope * (count - 1), (count - 1) * math.sqrt(variance / spread), freedoms))
+        errors = (count - 1) * np.sqrt((rest + shared * pooled) / freedoms / spread)
+        sizes = slopes * (count - 1)
+        changes.append(
+            [Change(size, error, freedoms) for size, error in zip(sizes.tolist(), errors.tolist(), strict=True)]
+        )
     return changes
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from statistics import median
 
 import numpy as np
 
@@ -94,7 +95,7 @@ def displacement_noise(per_cycle_harmonics: ComplexArray) -> float:
     cycles = len(per_cycle_harmonics)
     if cycles > 1:
         spread = np.sum(np.abs(per_cycle_harmonics - np.mean(per_cycle_harmonics, axis=0)) ** 2, axis=0)
-        return float(np.median(spread[1:])) / (2 * (cycles - 1))
+        return float(median(spread[1:].tolist())) / (2 * (cycles - 1))
     # one cycle has no scatter: the upper half of its harmonics is the best that is known of the noise
     upper = np.abs(per_cycle_harmonics[0, per_cycle_harmonics.shape[1] // 2 + 1 :]) ** 2
     return float(np.median(upper)) / 2 if len(upper) else 0.0

@@ -92,8 +92,8 @@ def cycle_harmonics(phase: Array, bounds: IntArray, channels: Sequence[Array], c
         (channels, cycles, count + 1) complex; X_0 is real, the mean.
     """
     width = int(np.min(np.diff(bounds))) // max(POINTS_PER_CYCLE, POINTS_PER_PERIOD * count)
-    step = (phase[-1] - phase[0]) / max(len(phase) - 1, 1)
-    if width < 2 or np.max(np.abs(np.diff(phase) - step)) > EVEN * step:
+    step, gaps = (phase[-1] - phase[0]) / max(len(phase) - 1, 1), np.diff(phase)
+    if width < 2 or max(np.max(gaps) - step, step - np.min(gaps)) > EVEN * step:
         return _fitted(phase, bounds, channels, count)
     fitted = _fitted(
         _means(phase, width), (bounds + width // 2) // width, [_means(samples, width) for samples in channels], count
@@ -129,30 +129,32 @@ def _fitted(phase: Array, bounds: IntArray, channels: Sequence[Array], count: in
 
 def _solve(sums: ComplexArray, moments: ComplexArray, count: int) -> ComplexArray:
     """Solve the normal equations in the real basis 1, cos n phase, -sin n phase."""
-    total_order, difference_order, sign = _orders(count)
-    total = sums[:, total_order]
-    difference = sums[:, difference_order]
-    cut, size = count + 1, 2 * count + 1
-    gram = np.empty((len(sums), size, size))
-    gram[:, :cut, :cut] = difference.real + total.real
-    gram[:, cut:, cut:] = (difference.real - total.real)[:, 1:, 1:]
-    # cos(m) times -sin(n) is -(sin(m + n) - sin(m - n)) / 2
-    cross = (sign * difference.imag - total.imag)[:, :, 1:]
-    gram[:, :cut, cut:] = cross
-    gram[:, cut:, :cut] = cross.transpose(0, 2, 1)
+    difference, total = _products(count)
+    parts = np.concatenate([sums.real, sums.imag, -sums.real, -sums.imag], axis=1)
+    gram = parts.take(difference, axis=1) + parts.take(total, axis=1)
     right = np.concatenate([moments.real, -moments.imag[:, :, 1:]], axis=2)
     solution = np.linalg.solve(gram, 2 * right.transpose(1, 2, 0)).transpose(2, 0, 1)
-    harmonics = solution[:, :, :cut].astype(np.complex128)
-    harmonics[:, :, 1:] += 1j * solution[:, :, cut:]
+    harmonics = solution[:, :, : count + 1].astype(np.complex128)
+    harmonics[:, :, 1:] += 1j * solution[:, :, count + 1 :]
     return harmonics
 
 
 @cache
-def _orders(count: int) -> tuple[IntArray, IntArray, Array]:
-    """Return m + n, |m - n| and the sign of m - n for all pairs of harmonics."""
+def _products(count: int) -> tuple[IntArray, IntArray]:
+    """Return where the two halves of twice the product of each pair of the basis stand, (2 count + 1, 2 count + 1).
+
+    They stand among the sums C_k of cos k phase and S_k of sin k phase, k = 0..2 count, in the order C, S, -C, -S:
+    cos m cos n is half of C_|m - n| + C_(m + n), sin m sin n half of C_|m - n| - C_(m + n), and cos m times -sin n
+    half of S_(m - n) - S_(m + n).
+    """
     order = np.arange(count + 1)
-    difference = order[:, None] - order
-    return order[:, None] + order, np.abs(difference), np.sign(difference).astype(np.float64)
+    apart, together = order[:, None] - order, order[:, None] + order
+    sine, less_cosine, less_sine = np.arange(1, 4) * (2 * count + 1)
+    crossed = (np.where(apart < 0, less_sine, sine) + np.abs(apart))[:, 1:]
+    difference = np.block([[np.abs(apart), crossed], [crossed.T, np.abs(apart)[1:, 1:]]])
+    crossed = less_sine + together[:, 1:]
+    total = np.block([[together, crossed], [crossed.T, less_cosine + together[1:, 1:]]])
+    return difference, total
 
 
 def evaluate(harmonics: ComplexArray, phase: Array) -> Array:
