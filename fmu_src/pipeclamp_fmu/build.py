@@ -10,6 +10,7 @@ from pipeclamp_fmu.contents.clamp import USUAL, ClampModel, Entry, FurtherCondit
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.excitation import Samples, excitation_content
 from pipeclamp_fmu.contents.passivity import require_dissipation
+from pipeclamp_fmu.contents.passivity_proof import Proof, cycles_through, prove
 from pipeclamp_fmu.contents.pipe import pipe_content
 from pipeclamp_fmu.native.clamp import native_clamp
 from pipeclamp_fmu.native.compiler import default_platforms
@@ -31,6 +32,7 @@ from pipeclamp_models.realise.stepping import (
     conditions_of,
     parameter_symbols,
     parameter_values,
+    stepping,
 )
 from pipeclamp_models.realise.text import equation_lines
 
@@ -95,7 +97,7 @@ def python_clamp_content(file: LawFile, told: Start = USUAL) -> Content:
         UserError: as `build_clamp`.
     """
     model = clamp_model(file, told)
-    require_passive(model)
+    require_passive(model, file)
     return clamp_content(model, version())
 
 
@@ -106,7 +108,7 @@ def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
         UserError: as `build_clamp`.
     """
     model = clamp_model(file, told)
-    require_passive(model)
+    require_passive(model, file)
     structure = law_of(file).structure
     states = [
         Entry(str(state.symbol), state.unit, state.meaning) for state in structure.equations_without_rig.composed.states
@@ -114,20 +116,33 @@ def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
     return native_clamp(model, c_source(structure), states, version())
 
 
-def require_passive(model: ClampModel) -> None:
-    """Refuse a law that would create energy over some closed cycle in its range.
+def passivity(model: ClampModel, file: LawFile) -> Proof:
+    """Prove that a law creates no energy in its range, where its structure allows.
+
+    Args:
+        model: the law as the FMU needs it.
+        file: the law.
+    """
+    law = law_of(file)
+    return prove(stepping(law.structure), parameter_values(law), _ranges(model))
+
+
+def require_passive(model: ClampModel, file: LawFile) -> None:
+    """Refuse a law that would create energy over some closed cycle in its range; arguments as of `passivity`.
+
+    Where it isn't proved that it doesn't, such a cycle is sought.
 
     Raises:
         UserError: it would.
     """
-    require_dissipation(
-        model.name,
-        model.law,
-        model.range_A,
-        model.range_f,
-        model.temperatures,
-        *(entry.interval for entry in model.further),
-    )
+    proof = passivity(model, file)
+    ranges = _ranges(model)
+    require_dissipation(model.name, model.law, *ranges, begin=cycles_through(proof), proved=proof.proved)
+
+
+def _ranges(model: ClampModel) -> tuple[tuple[float, float], ...]:
+    """Give the ranges of A (mm), f (Hz), T (K) and further conditions."""
+    return (model.range_A, model.range_f, model.temperatures, *(entry.interval for entry in model.further))
 
 
 def build_pipe(pipe: ReducedPipe, output: Path) -> str:

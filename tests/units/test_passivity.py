@@ -1,11 +1,14 @@
 """The check that a law can't create energy, and the quadrature it stands on."""
 
+import json
 import math
 
 import pytest
 
+from pipeclamp_fmu.build import clamp_model, passivity, require_passive
 from pipeclamp_fmu.contents.passivity import CYCLES, balance, conditions, loaded, require_dissipation
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.file import read_law
 
 RANGE = ((0.2, 1.0), (1.0, 5.0), (293.15, 573.15))
 
@@ -80,3 +83,59 @@ def test_a_law_that_creates_energy_is_refused(source, words):
     message = str(refused.value)
     assert "'bad'" in message
     assert all(word in message for word in words), message
+
+
+NOTCHES = {
+    "A": {"factor": "1 - 3*q*exp(-((A - 2.6)/0.15)**2)"},
+    "f": {"factor": "1 - 3*q*exp(-((f - 17)/1.0)**2)"},
+    "T": {"factor": "1 - 3*q*exp(-((T - 330)/4)**2)"},
+    "A and T": {"factor": "1 - 3*q*exp(-((A - 1.1)/0.2)**2 - ((T - 400)/10)**2)"},
+    "y": {"force": "-q*2*v*exp(-((y - 1.23)/0.02)**2)"},
+    "A, with memory": {"factor": "1 - 30*q*exp(-((A - 2.6)/0.15)**2)", "base": "memory"},
+}
+"""Damping that a declared effect turns round in a part of the range that no coarse grid meets."""
+SOUND = {
+    "nearly none": {"factor": "1 - 0.9*q*exp(-((A - 2.6)/0.15)**2)"},
+    "a step that depends on y": {"force": "q*100*sign(y - 0.3)", "c0": 0.0},
+    "a hard stop": {"effects": ("end_stop",), "c0": 0.0},
+    "friction": {"effects": ("coulomb",)},
+}
+
+
+@pytest.fixture
+def declared(tmp_path, write_law):
+    def declare(base="power", effects=(), factor="", force="", c0=0.5):
+        values = {"k10": 40.0, "c0": c0, "alpha0": 1.0, "k_s": 50.0, "z_s": 0.5, "k_e": 1e5, "y_e": 0.7, "F_c": 5.0}
+        write_law(tmp_path / "law.json", values, base, effects)
+        if factor or force:
+            law = json.loads((tmp_path / "law.json").read_text(encoding="utf-8"))
+            symbol = {"symbol": "q", "unit": "-", "meaning": "strength", "start": 1.0}
+            effect = {"id": "odd", "title": "an odd effect", "looks_like": "odd loops", "parameters": [symbol]}
+            scales = [{"coefficient": "damping", "factor": factor}] if factor else []
+            law["declared"] = [effect | {"scales": scales, "force": force}]
+            law["effects"] = [*effects, "odd"]
+            law["coefficients"]["q"] = {"value": 1.0, "unit": "-", "state": "given"}
+            (tmp_path / "law.json").write_text(json.dumps(law), encoding="utf-8")
+        file = read_law(tmp_path / "law.json")
+        return clamp_model(file), file
+
+    return declare
+
+
+@pytest.mark.parametrize("name", NOTCHES)
+def test_energy_fed_in_between_the_points_of_a_grid_is_found(declared, name):
+    with pytest.raises(UserError, match="would create energy"):
+        require_passive(*declared(**NOTCHES[name]))
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_what_dissipates_or_gives_back_is_proved(declared, name):
+    law = declared(**SOUND[name])
+    require_passive(*law)
+    assert "proved for any motion" in passivity(*law).words()
+
+
+def test_a_law_with_memory_is_searched(declared):
+    law = declared(base="memory")
+    require_passive(*law)
+    assert "isn't proved" in passivity(*law).words()

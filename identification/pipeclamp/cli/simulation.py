@@ -95,7 +95,7 @@ def build_fmu(
     ] = False,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
-    from pipeclamp_fmu.build import build_clamp, build_native_clamp
+    from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model, passivity
     from pipeclamp_fmu.contents.clamp import Start
 
     start = Start(
@@ -113,7 +113,10 @@ def build_fmu(
         )
     spare(law, outputs=(output,))
     with told("build-fmu"):
-        made = _built(opened_law(law), output, build_python, build_native, kind, fmi, platforms)
+        file = opened_law(law)
+        made = _built(file, output, build_python, build_native, kind, fmi, platforms)
+        held = passivity(clamp_model(file, start), file).words()
+    console().print(f"law {file.name} {held}", markup=False, highlight=False)
     console().print(f"{output}: {made}")
 
 

@@ -139,7 +139,7 @@ def passive(file: LawFile, before: LawFile) -> Guard:
 def _creates_energy(file: LawFile) -> str:
     """Say on which cycle a law creates energy; empty where none does."""
     try:
-        require_passive(clamp_model(file))
+        require_passive(clamp_model(file), file)
     except UserError as error:
         return str(error)
     return ""
