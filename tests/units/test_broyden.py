@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
+from pipeclamp_system.coupling.bracketing import enclosed
 from pipeclamp_system.coupling.broyden import NotFoundError, Solver, Tolerance
 
 
@@ -57,3 +60,18 @@ def test_too_few_trials_are_said() -> None:
 def test_a_function_that_is_not_finite_is_not_a_solution() -> None:
     with pytest.raises(NotFoundError):
         Solver(1, Tolerance(1e-6, 60)).solve(lambda f: [float("nan")], [0.0])
+
+
+def _friction(force, given=(30.0, -12.0), limit=20.0, width=1e-9):
+    """Two clamps with dry friction on a pipe that moves less the more they hold it: steps, smooth over `width`."""
+    speed = [g - f - 0.3 * other for g, f, other in zip(given, force, reversed(force), strict=True)]
+    return [limit * v / math.sqrt(v * v + width**2) for v in speed]
+
+
+def test_forces_that_step_are_enclosed():
+    tolerance = Tolerance(1e-6, 60)
+    with pytest.raises(NotFoundError):
+        Solver(2, tolerance).solve(_friction, [0.0, 0.0])
+    found = enclosed(_friction, [0.0, 0.0], [20.0, 20.0], tolerance)
+    # The first slides; the second is held by what keeps it still: -12 - f - 0.3 * 20 = 0.
+    assert found == pytest.approx([20.0, -18.0], rel=1e-5)

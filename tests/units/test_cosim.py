@@ -480,10 +480,22 @@ def test_a_start_into_steep_friction_is_not_taken_for_divergence(
     assert abs(energy.coupling[-1]) < 0.3 * energy.excitation[-1]
 
 
-def test_a_step_that_does_not_agree_is_named(bench: Path) -> None:
+def test_a_step_that_does_not_agree_is_named(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = write_system(bench, laws={"clamp1": 'fmu = "stiff.fmu"'}, more="max_iterations = 2\ntolerance = 1e-12\n")
-    with pytest.raises(UserError, match=r"step \d+ \(t = .*2 trials.*max_iterations"):
+    run_system(file)  # enclosed where two trials don't do
+    monkeypatch.setattr("pipeclamp_system.coupling.bracketing.MOST_SWEEPS", 0)
+    with pytest.raises(UserError, match=r"step \d+ \(t = .*2 trials.*'implicit'.*max_iterations"):
         run_system(file)
+
+
+@pytest.mark.parametrize("step", [1e-3, 2e-3])
+def test_friction_that_holds_a_clamp_is_coupled(bench: Path, write_law: Callable[..., None], step: float) -> None:
+    """The tip's amplitude is that by scipy's LSODA on the cantilever's own modes, with the same friction."""
+    write_law(bench / "dry.json", {"k10": 20.0, "c0": 0.02, "alpha0": 1.0, "F_c": 60.0}, "power", ("coulomb",))
+    laws = {"clamp1": 'law = "dry.json"'}
+    result = run_system(write_system(bench, "iterated", laws, 7.0, 3.0, step=step, stop=2.0))
+    assert 1e3 * result.amplitude("clamp1.s", 0.2) < 0.002
+    assert 1e3 * result.amplitude("tip.s", 0.2) == pytest.approx(0.06695, rel=0.03)
 
 
 def test_the_result_is_written_with_names_and_units(bench: Path, tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ class Solver:
         left = self._tolerance.trials - 1
         rejected, share = 0, 1.0
         while True:
-            scale = self._scale(given)
+            scale = self.scale(given)
             error = _largest(residual, scale)
             if error <= self._tolerance.relative:
                 self._peaks = [max(peak, abs(value)) for peak, value in zip(self._peaks, given, strict=True)]
@@ -95,7 +95,7 @@ class Solver:
                 # The first time, the secant through a point beyond the kink is a shorter step already.
                 share = share / 2 if rejected >= 2 else share
 
-    def _scale(self, given: Vector) -> Vector:
+    def scale(self, given: Sequence[float]) -> Vector:
         """Give each unknown's scale: the largest value that it has had, or has now."""
         values = [max(peak, abs(value)) for peak, value in zip(self._peaks, given, strict=True)]
         floor = FLOOR * max(values, default=0.0) or 1.0

@@ -20,7 +20,8 @@ from math import prod
 from typing import Protocol
 
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_system.coupling.broyden import NotFoundError, Solver, Tolerance
+from pipeclamp_system.coupling.bracketing import MOST_SWEEPS, enclosed
+from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Solver, Tolerance
 
 
 class Participant(Protocol):
@@ -246,10 +247,22 @@ class Iteration:
         try:
             # Broyden's method needs a trial less from a parabola than from a straight line.
             force = self._solver.solve(answer, self._predictor.forces(time + h))
+        except NotFoundError:
+            force = self._enclosed(answer, start, time + h)
+        return end_point(system, start.index + 1, time + h, motion, force, force, trials)
+
+    def _enclosed(self, answer: Answer, start: Point, end: float) -> list[float]:
+        """Enclose the forces of a step in which they step themselves, as dry friction's that turns.
+
+        Raises:
+            UserError: they don't come to agree.
+        """
+        try:
+            return enclosed(answer, start.force, self._solver.scale(start.force), self._tolerance)
         except NotFoundError as error:
             raise UserError(
-                f"step {start.index + 1} (t = {time + h:.6g} s): the forces of pipe and clamps don't agree after "
-                f"{trials} trials: they differ by {error.error:.1e} of the largest force, expected at most "
-                f"{self._tolerance.relative:.1e}; use a smaller step_s or more max_iterations"
+                f"step {start.index + 1} (t = {end:.6g} s): the forces of pipe and clamps don't agree after "
+                f"{self._tolerance.trials} trials by secants and {MOST_SWEEPS} rounds of enclosing them: they differ "
+                f"by {error.error:.1e} of the largest force, expected at most {self._tolerance.relative:.1e}; use "
+                "scheme = 'implicit', a smaller step_s, a larger tolerance or more max_iterations"
             ) from error
-        return end_point(system, start.index + 1, time + h, motion, force, force, trials)

@@ -1,0 +1,70 @@
+"""Interface forces by brackets: for clamps whose force steps with the velocity, where no secant holds.
+
+A larger force into a clamp leaves it less motion at the end of the step, and a clamp that moves less gives no larger
+force: answer(f) falls with f, whatever steps it makes. Between a force and the answer to it, then, lies one that
+agrees. It is enclosed clamp by clamp (Brent's method), the others held, over and over until all agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+
+from scipy.optimize import brentq
+
+from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Tolerance, Vector
+
+MOST_SWEEPS = 40
+"""Times that all clamps are gone through."""
+
+MOST_TRIALS = 60
+"""Of one clamp in one sweep."""
+
+WIDTH = 1e-14
+"""Share of a force to which it is enclosed."""
+
+
+class _AgreedError(Exception):
+    """The forces agree: no bracket needs to be narrowed any further."""
+
+
+def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tolerance: Tolerance) -> Vector:
+    """Find f with answer(f) = f, each answer falling with its own unknown.
+
+    Args:
+        answer: the function; its last call is the one that agrees.
+        guess: where to start.
+        scale: of each unknown, by which its residual is measured.
+        tolerance: of the residual; its number of trials isn't looked at.
+
+    Returns:
+        the last answer.
+
+    Raises:
+        NotFoundError: the unknowns don't come to agree.
+    """
+    unknown, given, error = list(guess), list(guess), inf
+
+    def tried(index: int, value: float) -> float:
+        nonlocal given, error
+        unknown[index] = value
+        given = answer(list(unknown))
+        shares = [abs(a - b) / extent for a, b, extent in zip(given, unknown, scale, strict=True)]
+        error = max(shares)
+        if error <= tolerance.relative:
+            raise _AgreedError
+        return given[index] - value
+
+    try:
+        for _ in range(MOST_SWEEPS):
+            for index in range(len(unknown)):
+                begin = unknown[index]
+                residual = tried(index, begin)
+                end = begin + residual
+                if residual * tried(index, end) < 0:
+                    found = brentq(lambda value, at=index: tried(at, value), begin, end, xtol=WIDTH * scale[index],
+                                   rtol=4 * WIDTH, maxiter=MOST_TRIALS, disp=False)  # fmt: skip
+                    tried(index, float(found))
+    except _AgreedError:
+        return given
+    raise NotFoundError(error)
