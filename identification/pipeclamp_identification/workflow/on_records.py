@@ -1,6 +1,6 @@
 """Tests with records: what can be done with them.
 
-A diagnosis, and what only it needs, is imported where it is asked for: fits and comparisons start without.
+What one of these alone needs (comparison, diagnosis, metrics) is imported where it is asked for: fits start without.
 """
 
 from __future__ import annotations
@@ -12,15 +12,11 @@ from typing import TYPE_CHECKING
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.comparison.compare import Comparison, compare
-from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.fitting.heldout import heldout_nrmse
 from pipeclamp_identification.fitting.identify import Identification, Method, fit_structure, identify, law_file
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_identification.metrics_only.campaign import MetricCampaign
-from pipeclamp_identification.metrics_only.writing import as_metrics
 from pipeclamp_identification.workflow.tests import Refitted, silent
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.progress import Progress
@@ -29,7 +25,10 @@ from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Structure
 
 if TYPE_CHECKING:
+    from pipeclamp_identification.comparison.compare import Comparison
     from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+    from pipeclamp_identification.diagnosis.limits import Limits
+    from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,8 @@ class FittedToRecords:
     @cached_property
     def held(self) -> Comparison:
         """The law against the records that it was fitted to."""
+        from pipeclamp_identification.comparison.compare import Comparison
+
         found = self.identification
         return Comparison(found.fit.law, self.campaign, found.loops, found.misfits, {})
 
@@ -143,10 +144,14 @@ class RecordTests:
 
     def compare(self, file: LawFile) -> Comparison:
         """Hold a law against the records, see `Tests.compare`."""
+        from pipeclamp_identification.comparison.compare import compare
+
         return compare(file, self.campaign, self.loops)
 
     def metrics(self) -> MetricCampaign:
         """Give the loops by their metrics alone, see `Tests.metrics`."""
+        from pipeclamp_identification.metrics_only.writing import as_metrics
+
         return as_metrics(self.sines, self.loops)
 
     def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:

@@ -8,8 +8,6 @@ from pipeclamp_identification.campaign.bundled import campaign_folder
 from pipeclamp_identification.campaign.description import read_description
 from pipeclamp_identification.campaign.reading import campaign_of
 from pipeclamp_identification.campaign.runs_table import read_runs_table
-from pipeclamp_identification.metrics_only.campaign import metric_campaign_of
-from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 
@@ -28,5 +26,9 @@ def read_tests(campaign: Path, strict: bool = False) -> Tests:
     description = read_description(folder)
     table = read_runs_table(folder, description)
     if table.without_records:
+        # Tests with records start without.
+        from pipeclamp_identification.metrics_only.campaign import metric_campaign_of
+        from pipeclamp_identification.workflow.on_metrics import MetricTests
+
         return MetricTests(metric_campaign_of(folder, description, table, strict))
     return RecordTests(campaign_of(folder, description, table, strict))

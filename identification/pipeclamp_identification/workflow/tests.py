@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from pipeclamp_identification.campaign.drive import DrivePlan
-from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.diagnosis.kinds import Kind
-from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.metrics_only.campaign import MetricCampaign
-from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile
-from pipeclamp_models.law.law import Structure
+if TYPE_CHECKING:
+    from pipeclamp_identification.campaign.drive import DrivePlan
+    from pipeclamp_identification.campaign.seen import LeftOut
+    from pipeclamp_identification.diagnosis.kinds import Kind
+    from pipeclamp_identification.diagnosis.limits import Limits
+    from pipeclamp_identification.fitting.identify import Method
+    from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+    from pipeclamp_models.base.progress import Progress
+    from pipeclamp_models.law.declaration import Declaration
+    from pipeclamp_models.law.file import LawFile
+    from pipeclamp_models.law.law import Structure
 
 
 def silent(what: str) -> None:
