@@ -12,8 +12,8 @@ Result = TypeVar("Result")
 MOST = 4
 """Threads: memory holds what as many work on."""
 LARGE = 50_000
-"""Numbers in an array from which on threads are worth it: on smaller ones they wait for the interpreter, which took two
-cores 1.1 to 3 times the CPU time of one, and no less time by the clock."""
+"""Numbers in an array from which on threads are worth it: on smaller ones they wait for the interpreter, which took 1.1
+to 3.6 times the CPU time of one, and hardly less time by the clock (docs/evidence/speed.md)."""
 
 
 def in_threads(work: Callable[[Job], Result], jobs: Sequence[Job], size: float = LARGE) -> list[Result]:
