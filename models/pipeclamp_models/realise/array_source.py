@@ -26,6 +26,32 @@ Pair = tuple[int, int]
 """Places of what is differentiated, among its like, and of what it is differentiated by."""
 
 
+WALK = """\
+import math
+
+
+def _larger(one, other):
+    return one if one >= other or one != one else other
+
+
+def _smaller(one, other):
+    return one if one <= other or one != one else other
+
+
+def step({arguments}):
+{body}
+
+def walk(start, after, columns):
+    for row in range(after.shape[1]):
+        {starts}
+        for index in range(after.shape[2]):
+            {columns}
+            {states}, = step({arguments})
+            {ends}
+"""
+"""A module that steps states along motions; what is no number stays none, as in NumPy."""
+
+
 class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
     """Print branches as nested `where` and small powers as products, which is many times cheaper than otherwise."""
 
@@ -56,6 +82,22 @@ class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
         return self._extremum("numpy.minimum", expression.args)
 
 
+class StepPrinter(ScalarPrinter):
+    """Print extrema in which what is no number stays none."""
+
+    def _print_Max(self, expression: sp.Max) -> str:
+        return self._nested("_larger", expression.args)
+
+    def _print_Min(self, expression: sp.Min) -> str:
+        return self._nested("_smaller", expression.args)
+
+    def _nested(self, function: str, arguments: tuple[sp.Expr, ...]) -> str:
+        text, *rest = map(self._print, arguments)
+        for other in rest:
+            text = f"{function}({text}, {other})"
+        return str(text)
+
+
 @bounded()
 def array_source(equations: Composed, function: str) -> dict[str, Any]:
     """Give one function of a law, as JSON holds it.
@@ -69,22 +111,40 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
 
     Returns:
         `source`, which defines one function; of derivatives `index` too: places of what is differentiated and of what
-        it is differentiated by, of each that doesn't vanish.
+        it is differentiated by, of each that doesn't vanish. Of "walks" one entry for each set of states that are
+        stepped by themselves: `states`, their places; `held`, a function of the update's arguments; `source`, that of
+        `walk(start, after, columns)`; `columns`, which it takes of the update's arguments but for the states; what
+        `held` gives comes after.
     """
     asked = _asked(equations, function)
-    taken = asked.symbols()
-    arguments = [symbol for symbol in asked.arguments if symbol in taken]
-    places = [place for place, symbol in enumerate(asked.by) if symbol in taken]
-    states = [symbol for symbol in asked.states if symbol in taken]
-    lean = replace(asked, arguments=arguments, by=[asked.by[place] for place in places], states=states)
-    written = kept(f"{function} {lean.content()}", lambda: _written(lean, function))
-    names = dict(zip(arguments, written["arguments"], strict=False))
-    further = written["arguments"][len(arguments) :]
+    if function == "walks":
+        return {"walks": [_walk(part, asked.states) for part in _stepped_apart(asked)]}
+    return _named(asked, function)
+
+
+def _named(asked: Asked, function: str) -> dict[str, Any]:
+    """Write a function; an argument that doesn't stand in it has a name that says so."""
+    lean, written = _lean(asked, function)
+    names = dict(zip(lean.arguments, written["arguments"], strict=True))
     every = [names.get(symbol, f"_unused_{place}") for place, symbol in enumerate(asked.arguments)]
-    source: dict[str, Any] = {"source": f"def {function}({', '.join([*every, *further])}):\n{written['body']}"}
+    source: dict[str, Any] = {"source": f"def {function}({', '.join(every)}):\n{written['body']}"}
     if "index" in written:
+        taken = asked.symbols()
+        places = [place for place, symbol in enumerate(asked.by) if symbol in taken]
         source["index"] = [(row, places[column]) for row, column in written["index"]]
     return source
+
+
+def _lean(asked: Asked, function: str) -> tuple[Asked, dict[str, Any]]:
+    """Give what is asked for without the symbols that don't stand in it, and what is written of it."""
+    taken = asked.symbols()
+    lean = replace(
+        asked,
+        arguments=[symbol for symbol in asked.arguments if symbol in taken],
+        by=[symbol for symbol in asked.by if symbol in taken],
+        states=[symbol for symbol in asked.states if symbol in taken],
+    )
+    return lean, kept(f"{function} {lean.content()}", lambda: _written(lean, function))
 
 
 @dataclass(frozen=True)
@@ -130,7 +190,7 @@ def _asked(equations: Composed, function: str) -> Asked:
             return Asked(slow, [entry.expression for entry in equations.coefficients], by=parameters)
         case "force" | "force_with_slopes":
             return Asked(fast, [equations.force], by=by)
-        case "update" | "update_slopes" | "held" | "march" | "march_of_numbers":
+        case "update" | "update_slopes" | "walks":
             stages = [(stage.symbol, stage.expression) for stage in equations.stages]
             return Asked(fast, [state.update for state in equations.states], stages, by, states)
         case "energy":
@@ -155,11 +215,55 @@ def _written(asked: Asked, function: str) -> dict[str, Any]:
             return {**_source(asked.arguments, slopes, needed(way, slopes)), "index": index}
         case "held":
             return _source(asked.arguments, [expression for _, expression in _along_a_march(asked)[0]])
-        case "march" | "march_of_numbers":
+        case "step":
             held, stages, updates = _along_a_march(asked)
-            arguments = [*asked.arguments, *(symbol for symbol, _ in held)]
-            return _source(arguments, updates, stages, numbers=function == "march_of_numbers")
+            return _source([*asked.arguments, *(symbol for symbol, _ in held)], updates, stages, numbers=True)
     return _source(asked.arguments, asked.expressions, asked.stages)
+
+
+def _stepped_apart(asked: Asked) -> list[Asked]:
+    """Give the states in sets that are stepped by themselves, each with the stages that it needs."""
+    sets: list[set[sp.Symbol]] = []
+    for symbol, update in zip(asked.states, asked.expressions, strict=True):
+        way = [expression for _, expression in needed(asked.stages, [update])]
+        used = {symbol}.union(*(expression.free_symbols for expression in (update, *way))) & set(asked.states)
+        sets = [*(one for one in sets if not one & used), used.union(*(one for one in sets if one & used))]
+    updates = dict(zip(asked.states, asked.expressions, strict=True))
+    found = []
+    for one in sets:
+        states = [symbol for symbol in asked.states if symbol in one]
+        own = [updates[symbol] for symbol in states]
+        found.append(replace(asked, expressions=own, stages=needed(asked.stages, own), states=states))
+    return found
+
+
+def _walk(asked: Asked, every: Sequence[sp.Symbol]) -> dict[str, Any]:
+    """Write how a set of states is stepped along motions: see `array_source`.
+
+    Args:
+        asked: the set.
+        every: the states of the law.
+    """
+    lean, written = _lean(asked, "step")
+    names = dict(zip(lean.arguments, written["arguments"], strict=False))
+    others = [symbol for symbol in asked.arguments if symbol not in every]
+    taken = [symbol for symbol in lean.arguments if symbol not in asked.states]
+    columns = [names[symbol] for symbol in taken] + written["arguments"][len(lean.arguments) :]
+    states = [names.get(symbol, f"unread_{place}") for place, symbol in enumerate(asked.states)]
+    source = WALK.format(
+        arguments=", ".join(written["arguments"]),
+        body=written["body"],
+        starts="\n        ".join(f"{name} = start[{place}, row]" for place, name in enumerate(states)),
+        columns="\n            ".join(f"{name} = columns[{place}][row, index]" for place, name in enumerate(columns)),
+        states=", ".join(states),
+        ends="\n            ".join(f"after[{place}, row, index] = {name}" for place, name in enumerate(states)),
+    )
+    return {
+        "states": [every.index(symbol) for symbol in asked.states],
+        "held": _named(asked, "held")["source"],
+        "columns": [others.index(symbol) for symbol in taken],
+        "source": source,
+    }
 
 
 def _along_a_march(asked: Asked) -> tuple[list[Definition], list[Definition], list[sp.Expr]]:
@@ -178,17 +282,21 @@ def _source(
     *,
     numbers: bool = False,
 ) -> dict[str, Any]:
-    """Write a function of arrays or of plain numbers, with what is computed before the results, in order."""
+    """Write a function of arrays or of plain numbers, with what is computed before the results, in order.
+
+    That of arrays gives a list, that of numbers a tuple, which compilers prefer.
+    """
     settings = {"fully_qualified_modules": numbers, "inline": True, "allow_unknown_functions": True}
-    printer = ScalarPrinter(settings) if numbers else ArrayPrinter(settings)
+    printer = StepPrinter(settings) if numbers else ArrayPrinter(settings)
     with_references = [exact(expression) for expression in expressions]
     # Numbered names for arguments: no effect's symbol can then hide a function of NumPy or a common part, and terms
     # stand in the arguments' order. SymPy's dummies would do the first, but are numbered by what was done before.
     named = {symbol: sp.Symbol(f"_{place:03d}") for place, symbol in enumerate(arguments)}
 
-    def common_parts(whole: Sequence[sp.Expr]) -> tuple[list[Definition], list[sp.Expr]]:
+    def common_parts(whole: Sequence[sp.Expr]) -> tuple[list[Definition], Sequence[sp.Expr]]:
         parts, reduced = in_order([(symbol, exact(expression)) for symbol, expression in before], whole)
-        return [(symbol, part.xreplace(named)) for symbol, part in parts], [part.xreplace(named) for part in reduced]
+        results = [part.xreplace(named) for part in reduced]
+        return [(symbol, part.xreplace(named)) for symbol, part in parts], tuple(results) if numbers else results
 
     function = sp.lambdify(
         list(named.values()),

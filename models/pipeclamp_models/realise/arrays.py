@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
@@ -11,12 +10,12 @@ import numpy as np
 
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.law.law import Equations
+from pipeclamp_models.realise.walks import Compiled, Walk
 
 FAST_ARGUMENTS = ("y", "v", "a", "y_previous", "h")
 """The fast signals that functions take, in order."""
 NUMPY: Mapping[str, Any] = {name: value for name, value in vars(np).items() if not name.startswith("_")}
 """What functions of arrays may call."""
-Compiled = Callable[..., Sequence[Any]]
 Pair = tuple[int, int]
 """Places of what is differentiated, among its like, and of what it is differentiated by."""
 
@@ -92,19 +91,12 @@ class ArrayRealisation:
         return self._compiled("update_slopes")
 
     @cached_property
-    def held(self) -> Compiled:
-        """What stands still along a march of states; of the update's arguments."""
-        return self._compiled("held")
-
-    @cached_property
-    def march(self) -> Compiled:
-        """The states after a step, of the update's arguments and of what is held."""
-        return self._compiled("march")
-
-    @cached_property
-    def march_of_numbers(self) -> Compiled:
-        """The same of plain numbers; raises what Python's arithmetic raises."""
-        return self._compiled("march_of_numbers", {"math": math})
+    def walks(self) -> Sequence[Walk]:
+        """How the states are stepped along motions, those together that need each other."""
+        return [
+            Walk(one["states"], _defined(one["held"]), one["columns"], one["source"])
+            for one in self.written("walks")["walks"]
+        ]
 
     @cached_property
     def energy(self) -> Compiled:
@@ -143,11 +135,8 @@ class ArrayRealisation:
             self._written[function] = kept(f"{function} {self._equations.key}", write)
         return self._written[function]
 
-    def _compiled(self, function: str, names: Mapping[str, Any] = NUMPY) -> Compiled:
-        defined: dict[str, Compiled] = {}
-        exec(self.written(function)["source"], dict(names), defined)
-        (compiled,) = defined.values()
-        return compiled
+    def _compiled(self, function: str) -> Compiled:
+        return _defined(self.written(function)["source"])
 
     def _index(self, function: str) -> tuple[Pair, ...]:
         return tuple((row, column) for row, column in self.written(function)["index"])
@@ -167,6 +156,14 @@ class ArrayRealisation:
             else:
                 by_parameter[result, column - parameters] = position
         return Slopes(by_state, by_coefficient, by_parameter)
+
+
+def _defined(source: str) -> Compiled:
+    """Give the function of arrays that a source defines."""
+    defined: dict[str, Compiled] = {}
+    exec(source, dict(NUMPY), defined)
+    (compiled,) = defined.values()
+    return compiled
 
 
 @lru_cache(maxsize=128)

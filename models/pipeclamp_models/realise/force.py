@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Equations, Law
-from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Compiled, Slopes, realise
+from pipeclamp_models.realise.arrays import FAST_ARGUMENTS, ArrayRealisation, Slopes, realise
 from pipeclamp_models.realise.motion import Motion, Turning, refuse_unknown_conditions
 from pipeclamp_models.realise.states import March, States
+from pipeclamp_models.realise.walks import Compiled
 
 VELOCITY = FAST_ARGUMENTS.index("v")
 

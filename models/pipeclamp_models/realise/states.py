@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import repeat
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Equations
-from pipeclamp_models.realise.arrays import ArrayRealisation, Compiled
+from pipeclamp_models.realise.arrays import ArrayRealisation, Slopes
 from pipeclamp_models.realise.motion import Motion
 
 SETTLING_CYCLES = 20
@@ -79,22 +77,24 @@ class March:
             return States([], np.zeros((0, parameters, rows, samples)), None, none, none)
         rest = np.array([np.full(rows, state.start) for state in self.equations.states])
         if self.motion.periodic:
-            return self._periodic(rest, parameters)
+            return self._periodic(rest, derivatives=derivatives)
         if self.motion.memory is not None:
             rest = np.array(self.motion.memory)
         columns = self._columns(self.motion.y_previous)
         trajectory = self._walk(rest, columns)
         slopes = np.zeros((rows, samples, count, parameters))
         if derivatives:
-            slopes = trail(slopes[:, 0], *self._slopes(rest, trajectory, columns, parameters))
+            by_step = self._slopes(rest, trajectory, columns)
+            start = np.zeros((rows, count, parameters))
+            slopes = trail(start, self._by_states(by_step, samples), self._by_parameters(by_step, samples))
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), None, none, none)
 
-    def _periodic(self, rest: Array, parameters: int) -> States:
+    def _periodic(self, rest: Array, *, derivatives: bool) -> States:
         """Bring the states' map over one cycle to its fixed point by Newton's method, after a first move from rest.
 
         Directions in which the map is the identity (an element that never slips) stay as that move left them.
         """
-        count, rows = rest.shape
+        (count, rows), samples = rest.shape, self.motion.y.shape[1]
         last = self._last()
         from_rest = last._columns(np.zeros((rows, 1)))
         moved = last._walk(rest, from_rest)
@@ -102,7 +102,8 @@ class March:
         scale = 1e-300 + np.max(np.abs(start), axis=0)
         for _ in range(SETTLING_CYCLES):
             trajectory = self._walk(start, columns)
-            by_states, by_parameters = self._slopes(start, trajectory, columns, parameters)
+            by_step = self._slopes(start, trajectory, columns)
+            by_states = self._by_states(by_step, samples)
             change = trajectory[:, :, -1] - start
             to_begin = np.eye(count) - composed(np.moveaxis(by_states, 1, 0))
             # A row without numbers stays one; no other may suffer for it.
@@ -114,9 +115,10 @@ class March:
                 break
             start = start + np.einsum("rjk,kr->jr", inverse, change)
         adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
-        slopes = by_parameters
-        if parameters:
-            begin = last._slopes(rest, moved, from_rest, parameters)[1][:, 0]
+        slopes = np.zeros((rows, samples, count, 0))
+        if derivatives:
+            by_parameters = self._by_parameters(by_step, samples)
+            begin = last._by_parameters(last._slopes(rest, moved, from_rest), 1)[:, 0]
             once = trail(begin, by_states, by_parameters)[:, -1]
             slopes = trail(begin + inverse @ (once - begin), by_states, by_parameters)
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled)
@@ -140,61 +142,40 @@ class March:
 
     def _walk(self, start: Array, columns: Columns) -> Array:
         """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
-        moving, held = columns
-        states_before = start[:, :, None]
-        columns = moving, [*held, *self.compiled.held(*moving, *states_before, *held)]
-        if len(self.motion.y) == 1:  # one motion is stepped many times faster in plain numbers than in arrays of one
-            numbers = [[column[0].tolist() for column in some] for some in columns]
-            try:
-                steps = list(_steps(self.compiled.march_of_numbers, start[:, 0].tolist(), *numbers))
-                return np.array(steps, dtype=np.float64).T[:, None]
-            except (ArithmeticError, ValueError):
-                pass  # what plain numbers refuse is infinite or no number in arrays
         states = np.empty((*start.shape, self.motion.y.shape[1]))
-        arrays = [[list(column.T) for column in some] for some in columns]
-        for index, after in enumerate(_steps(self.compiled.march, list(start), *arrays)):
-            for state, value in zip(states, after, strict=True):
-                state[:, index] = value
+        for walk in self.compiled.walks:
+            states[walk.states] = walk(start, *columns)
         return states
 
-    def _slopes(self, start: Array, trajectory: Array, columns: Columns, parameters: int) -> tuple[Array, Array]:
-        """Give the slopes of each step.
+    def _slopes(self, start: Array, trajectory: Array, columns: Columns) -> Slopes:
+        """Give the slopes of each step that don't vanish.
 
         Args:
             start: states (J, R) before the first sample.
             trajectory: states after each, (J, R, n).
             columns: the steps' other arguments.
-            parameters: M; 0 where slopes by parameters aren't wanted.
-
-        Returns:
-            by the states, (R, n, J, J), and by the moving parameters, (R, n, J, M).
         """
-        count, rows, samples = trajectory.shape
         moving, held = columns
         before = np.concatenate([start[:, :, None], trajectory[:, :, :-1]], axis=2)
-        slopes = self.compiled.update_slope_places.filled(self.compiled.update_slopes(*moving, *before, *held))
-        by_states, by_parameters = (np.zeros((rows, samples, count, width)) for width in (count, parameters))
-        for (state, before_it), slope in slopes.by_state.items():
-            by_states[:, :, state, before_it] = slope
-        if parameters:
-            for (state, coefficient), slope in slopes.by_coefficient.items():
-                for place, inner in self.inner[coefficient]:
-                    by_parameters[:, :, state, place] += slope * inner
-            for (state, parameter), slope in slopes.by_parameter.items():
-                by_parameters[:, :, state, self.moving.index(parameter)] += slope
-        return by_states, by_parameters
+        return self.compiled.update_slope_places.filled(self.compiled.update_slopes(*moving, *before, *held))
 
+    def _by_states(self, slopes: Slopes, samples: int) -> Array:
+        """Give the slopes of each step by the states before it, (R, n, J, J)."""
+        count = len(self.equations.states)
+        by_states = np.zeros((len(self.motion.y), samples, count, count))
+        for (state, before), slope in slopes.by_state.items():
+            by_states[:, :, state, before] = slope
+        return by_states
 
-def _steps(
-    update: Compiled, start: Sequence[Any], moving: Sequence[Sequence[Any]], held: Sequence[Sequence[Any]]
-) -> Iterator[Sequence[Any]]:
-    """Give the states after each sample, from those before the first; an argument of one value keeps it."""
-    y, *others = moving
-    fast, slow = ([repeat(values[0]) if len(values) == 1 else values for values in some] for some in (others, held))
-    after = start
-    for place, with_it, still in zip(y, zip(*fast, strict=False), zip(*slow, strict=False), strict=False):
-        after = update(place, *with_it, *after, *still)
-        yield after
+    def _by_parameters(self, slopes: Slopes, samples: int) -> Array:
+        """Give the slopes of each step by the moving parameters, (R, n, J, M)."""
+        by_parameters = np.zeros((len(self.motion.y), samples, len(self.equations.states), len(self.moving)))
+        for (state, coefficient), slope in slopes.by_coefficient.items():
+            for place, inner in self.inner[coefficient]:
+                by_parameters[:, :, state, place] += slope * inner
+        for (state, parameter), slope in slopes.by_parameter.items():
+            by_parameters[:, :, state, self.moving.index(parameter)] += slope
+        return by_parameters
 
 
 def trail(start: Array, by_states: Array, inputs: Array) -> Array:
@@ -208,11 +189,9 @@ def trail(start: Array, by_states: Array, inputs: Array) -> Array:
     Returns:
         after each sample, (R, n, J, M).
     """
-    after, current = np.empty_like(inputs), start
-    for index in range(inputs.shape[1]):
-        current = by_states[:, index] @ current + inputs[:, index]
-        after[:, index] = current
-    return after
+    from pipeclamp_models.realise.trails import carried
+
+    return np.asarray(carried(*map(np.ascontiguousarray, (start, by_states, inputs))))
 
 
 def composed(steps: Array) -> Array:
