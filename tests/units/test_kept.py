@@ -1,6 +1,9 @@
 """What is kept from one call to the next is what would be made anew, and never stands in the way."""
 
 import json
+import os
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -118,3 +121,30 @@ def test_folders_of_old_sources_go(folder, monkeypatch):
     assert versions[-1] in {entry.name for entry in folder.iterdir()}
     assert len(list(folder.iterdir())) == kept_module.MOST_VERSIONS + len(others)
     assert all(other.is_dir() for other in others)
+
+
+@pytest.mark.parametrize("where", ["", "kept"])
+def test_states_are_stepped_alike_whatever_became_of_the_machine_code(where, tmp_path):
+    """Without a cache folder, with a new one, and with one that isn't whole."""
+    script = (
+        "import numpy as np\n"
+        "from pipeclamp_models.law.law import Structure\n"
+        "from pipeclamp_models.realise.arrays import realise\n"
+        "equations = Structure('power', ('memory',)).equations\n"
+        "moving = [np.linspace(-1, 1, 8).reshape(2, 4) ** power for power in range(1, 5)] + [np.full((2, 1), 0.01)]\n"
+        "count = len(equations.outline.coefficients) + len(equations.names) + 2\n"
+        "held = [np.full((2, 1), 0.1 + place) for place in range(count)]\n"
+        "for walk in realise(equations).walks:\n"
+        "    print(walk(np.zeros((len(equations.states), 2)), moving, held).tolist())\n"
+    )
+    environment = os.environ | {"PIPECLAMP_CACHE": str(tmp_path / where) if where else ""}
+    printed = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+        )
+        printed.append(done.stdout)
+        for file in tmp_path.rglob("*.nb[ci]"):
+            file.write_bytes(file.read_bytes()[:-40])
+    assert bool(list(tmp_path.rglob("*.nbc"))) == bool(where)
+    assert printed[0] == printed[1] != ""

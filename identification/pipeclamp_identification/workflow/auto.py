@@ -82,8 +82,8 @@ def add_until_settled(
 ) -> Settled:
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
 
-    Of several effects that take much the same part the best is added; of several that may be the cause none is: the
-    proposed test would tell. After each addition the effects so far are asked again: one that the law does as well
+    Of several effects that take much the same part the best is added; of several that may be the cause none is, but
+    where the law has a part already: the proposed test would tell. After each addition the effects so far are asked again: one that the law does as well
     without goes, for good. Where nothing is named, the other base laws are tried, and in the place of each effect those
     that act alike; what does better beyond doubt takes the place.
 
@@ -102,7 +102,7 @@ def add_until_settled(
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
         seen(found, file)
-        if len(ladder) >= most or not _goes_on(found) or found.effects[:1] in gone:
+        if len(ladder) >= most or not _goes_on(found, ladder) or found.effects[:1] in gone:
             return Settled(file, found, tuple(ladder))
         if found.verdict == "unknown":
             rung = _with_something_exchanged(file, tests, command, progress)
@@ -117,7 +117,8 @@ def add_until_settled(
         )  # fmt: skip
         if addition.heldout[1] >= addition.heldout[0]:
             return Settled(file, found, tuple(ladder), in_vain=addition)
-        ladder.append(Rung(addition, found.kind or "cause", (*found.rung(), *_rivals(found), *found.cautions())))
+        kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
+        ladder.append(Rung(addition, kind, (*found.rung(), *_rivals(found), *found.cautions())))
         file = addition.after
         while (rung := _without_a_spare(file, found.effects[0], tests, command, progress)) is not None:
             ladder.append(rung)
@@ -125,9 +126,15 @@ def add_until_settled(
             file = rung.change.after
 
 
-def _goes_on(found: Diagnosed) -> bool:
-    """Tell whether there is something to do: a part is no claim, so the best of several that act alike may be taken."""
-    return found.verdict in ("missing", "unknown") or (found.verdict == "ambiguous" and found.kind == "part")
+def _goes_on(found: Diagnosed, ladder: Sequence[Rung]) -> bool:
+    """Tell whether there is something to do.
+
+    A part is no claim, so the best of several that act alike may be taken; and where the law has a part already, it
+    may stand for something else, and no later one is a claim either.
+    """
+    if found.verdict == "ambiguous":
+        return found.kind == "part" or any(rung.kind == "part" for rung in ladder)
+    return found.verdict in ("missing", "unknown")
 
 
 def _rivals(found: Diagnosed) -> tuple[str, ...]:
