@@ -83,9 +83,9 @@ def add_until_settled(
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
 
     Of several effects that take much the same part the best is added; of several that may be the cause none is, but
-    where the law has a part already: the proposed test would tell. After each addition the effects so far are asked again: one that the law does as well
-    without goes, for good. Where nothing is named, the other base laws are tried, and in the place of each effect those
-    that act alike; what does better beyond doubt takes the place.
+    where the law has a part already: the proposed test would tell. After each addition the effects so far are asked
+    again: one that the law does as well without goes, for good. Where nothing is named, the other base laws are
+    tried, and in the place of each effect those that act alike; what does better beyond doubt takes the place.
 
     Args:
         file: the law to begin with.
