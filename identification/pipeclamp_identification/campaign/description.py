@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import tomli_w
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt, StrictStr, model_validator
 
 from pipeclamp_identification.units.stated import QUANTITY_OF, Conversion, stated_conversion
@@ -188,9 +188,4 @@ def read_description(folder: Path) -> CampaignDescription:
 
 def description_text(name: str, notes: str) -> str:
     """Give the text of a campaign.toml with a name and notes."""
-    return "".join(f"{key} = {toml_text(text)}\n" for key, text in (("name", name), ("notes", notes)))
-
-
-def toml_text(text: str) -> str:
-    """Give a TOML basic string: a JSON string, but for one control character that JSON lets pass."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return tomli_w.dumps({"name": name, "notes": notes})
