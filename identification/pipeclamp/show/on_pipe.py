@@ -30,7 +30,12 @@ def attribution_words(found: Attribution | None, proposal: Proposal | None) -> l
             words.append(f"Whichever it is, it is {kinds.pop()}.")
         elif len({suspect.side for suspect in found.suspects}) == 1:
             words.append(f"Whichever it is, it is the {found.suspects[0].side}'s.")
-    if found.verdict == "unknown":
+    if found.branch_unknown:
+        words.append(
+            "It errs only where the model has several stable motions, and which of them was measured isn't said: sweep "
+            "through these frequencies, and state sweep = 'up' or 'down' in measurement.toml."
+        )
+    elif found.verdict == "unknown":
         best = found.candidates[0]
         words.append(f"The best refit is {best.told()}. {_left(best, found)}")
     if proposal is not None:
@@ -49,6 +54,8 @@ def _headline(found: Attribution) -> str:
             return f"wrong: {names[0]}."
         case "ambiguous":
             return f"ambiguous: one of these is wrong, and this measurement can't tell which: {'; '.join(names)}."
+        case "unknown" if found.branch_unknown:
+            return "unknown: no parameter errs where it is known which of the model's motions was measured."
         case "unknown":
             return "unknown: something is wrong that no one or two parameters of pipe and clamps explain."
 

@@ -62,6 +62,13 @@ class SineEvidence:
         ratio *= above_noise
         return self._flat(ratio.real, ratio.imag)
 
+    def on_known_branches(self) -> Array:
+        """Tell which values are of a known motion: where there are several stable ones, the sweep says which."""
+        steady = self.measurement.steady
+        known = (self.stated.branches == 1) | (steady.sweep != 0)
+        of_rows = np.broadcast_to(known[:, None], steady.response.shape).astype(np.float64)
+        return self._flat(of_rows, of_rows)
+
     def blocks(self, number: int) -> Array:
         """Give which of some parts each value belongs to: neighbouring frequencies of a series, all probes."""
         steady = self.measurement.steady

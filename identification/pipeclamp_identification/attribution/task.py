@@ -78,6 +78,13 @@ class Task:
             found.append(begin + one.blocks(max(2, number // len(evidence))))
         return np.concatenate(found)
 
+    def on_known_branches(self, residual: Array) -> Array:
+        """Give those values of a residual (n,) whose stable motion is known, as of `SineEvidence.on_known_branches`."""
+        if not self.sines:
+            return residual
+        known = self.sines.on_known_branches() > 0
+        return residual[np.pad(known, (0, residual.size - known.size), constant_values=True)]
+
     def renewed(self, near: Computed, left: float) -> Task:
         """Give the task with the noise that a model that comes near shows.
 

@@ -116,6 +116,8 @@ class Attribution:
         together: all suspects refitted at once.
         left: rms of what the best leaves in units of the noise.
         task: what was fitted.
+        branch_unknown: whether it is "unknown" since what is named errs at sines alone of which it isn't known which of
+            the model's stable motions was measured.
     """
 
     verdict: Verdict
@@ -125,6 +127,7 @@ class Attribution:
     together: Candidate
     left: float
     task: Task
+    branch_unknown: bool = False
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:
@@ -255,10 +258,19 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
     )
     if _needs_more(best, everything) or (best.refit.rms > NOISE_ONLY_RMS and not explains):
         return found("unknown", (), singles)
+    if _hangs_on_a_branch(task, stated, best):
+        return replace(found("unknown", (), singles), branch_unknown=True)
     same_size = [one for one in singles if len(one.suspects) == len(best.suspects)]
     rivals = [one for one in same_size if one.heldout - best.heldout < CLEARLY_MORE_SQUARES * best.overdispersion]
     rivals = [one for one in rivals if one is best or _better(one, stated)]
     return found("wrong" if len(rivals) == 1 else "ambiguous", rivals, singles)
+
+
+def _hangs_on_a_branch(task: Task, stated: Candidate, best: Candidate) -> bool:
+    """Tell whether a candidate explains nothing but sines of which it isn't known which stable motion was measured."""
+    before, after = (task.on_known_branches(one.refit.residual) for one in (stated, best))
+    gained = float(before @ before) - float(after @ after)
+    return before.size < stated.refit.residual.size and gained <= CLEARLY_MORE_SQUARES * best.overdispersion
 
 
 def _better(one: Candidate, other: Candidate) -> bool:

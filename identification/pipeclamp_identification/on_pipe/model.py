@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -33,6 +33,9 @@ SAME_LEVEL = 0.06
 
 CLASSES = (3, 5, 9, 15, 23, 32)
 """Harmonics up to which sines are balanced together: those that ask for about as many."""
+
+SAME = 1e-3
+"""Motions whose fundamentals differ by less, as a share, are one."""
 
 SAMPLES = 128
 """Of a cycle, at which the clamps' laws are evaluated; 256 change a response by less than 0.1 %."""
@@ -251,8 +254,12 @@ def _begun(model: CoupledModel, measurement: PipeMeasurement, branches: Rows) ->
     for temperature, rows in temperatures(measurement.steady):
         states = _first_states(model, temperature, measurement, rows, branches)
         asked = np.array([_harmonics(model, state) for state in states])
+        # Nothing settles on an unstable motion: there is none to compare.
+        unstable = np.array([state is not None and not state.stable for state in states])
         for harmonics in np.unique(asked).tolist():
-            own = np.flatnonzero(asked == harmonics)
+            own = np.flatnonzero((asked == harmonics) & ~unstable)
+            if not own.size:
+                continue
             guess = np.zeros((own.size, len(model.clamp_names), harmonics + 1), dtype=np.complex128)
             for place, index in enumerate(own):
                 state = states[index]
@@ -274,7 +281,10 @@ def _harmonics(model: CoupledModel, state: SteadyState | None) -> int:
 def _first_states(
     model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: Rows, branches: Rows
 ) -> list[SteadyState | None]:
-    """Give the steady states at some sines, stable ones where there are any; set how many of those each has."""
+    """Give the steady states at some sines, stable ones where there are any; set how many of those each has.
+
+    The response is followed from both ends: where it bends, each meets branches that the other doesn't.
+    """
     measured = measurement.steady
     chosen: list[SteadyState | None] = [None] * rows.size
     for level in number_levels(measured.level[rows], relative=SAME_LEVEL):
@@ -282,20 +292,32 @@ def _first_states(
         frequency, inverse = np.unique(measured.frequency[own], return_inverse=True)
         drive = np.bincount(inverse, measured.drive[own]) / np.bincount(inverse)
         system = model.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
-        states = _states(system, float(frequency[0]), float(frequency[-1]))
+        upwards, downwards = _paths(system, float(frequency[0]), float(frequency[-1]))
         for place, row in zip(level.rows, own, strict=True):
-            everywhere = system.crossings(states, float(measured.frequency[row]))
+            f, sweep = float(measured.frequency[row]), measured.sweep[row]
+            paths = (upwards, downwards) if sweep >= 0 else (downwards, upwards)
+            everywhere = _apart([state for path in paths for state in system.crossings(path, f)])
             found = [state for state in everywhere if state.stable]
-            branches[row] = max(1, len(found))
+            branches[row] = max(1, len(found)) if everywhere else 1
             found = found or everywhere
             if not found:
                 continue
-            chosen[place] = found[0] if measured.sweep[row] >= 0 else found[-1]
-            if len(found) > 1 and measured.sweep[row] == 0:
+            chosen[place] = found[0]
+            if len(found) > 1 and sweep == 0:
                 seen = [_seen(state.probes[:, 1], int(row), measurement, model.pipe) for state in found]
                 off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
                 chosen[place] = found[int(np.argmin(off))]
     return chosen
+
+
+def _apart(states: Sequence[SteadyState]) -> list[SteadyState]:
+    """Give states that differ, each once, in their order."""
+    found: list[SteadyState] = []
+    for state in states:
+        size = SAME * np.abs(state.clamps[:, 1]).max(initial=0.0)
+        if all(np.abs(state.clamps[:, 1] - other.clamps[:, 1]).max(initial=0.0) > size for other in found):
+            found.append(state)
+    return found
 
 
 def _again_from_rest(system: SteadySystem, operation: Operation, solved: Balanced) -> Balanced:
@@ -315,9 +337,9 @@ def _seen(probes: Complex, row: int, measurement: PipeMeasurement, pipe: PipeDes
     return np.asarray(np.where(measured.phased[row], seen, np.abs(seen)), dtype=np.complex128)
 
 
-def _states(system: SteadySystem, first: float, last: float) -> list[SteadyState]:
-    """Follow the response over a range of frequencies (Hz), from its other end where the first doesn't reach it."""
+def _paths(system: SteadySystem, first: float, last: float) -> tuple[list[SteadyState], list[SteadyState]]:
+    """Follow the response over a range of frequencies (Hz) from its lower and from its upper end, each in its order."""
     if first == last:
         state = system.at(first)
-        return [] if state is None else [state]
-    return list(system.followed(first, last).states)
+        return ([] if state is None else [state]), []
+    return system.curve(first, last), system.curve(last, first)
