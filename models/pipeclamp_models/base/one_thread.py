@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import importlib
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 
 NUMBERS_OF_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """What libraries of linear algebra read when they are loaded."""
+_HELD = ContextVar("held", default=False)
+"""Whether they are held to one thread already: to find them among all libraries takes 1 to 8 ms each time."""
 
 
 def one_thread_throughout() -> None:
@@ -17,6 +21,7 @@ def one_thread_throughout() -> None:
     For a process of our own, a command's: it needn't load SciPy only to hold it.
     """
     os.environ.update(dict.fromkeys(NUMBERS_OF_THREADS, "1"))
+    _HELD.set("numpy" not in sys.modules)
 
 
 @contextmanager
@@ -26,10 +31,17 @@ def one_thread() -> Iterator[None]:
     Fits have tall and thin matrices, pipes small ones: on two busy cores an eigenvalue problem of 100 unknowns took 80
     times as long on two threads as on one. It also makes the last digits independent of the machine's number of cores.
     """
+    if _HELD.get():
+        yield
+        return
     from threadpoolctl import ThreadpoolController
 
     # SciPy has a BLAS of its own: one that is loaded only later would not be held.
     importlib.import_module("scipy.linalg")
-    # Made anew each time, which takes 1 ms: libraries may have been loaded since.
+    # Made anew each time: libraries may have been loaded since.
     with ThreadpoolController().limit(limits=1, user_api="blas"):
-        yield
+        before = _HELD.set(True)
+        try:
+            yield
+        finally:
+            _HELD.reset(before)
