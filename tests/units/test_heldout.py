@@ -6,7 +6,7 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.fitting.heldout import condition_groups, folds, heldout_nrmse
+from pipeclamp_identification.fitting.heldout import condition_groups, folds, further_groups, heldout_nrmse
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.base.errors import UserError
@@ -41,3 +41,13 @@ def test_of_one_test_nothing_can_be_left_out(tmp_path):
     loops = _loops(tmp_path, rig.TestPlan((0.5,), (3.0,), (20.0,), cycles=3, rate=200))
     with pytest.raises(UserError, match="expected two tests"):
         list(folds(condition_groups(loops), 8))
+
+
+@pytest.mark.parametrize(
+    ("currents", "groups"),
+    [((0.0, 1.0, 2.0), None), ((0.0, 0.5, 1.0, 2.0), [-1, 0, 1, -1]), ((2.0, 0.5, 1.0, 0.0, 4.0), [2, 0, 1, -1, -1])],
+)
+def test_of_a_further_condition_what_lies_between_is_left_out(currents, groups, run_of, campaign_of, harmonic_record):
+    runs = [run_of(harmonic_record(), f"{place}", conditions={"i": each}) for place, each in enumerate(currents)]
+    found = further_groups(loops_of(campaign_of(*runs)))
+    assert (found["i"].tolist() if "i" in found else None) == groups

@@ -83,7 +83,7 @@ class LeftOut:
         """Tell how the fit would foretell each group, had it been left out.
 
         Args:
-            groups: the group of each run, shape (R,).
+            groups: the group of each run, shape (R,); -1 for those that are never left out, whose score is zero.
         """
         seen = self.observations.loops.seen
         plain = self.observations.loops.plain_residual(self.result.law_force)
@@ -93,7 +93,7 @@ class LeftOut:
             plain = plain - shown.force(self.fitted.factors)
             slopes = np.concatenate([slopes, -shown.directions])
         plain_slopes = np.moveaxis(slopes, 0, -1)
-        squares, mean_squares = np.empty(len(groups)), np.empty(len(groups))
+        squares, mean_squares = np.zeros(len(groups)), np.zeros(len(groups))
         for group in range(int(groups.max()) + 1):
             own = groups == group
             step = self._step(own)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
@@ -228,9 +229,10 @@ def judge(
         against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.noise_rms_N
     )
     further = {
-        name: _share_of_force(left_out.score(groups), problem.loops) for name, groups in problem.further_groups.items()
+        name: _share_of_force(left_out.score(groups), problem.loops, groups >= 0)
+        for name, groups in problem.further_groups.items()
     }
-    error = _share_of_force(score, problem.loops)
+    error = _share_of_force(score, problem.loops, problem.groups >= 0)
     price = _price_of_free_means(result, problem)
     score = replace(score, squares=score.squares + price)
     akaike = 2 * result.cost + float(price.sum()) + 2 * len(result.fitted)
@@ -254,9 +256,10 @@ def most_promising_first(
     return sorted(starts, key=lambda start: linearised(structure, observations, start).cost_after_one_step())
 
 
-def _share_of_force(score: LeftOutScore, loops: Loops) -> float:
-    """Give the error on left-out groups as a share of the force, scatter included."""
-    return float(np.sqrt(np.sum(score.mean_squares + loops.noise_rms_N**2) / np.sum(loops.force_rms_N**2)))
+def _share_of_force(score: LeftOutScore, loops: Loops, left_out: npt.NDArray[np.bool_]) -> float:
+    """Give the error on the runs that are left out as a share of their force, scatter included."""
+    squares = score.mean_squares + loops.noise_rms_N**2
+    return float(np.sqrt(np.sum(squares[left_out]) / np.sum(loops.force_rms_N[left_out] ** 2)))
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,9 @@ def condition_groups(loops: Loops) -> npt.NDArray[np.intp]:
     at one amplitude and frequency, each run is a group of its own.
     """
     conditions = (loops.amplitude_mm, loops.frequency_Hz)
-    levels = np.stack([_numbers(number_levels(values, relative=SAME_SHARE)) for values in conditions], axis=1)
+    levels = np.stack(
+        [_numbers(number_levels(values, relative=SAME_SHARE), len(values)) for values in conditions], axis=1
+    )
     groups = np.unique(levels, axis=0, return_inverse=True)[1].reshape(-1)
     if groups.max() == 0:
         groups = np.unique(loops.run, return_inverse=True)[1]
@@ -40,23 +42,27 @@ def condition_groups(loops: Loops) -> npt.NDArray[np.intp]:
 def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
     """Give other ways to leave runs out: by temperature, specimen or further condition, each run's group by name.
 
-    A condition needs three levels: what it does can't be foretold from one.
+    A condition needs three levels: what it does can't be foretold from one. A further condition needs four, for its
+    effect is described by a bend, which takes three (`effects.condition`); its lowest and its highest level are never
+    left out (group -1): a description claims nothing beyond its range.
     """
-    conditions = {"temperature": loops.temperature_K, "density": loops.density_g_cm3, **loops.conditions}
+    conditions = {"temperature": loops.temperature_K, "density": loops.density_g_cm3}
     groups = {}
-    for name, values in conditions.items():
+    for name, values in (conditions | dict(loops.conditions)).items():
         levels = number_levels(values, relative=SAME_SHARE)
-        if len(levels) >= 3:
-            groups[name] = _numbers(levels)
+        if name in conditions and len(levels) >= 3:
+            groups[name] = _numbers(levels, len(values))
+        elif len(levels) >= 4:
+            groups[name] = _numbers(levels[1:-1], len(values))
     specimens = np.unique([name or "" for name in loops.specimen], return_inverse=True)[1]
     if specimens.max() > 0:
         groups["specimen"] = specimens.astype(np.intp)
     return groups
 
 
-def _numbers(levels: Sequence[Level]) -> npt.NDArray[np.intp]:
-    """Give the number of each run's level."""
-    numbers = np.empty(sum(len(level.rows) for level in levels), dtype=np.intp)
+def _numbers(levels: Sequence[Level], count: int) -> npt.NDArray[np.intp]:
+    """Give the number of the level of each of so many runs; -1 where none of these has it."""
+    numbers = np.full(count, -1, dtype=np.intp)
     for number, level in enumerate(levels):
         numbers[level.rows] = number
     return numbers
