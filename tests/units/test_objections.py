@@ -14,8 +14,8 @@ from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.law import Structure
 
 
-def fit_with(at_bound: str) -> Fit:
-    structure = Structure("power", ("bouc_wen",))
+def fit_with(at_bound: str, effects: tuple[str, ...] = ("bouc_wen",)) -> Fit:
+    structure = Structure("power", effects)
     observations = loop_observations(loops_of(read_campaign(campaign_folder(Path("clamp_a")))))
     start = starting_points(structure, observations, {})[0]
     fitted = tuple(name for name in structure.equations.names if name != at_bound)
@@ -44,3 +44,9 @@ def test_a_shape_at_the_end_of_its_range_is_no_cause_but_may_take_a_part():
     (words,) = reservations(("bouc_wen",), fit)
     assert words.startswith("n_b ran into its bound")
     assert objections(("bouc_wen",), fit) == ()
+
+
+def test_what_acts_like_an_effect_of_the_law_is_no_cause_beside_it():
+    fit = fit_with("", ("bouc_wen", "slip_spread", "coulomb"))
+    assert reservations(("slip_spread",), fit) == ("the law has bouc_wen, which acts like slip_spread",)
+    assert reservations(("bouc_wen", "slip_spread"), fit) == reservations(("coulomb",), fit) == ()

@@ -27,7 +27,7 @@ from pipeclamp_identification.fitting.observations import (
 )
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.equations.effect import Parameter
+from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import LawForce
 
@@ -333,8 +333,25 @@ def objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
 
 
 def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
-    """Say why a fitted effect isn't the cause, though it may take a part: its shape lies at the end of its range."""
-    return tuple(_at_bound_words(parameter, result) for parameter in _at_bounds(effects, result) if _shapes(parameter))
+    """Say why a fitted effect isn't the cause, though it may take a part.
+
+    Its shape lies at the end of its range, or the law has what acts like it: one of the two mends the other's form.
+    """
+    at_bounds = [_at_bound_words(each, result) for each in _at_bounds(effects, result) if _shapes(each)]
+    structure = result.law.structure
+    alike = [
+        f"the law has {present.name}, which acts like {name}"
+        for name in effects
+        for present in structure.all_effects()
+        if present.name not in effects and are_one_memory(structure.effect(name), present)
+    ]
+    return (*at_bounds, *alike)
+
+
+def are_one_memory(one: Effect, other: Effect) -> bool:
+    """Tell whether two effects with states imitate each other."""
+    alike = one.id in other.imitated_by and other.id in one.imitated_by
+    return alike and bool(one.states) and bool(other.states)
 
 
 def _at_bounds(effects: tuple[str, ...], result: Fit) -> list[Parameter]:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.problem import Judged, Problem, are_one_memory
 from pipeclamp_identification.fitting.least_squares import Linearised, linearised, starting_points, unfitted
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.equations.effect import Effect, Family
+from pipeclamp_models.equations.effect import Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -143,9 +143,4 @@ def fits_beside(structure: Structure, name: str) -> bool:
         _ = with_effect(structure, name).equations
     except UserError:
         return False
-    return not any(_are_one_memory(structure.effect(name), present) for present in structure.all_effects())
-
-
-def _are_one_memory(one: Effect, other: Effect) -> bool:
-    alike = one.id in other.imitated_by and other.id in one.imitated_by
-    return alike and bool(one.states) and bool(other.states)
+    return not any(are_one_memory(structure.effect(name), present) for present in structure.all_effects())

@@ -246,8 +246,12 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
 
 def _without_general(alike: Sequence[Judged]) -> list[Judged]:
     """Leave out effects that do no better than a special case of theirs."""
-    ids = {effect_id(each.effects[0]) for each in alike}
-    return [each for each in alike if not ids & set(_added(each).special_cases)]
+    return [each for each in alike if not any(_is_special_case(_added(other), _added(each)) for other in alike)]
+
+
+def _is_special_case(effect: Effect, general: Effect) -> bool:
+    """Tell whether an effect is one of a general one's special cases; larger members of its family aren't."""
+    return effect.id in general.special_cases and len(effect.parameters) < len(general.parameters)
 
 
 def _added(judged: Judged) -> Effect:

@@ -51,6 +51,7 @@ EFFECT = Effect(
     looks_like="force just after reversals bends over gradually; rate-independent; loops of all sizes are pieces of "
     "one curve (Masing), and small ones lose as A^(chi + 3)",
     imitated_by=("memory", "bouc_wen"),
+    special_cases=("memory",),
     told_apart_by="amplitudes over a decade: loss over amplitude is a straight line in logarithms, where a few "
     "elements make steps",
     parameters=(
