@@ -49,4 +49,10 @@ def test_a_shape_at_the_end_of_its_range_is_no_cause_but_may_take_a_part():
 def test_what_acts_like_an_effect_of_the_law_is_no_cause_beside_it():
     fit = fit_with("", ("bouc_wen", "slip_spread", "coulomb"))
     assert reservations(("slip_spread",), fit) == ("the law has bouc_wen, which acts like slip_spread",)
+    fit = fit_with("", ("bouc_wen", "directional_slip"))  # of which an elastic-slip element is a special case
+    assert reservations(("directional_slip",), fit) == ("the law has bouc_wen, which acts like directional_slip",)
+
+
+def test_what_acts_otherwise_may_be_a_cause():
+    fit = fit_with("", ("bouc_wen", "slip_spread", "coulomb"))
     assert reservations(("bouc_wen", "slip_spread"), fit) == reservations(("coulomb",), fit) == ()

@@ -28,6 +28,7 @@ from pipeclamp_identification.fitting.observations import (
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect, Parameter
+from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import LawForce
 
@@ -343,9 +344,15 @@ def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
         f"the law has {present.name}, which acts like {name}"
         for name in effects
         for present in structure.all_effects()
-        if present.name not in effects and are_one_memory(structure.effect(name), present)
+        if present.name not in effects and _may_be_one_memory(structure.effect(name), present)
     ]
     return (*at_bounds, *alike)
+
+
+def _may_be_one_memory(one: Effect, other: Effect) -> bool:
+    """Tell whether two effects with states, or special cases of them, imitate each other."""
+    forms = [[effect, *map(find_effect, effect.special_cases)] for effect in (one, other)]
+    return any(are_one_memory(form, another) for form in forms[0] for another in forms[1])
 
 
 def are_one_memory(one: Effect, other: Effect) -> bool:
