@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 from pipeclamp_fmu.contents.clamp import USUAL, ClampModel, Entry, FurtherCondition, Start, clamp_content
@@ -24,6 +25,7 @@ from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.file import Interval, LawFile, law_of
+from pipeclamp_models.law.law import Structure
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_models.realise.c import c_source
 from pipeclamp_models.realise.scalar import python_source
@@ -124,7 +126,13 @@ def passivity(model: ClampModel, file: LawFile) -> Proof:
         file: the law.
     """
     law = law_of(file)
-    return prove(stepping(law.structure), parameter_values(law), _ranges(model))
+    return _proof(law.structure, parameter_values(law), _ranges(model))
+
+
+@lru_cache(maxsize=8)
+def _proof(structure: Structure, values: tuple[float, ...], ranges: tuple[tuple[float, float], ...]) -> Proof:
+    """Prove it once: who builds an FMU is told by the same proof that let it be built."""
+    return prove(stepping(structure), values, ranges)
 
 
 def require_passive(model: ClampModel, file: LawFile) -> None:

@@ -8,7 +8,7 @@ from functools import reduce
 
 import sympy as sp
 
-Interval = tuple[float, float]
+from pipeclamp_fmu.contents.passivity import Interval
 
 EVERYTHING = (-math.inf, math.inf)
 

@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from scipy.optimize import differential_evolution
-
 from pipeclamp_models.base.errors import UserError
 
 Interval = tuple[float, float]
@@ -216,6 +214,8 @@ def _accounted(name: str, law: ScalarLaw, cycle: Cycle, where: tuple[float, ...]
 
 def _sought(law: ScalarLaw, ranges: Sequence[Interval]) -> tuple[Cycle, tuple[float, ...]]:
     """Seek the cycle and the conditions with the least dissipation by differential evolution."""
+    # needed for laws alone of which nothing is proved
+    from scipy.optimize import differential_evolution
 
     def cycle_of(place: Sequence[float]) -> tuple[Cycle, tuple[float, ...]]:
         size, third, phase, shift, *where = place

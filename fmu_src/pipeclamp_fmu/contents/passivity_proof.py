@@ -19,8 +19,8 @@ from itertools import count
 
 import sympy as sp
 
-from pipeclamp_fmu.contents.intervals import Interval, bounds
-from pipeclamp_fmu.contents.passivity import CYCLES, Cycle
+from pipeclamp_fmu.contents.intervals import bounds
+from pipeclamp_fmu.contents.passivity import CYCLES, Cycle, Interval
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.realise.stepping import Stepping, conditions_of, parameter_symbols
 

@@ -100,9 +100,9 @@ class SteadyClamp:
             **{name: np.full((len(motion), 1), value) for name, value in self.further.items()},
         }
         return Motion(
-            _sampled(motion, self.samples),
-            _sampled(motion * turn, self.samples),
-            _sampled(motion * turn**2, self.samples),
+            sampled(motion, self.samples),
+            sampled(motion * turn, self.samples),
+            sampled(motion * turn**2, self.samples),
             slow,
             1 / (frequency[:, None] * self.samples),
         )
@@ -131,7 +131,7 @@ def harmonics_of(signals: Array, count: int) -> Complex:
     return np.asarray(harmonics, dtype=np.complex128)
 
 
-def _sampled(harmonics: Complex, samples: int) -> Array:
+def sampled(harmonics: Complex, samples: int) -> Array:
     """Give cycles in samples (rows, samples) of their first harmonics, from 0, (rows, h)."""
     spectrum = samples / 2 * harmonics
     spectrum[:, 0] *= 2

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
 
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.clamp import SAMPLES, Complex
+from pipeclamp_system.steady.clamp import SAMPLES, Complex, sampled
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,5 +72,4 @@ class FollowedResponse:
 
 def half_range(harmonics: Complex) -> Array:
     """Give half the peak-to-peak value of motions given by their harmonics, (points,)."""
-    waves = np.exp(2j * pi * np.outer(np.arange(harmonics.shape[1]), np.arange(SAMPLES)) / SAMPLES)
-    return np.asarray(np.ptp((harmonics @ waves).real, axis=1) / 2)
+    return np.asarray(np.ptp(sampled(harmonics, SAMPLES), axis=1) / 2)

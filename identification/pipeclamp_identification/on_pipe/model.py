@@ -223,9 +223,9 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
     measured = measurement.steady
     shape = measured.response.shape
     response, clamps = np.full(shape, np.nan + 0j), np.full((shape[0], len(model.clamp_names)), np.nan + 0j)
-    branches = np.ones(shape[0], dtype=np.intp) if near is None else near.branches
+    begun, branches = _begun(model, measurement) if near is None else (near.groups, near.branches)
     groups = []
-    for group in _begun(model, measurement, branches) if near is None else near.groups:
+    for group in begun:
         rows, operation = group.rows, Operation(measured.frequency[group.rows], measured.drive[group.rows])
         system = model.system(group.temperature, lambda frequency: 1.0, group.harmonics)
         solved = balance(system, operation, group.solved.unknowns, None if near is None else group.solved.slopes)
@@ -249,10 +249,11 @@ def as_measured(moved: Complex, frequency: Array, measurement: PipeMeasurement, 
     return np.column_stack(columns).astype(np.complex128)
 
 
-def _begun(model: CoupledModel, measurement: PipeMeasurement, branches: Rows) -> Iterator[Group]:
-    """Give sines in groups, with guesses of their steady states; set how many stable ones each has."""
+def _begun(model: CoupledModel, measurement: PipeMeasurement) -> tuple[tuple[Group, ...], Rows]:
+    """Give sines in groups, with guesses of their steady states, and how many stable ones each sine has."""
+    groups, branches = [], np.ones(measurement.steady.response.shape[0], dtype=np.intp)
     for temperature, rows in temperatures(measurement.steady):
-        states = _first_states(model, temperature, measurement, rows, branches)
+        states, branches[rows] = _first_states(model, temperature, measurement, rows)
         asked = np.array([_harmonics(model, state) for state in states])
         # Nothing settles on an unstable motion: there is none to compare.
         unstable = np.array([state is not None and not state.stable for state in states])
@@ -268,7 +269,8 @@ def _begun(model: CoupledModel, measurement: PipeMeasurement, branches: Rows) ->
             unknowns = packed(guess)
             nothing = np.zeros((0, 0, 0))
             begun = Balanced(unknowns, nothing, np.zeros(own.size, np.bool_), nothing[None].astype(np.complex128))
-            yield Group(temperature, rows[own], harmonics, begun)
+            groups.append(Group(temperature, rows[own], harmonics, begun))
+    return tuple(groups), branches
 
 
 def _harmonics(model: CoupledModel, state: SteadyState | None) -> int:
@@ -279,14 +281,15 @@ def _harmonics(model: CoupledModel, state: SteadyState | None) -> int:
 
 
 def _first_states(
-    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: Rows, branches: Rows
-) -> list[SteadyState | None]:
-    """Give the steady states at some sines, stable ones where there are any; set how many of those each has.
+    model: CoupledModel, temperature: float | None, measurement: PipeMeasurement, rows: Rows
+) -> tuple[list[SteadyState | None], Rows]:
+    """Give the steady states at some sines, stable ones where there are any, and how many of those each has.
 
     The response is followed from both ends: where it bends, each meets branches that the other doesn't.
     """
     measured = measurement.steady
     chosen: list[SteadyState | None] = [None] * rows.size
+    branches = np.ones(rows.size, dtype=np.intp)
     for level in number_levels(measured.level[rows], relative=SAME_LEVEL):
         own = rows[level.rows]
         frequency, inverse = np.unique(measured.frequency[own], return_inverse=True)
@@ -298,7 +301,7 @@ def _first_states(
             paths = (upwards, downwards) if sweep >= 0 else (downwards, upwards)
             everywhere = _apart([state for path in paths for state in system.crossings(path, f)])
             found = [state for state in everywhere if state.stable]
-            branches[row] = max(1, len(found)) if everywhere else 1
+            branches[place] = max(1, len(found))
             found = found or everywhere
             if not found:
                 continue
@@ -307,7 +310,7 @@ def _first_states(
                 seen = [_seen(state.probes[:, 1], int(row), measurement, model.pipe) for state in found]
                 off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
                 chosen[place] = found[int(np.argmin(off))]
-    return chosen
+    return chosen, branches
 
 
 def _apart(states: Sequence[SteadyState]) -> list[SteadyState]:

@@ -129,8 +129,8 @@ def add_until_settled(
 def _goes_on(found: Diagnosed, ladder: Sequence[Rung]) -> bool:
     """Tell whether there is something to do.
 
-    A part is no claim, so the best of several that act alike may be taken; and where the law has a part already, it
-    may stand for something else, and no later one is a claim either.
+    A part is no claim, so the best of several that act alike may be taken; and where the law has a part already, which
+    may stand for something else, so may the best of several causes, as a part too.
     """
     if found.verdict == "ambiguous":
         return found.kind == "part" or any(rung.kind == "part" for rung in ladder)
