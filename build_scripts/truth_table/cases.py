@@ -10,6 +10,7 @@ from functools import cached_property, partial
 from typing import Protocol, TypeVar
 
 import numpy as np
+from beyond.registry import LAWS
 from hidden import COLUMN, EFFECTS, Kind, draw_shape, effect_id
 from rig import BETWEEN_STARTS, DESIGNS, Batch, Quality, batches, campaign_of, held_out, measured, plan, recorded
 from truth import Array, BaseLaw, Motion, Part, force
@@ -24,7 +25,7 @@ from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of, per_cycle
 from pipeclamp_models.law.law import Structure
 
-KINDS: Mapping[str, Kind] = {**EFFECTS, **UNLISTED}
+KINDS: Mapping[str, Kind] = {**EFFECTS, **UNLISTED, **{name: law.kind for name, law in LAWS.items()}}
 STRENGTHS = {"weak": (0.3, 0.6), "middle": (0.6, 1.5), "strong": (1.5, 5.0)}
 IMITATED = {"open": 1.5, "nearly open": 4.0}
 """Standard deviations by which a narrow campaign as a whole tells the truth from an imitation of it."""
@@ -64,7 +65,7 @@ class Case:
     """One row of the experiment.
 
     Attributes:
-        kind: "effect", "none", "two", "several", "unlisted" or "narrow".
+        kind: "effect", "none", "two", "several", "unlisted", "narrow" or "beyond".
         hidden: kinds of physics in the truth.
         form: "clean" or "rough".
         strength: a key of STRENGTHS, in narrow plans of SHARES, "" where nothing is hidden.

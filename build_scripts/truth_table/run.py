@@ -3,6 +3,7 @@
 With --narrow instead: narrow test plans, in which effects imitate each other, and what the proposed tests tell.
 With --metrics instead: campaigns of which dW and W alone are kept.
 With --devices instead: devices of other laws than the catalogue's.
+With --discover instead: laws that no catalogue has, nothing, and effects of the catalogue, put to `discover`.
 
 Every case is a virtual campaign of a truth that this folder integrates by itself, put to the package as a user would.
 Finished cases are kept in FOLDER/cases-<seed>.jsonl; a run that was ended goes on from there.
@@ -26,6 +27,9 @@ from typing import Any
 for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "POLARS_MAX_THREADS"):
     os.environ.setdefault(threads, "1")  # the cases are what runs in parallel
 
+from beyond.cases import beyond_cases  # noqa: E402
+from beyond.judge import judged_beyond  # noqa: E402
+from beyond.table import beyond_markdown, beyond_sound, beyond_targets  # noqa: E402
 from cases import all_cases, chosen  # noqa: E402
 from devices.cases import device_cases, write_device  # noqa: E402
 from devices.judge import judged_device  # noqa: E402
@@ -79,6 +83,9 @@ EXPERIMENTS = {
         devices_sound,
         write_device,
     ),
+    "discover": Experiment(
+        "discover", "discover_table", beyond_cases, judged_beyond, beyond_markdown, beyond_targets, beyond_sound
+    ),
 }
 """By the option that chooses it."""
 
@@ -92,7 +99,7 @@ def main() -> None:
     asked = parser.add_mutually_exclusive_group()
     for name, words in (
         ("narrow", "narrow test plans, and their next tests"), ("metrics", "dW and W alone"),
-        ("devices", "devices of other laws"),
+        ("devices", "devices of other laws"), ("discover", "terms that no catalogue has"),
     ):  # fmt: skip
         asked.add_argument(f"--{name}", dest="asked", action="store_const", const=name, default="", help=words)
     parser.add_argument("--jobs", type=int, default=2, help="processes")

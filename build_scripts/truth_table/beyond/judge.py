@@ -1,0 +1,176 @@
+"""Put one case to the package, as a user would: identify, diagnose with --auto, discover with --auto."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from cases import Case, Drawn, Measured, draw, measure
+from judge import RIG_LIMITS, heldout_over_floor
+
+from beyond.form import RIGHT_FORM, difference
+from beyond.registry import LAWS
+from pipeclamp_identification.discovery.proposal import Proposal
+from pipeclamp_identification.fitting.identify import identify, law_file
+from pipeclamp_identification.workflow.auto import add_until_settled
+from pipeclamp_identification.workflow.discover import discover
+from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.file import LawFile, structure_of
+
+COMMAND = "truth table of discovery"
+NEAR_FLOOR = {"clean": 1.05, "rough": 1.10}
+"""A law errs on held-out conditions by at most so many times the floor, where what is hidden is found (issue 16, 5)."""
+
+
+@dataclass(frozen=True)
+class Answered:
+    """What a discovery answered.
+
+    Attributes:
+        proposed: whether anything.
+        family, formula: of the proposed term, or of the one that came nearest; "" where there is none.
+        reason: why nothing is proposed.
+        guards: those that weren't passed, with figures.
+        tried: terms that were evaluated.
+        seconds: what it took.
+    """
+
+    proposed: bool
+    family: str
+    formula: str
+    reason: str
+    guards: tuple[str, ...]
+    tried: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class BeyondOutcome:
+    """How a case came out.
+
+    Attributes:
+        name, kind, form, strength, noise, design: of the case.
+        law: the name of the law that is hidden, of the effect, or "".
+        strengths: what the base law can't imitate of it, over the noise.
+        noise_share: noise over force.
+        ladder: what `--auto` added.
+        verdict: where it ended.
+        first: of an effect of the catalogue: what a discovery answers of the base law, before the ladder.
+        found: what it answers after the ladder.
+        identified, diagnosed, discovered: error on held-out conditions over the floor, of the laws on the way.
+        difference: of the proposed term from what is hidden, see `form`; nan where there is none to compare.
+        counted: in a word, see `counted`.
+        ladder_seconds, seconds: what the ladder took, and all.
+        error: the message, where the package failed.
+    """
+
+    name: str
+    kind: str
+    form: str
+    strength: str
+    noise: str
+    design: str
+    law: str
+    strengths: tuple[float, ...]
+    noise_share: float
+    ladder: tuple[str, ...] = ()
+    verdict: str = ""
+    first: Answered | None = None
+    found: Answered | None = None
+    identified: float = float("nan")
+    diagnosed: float = float("nan")
+    discovered: float = float("nan")
+    difference: float = float("nan")
+    counted: str = "failed"
+    ladder_seconds: float = 0.0
+    seconds: float = 0.0
+    error: str = ""
+
+
+def judged_beyond(case: Case, seed: int) -> BeyondOutcome:
+    """Run one case."""
+    begin = time.perf_counter()
+    drawn = draw(case, seed)
+    data = measure(drawn)
+    strengths = tuple(round(one, 3) for one in data.strengths)
+    blank = BeyondOutcome(
+        case.name, case.kind, case.form, case.strength, case.noise, case.design, "".join(case.hidden), strengths,
+        data.noise_share,
+    )  # fmt: skip
+    try:
+        outcome = _followed(blank, drawn, data)
+        outcome = replace(outcome, counted=counted(outcome, case.truth))
+    except Exception as fault:  # a case that fails is a finding, and mustn't end the others
+        outcome = replace(blank, error=f"{type(fault).__name__}: {fault}")
+    return replace(outcome, seconds=round(time.perf_counter() - begin, 1))
+
+
+def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutcome:
+    """Go the way of a user; give how it came out, but for the count and the time."""
+    tests = RecordTests(data.campaign)
+    file = law_file(identify(data.campaign), data.campaign, name="base", command=COMMAND, date=None)
+    first = _asked(file, tests)[1] if blank.kind == "effect" else None
+    begin = time.perf_counter()
+    settled = add_until_settled(file, tests, command=COMMAND, limits=RIG_LIMITS)
+    ladder_seconds = round(time.perf_counter() - begin, 1)
+    proposal, answer = _asked(settled.file, tests)
+    last = proposal.after or settled.file
+    identified, diagnosed, discovered = (
+        round(heldout_over_floor(law, data.heldout, data.heldout_floor), 4) for law in (file, settled.file, last)
+    )
+    differs = float("nan")
+    if proposal.after is not None and blank.kind == "beyond":
+        differs = round(difference(drawn, data.sizes, settled.file, proposal.after), 4)
+    return replace(
+        blank, ladder=tuple(one.name for one in structure_of(settled.file).all_effects() if one.part != "base"),
+        verdict=settled.found.verdict, first=first, found=answer, identified=identified, diagnosed=diagnosed,
+        discovered=discovered, difference=differs, ladder_seconds=ladder_seconds,
+    )  # fmt: skip
+
+
+def _asked(file: LawFile, tests: RecordTests) -> tuple[Proposal, Answered]:
+    """Ask for a term that a law lacks, as `pipeclamp discover --auto` does."""
+    begin = time.perf_counter()
+    proposal = discover(file, tests, command=COMMAND)
+    told = proposal.answer()
+    failed = tuple(f"{guard.asked}: {guard.words}" for guard in told.guards if not guard.passed)
+    seconds = round(time.perf_counter() - begin, 1)
+    return proposal, Answered(
+        told.proposed, told.family or "", told.formula or "", told.reason, failed, told.tried, seconds
+    )
+
+
+def counted(outcome: BeyondOutcome, truth: frozenset[str]) -> str:
+    """Say how a case came out, in a word.
+
+    Of nothing: "right", or "false alarm" where something is proposed. Of an effect of the catalogue: "right";
+    "displaced" where a term is proposed in its place, before the ladder or after one that didn't find it; "false
+    alarm" where one is proposed beside it. Of a law beyond the catalogue: "right form", "wrong form" or "wrong kind" of
+    what is proposed; where nothing is, "nothing left" where the ladder came near the floor by itself, else "nothing
+    proposed".
+
+    Args:
+        outcome: what was answered.
+        truth: ids of the catalogue's effects that are hidden.
+    """
+    proposed = outcome.found is not None and outcome.found.proposed
+    if outcome.kind == "none":
+        return "false alarm" if proposed else "right"
+    if outcome.kind == "effect":
+        return _beside_the_catalogue(outcome, proposed, truth)
+    if not proposed:
+        return "nothing left" if outcome.diagnosed <= NEAR_FLOOR[outcome.form] else "nothing proposed"
+    if outcome.found is None or outcome.found.family not in LAWS[outcome.law].families:
+        return "wrong kind"
+    return "right form" if outcome.difference <= RIGHT_FORM else "wrong form"
+
+
+def _beside_the_catalogue(outcome: BeyondOutcome, proposed: bool, truth: Sequence[str] | frozenset[str]) -> str:
+    if outcome.first is not None and outcome.first.proposed:
+        return "displaced"
+    if not proposed:
+        return "right"
+    found = {effect_id(name) for name in outcome.ladder}
+    return "false alarm" if set(truth) <= found else "displaced"
