@@ -15,7 +15,6 @@ from truth import Array
 from pipeclamp_identification.discovery.grammar import RATE, STRENGTH
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import loops_of
-from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations, force_of_law, known_jacobian
 
@@ -33,7 +32,7 @@ class Forces(NamedTuple):
     proposed: Array
 
 
-def difference(drawn: Drawn, sizes: tuple[float, ...], before: LawFile, after: LawFile) -> float:
+def difference(drawn: Drawn, sizes: tuple[float, ...], before: Law, after: Law) -> float:
     """Give the rms by which a term differs from what is hidden, over that of what is hidden.
 
     Args:
@@ -47,8 +46,8 @@ def difference(drawn: Drawn, sizes: tuple[float, ...], before: LawFile, after: L
     seen = there.seen & without.seen
     weights = np.where(np.arange(seen.shape[1]) > 0, np.sqrt(0.5), 1.0) * seen
     hidden = (there.harmonics - without.harmonics) * weights
-    term = there.transformed(own_force(law_of(after), there)) * weights
-    free = freed(tangents(law_of(before), there) * weights, Forces(hidden, term))
+    term = there.transformed(own_force(after, there)) * weights
+    free = freed(tangents(before, there) * weights, Forces(hidden, term))
     return relative(free)
 
 

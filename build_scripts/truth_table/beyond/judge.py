@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from cases import Case, Drawn, Measured, draw, measure
@@ -17,7 +16,7 @@ from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.discover import discover
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import LawFile, structure_of
+from pipeclamp_models.law.file import LawFile, law_of, structure_of
 
 COMMAND = "truth table of discovery"
 NEAR_FLOOR = {"clean": 1.05, "rough": 1.10}
@@ -122,7 +121,7 @@ def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutco
     )
     differs = float("nan")
     if proposal.after is not None and blank.kind == "beyond":
-        differs = round(difference(drawn, data.sizes, settled.file, proposal.after), 4)
+        differs = round(difference(drawn, data.sizes, law_of(settled.file), law_of(proposal.after)), 4)
     return replace(
         blank, ladder=tuple(one.name for one in structure_of(settled.file).all_effects() if one.part != "base"),
         verdict=settled.found.verdict, first=first, found=answer, identified=identified, diagnosed=diagnosed,
@@ -167,10 +166,10 @@ def counted(outcome: BeyondOutcome, truth: frozenset[str]) -> str:
     return "right form" if outcome.difference <= RIGHT_FORM else "wrong form"
 
 
-def _beside_the_catalogue(outcome: BeyondOutcome, proposed: bool, truth: Sequence[str] | frozenset[str]) -> str:
+def _beside_the_catalogue(outcome: BeyondOutcome, proposed: bool, truth: frozenset[str]) -> str:
     if outcome.first is not None and outcome.first.proposed:
         return "displaced"
     if not proposed:
         return "right"
     found = {effect_id(name) for name in outcome.ladder}
-    return "false alarm" if set(truth) <= found else "displaced"
+    return "false alarm" if truth <= found else "displaced"

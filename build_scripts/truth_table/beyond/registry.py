@@ -73,12 +73,12 @@ LAWS: dict[str, Beyond] = {
         Kind(plain.squeeze_film), "F = c v / (1 - y/h)^3", "Reynolds 1886, Phil. Trans. R. Soc. 177", DAMPER,
     ),
     "thinning_oil": _law(
-        Kind(plain.thinning_oil, most=3.0), "F = c v (1 + (v/v_c)^2)^((n - 1)/2)", "Carreau 1972, Trans. Soc. Rheol. 16(1)",
-        DAMPER,
+        Kind(plain.thinning_oil, most=3.0), "F = c v (1 + (v/v_c)^2)^((n - 1)/2)",
+        "Carreau 1972, Trans. Soc. Rheol. 16(1)", DAMPER,
     ),
     "yielding_paste": _law(
-        Kind(plain.yielding_paste, most=1.5), "F = F_y sgn(v) (1 - exp(-|v|/v_p))", "Papanastasiou 1987, J. Rheol. 31(5)",
-        DAMPER,
+        Kind(plain.yielding_paste, most=1.5), "F = F_y sgn(v) (1 - exp(-|v|/v_p))",
+        "Papanastasiou 1987, J. Rheol. 31(5)", DAMPER,
     ),
     "lateral_damper": _law(
         Kind(plain.lateral_damper), "F = c v y^2/(a^2 + y^2)", "Tang and Brennan 2013, J. Sound Vib. 332(6)", DAMPER,

@@ -1,0 +1,192 @@
+"""The truth table of discovery: its laws are what their equations say, and answers are judged by their force."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
+SHAPE = {"limit": 0.2, "speed": 1.0, "stop": 0.7, "sign": 1.0, "contact": 420.0, "cycles": 100.0}
+STEP_ERROR = 2e-3
+"""Share of the force (rms) by which the fine steps of the truth err: half of the least noise."""
+LAWS = (
+    "arctan_spring", "lateral_springs", "sine_spring", "log_spring", "pressed_contact", "magnets", "limited_chain",
+    "ring_spring", "eddy_brake", "activated_flow", "squeeze_film", "thinning_oil", "yielding_paste", "lateral_damper",
+    "capstan", "creeping_arm", "viscoplastic", "bristles", "flag", "hardening_plastic", "glass_transition", "payne",
+    "loss_peak", "running_in", "field_friction", "warm_oil",
+)  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def rig_on_path(monkeypatch):
+    monkeypatch.syspath_prepend(FOLDER)
+
+
+def base_law():
+    from cases import draw_base
+
+    return draw_base(np.random.default_rng(3))
+
+
+def sines(f=3.0, A=0.9):
+    """Pure sines at two temperatures."""
+    from truth import Motion, drive
+
+    tones = {1: np.full(2, A * np.exp(-0.5j * np.pi))}
+    time, y, v, a = drive(tones, f, 1000.0, round(3000 / f))
+    column = np.ones((2, 1))
+    return Motion(
+        time, y, v, a, tuple(tones.items()), A * column, np.array([[300.0], [450.0]]), 2.3 * column, 10 * column,
+        50 * column, f, np.zeros((2, 4)),
+    )  # fmt: skip
+
+
+def test_the_laws_are_not_the_packages_and_share_no_code_with_it():
+    from beyond import registry
+    from test_imports import imported
+
+    from pipeclamp_models.law.catalogue import identifiers
+
+    assert set(registry.LAWS) == set(LAWS)
+    assert not set(registry.LAWS) & set(identifiers())
+    for module in ("plain", "states", "factors", "registry"):
+        names = {name.split(".")[0] for name in imported(FOLDER / "beyond" / f"{module}.py")}
+        assert not any(name.startswith("pipeclamp") for name in names), module
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_no_law_creates_energy_and_springs_lose_none(law):
+    from beyond import registry
+    from truth import force
+
+    motion, base = sines(), base_law()
+    hidden = registry.LAWS[law]
+    with_it = force(base, motion, (hidden.kind.part(motion, base, False, 0.05, SHAPE),))
+    added = with_it - force(base, motion, ())
+    assert np.any(added)
+    cycle = slice(-round(1 / (3.0 * motion.step)) - 1, None)
+    y, f = motion.y[:, cycle], added[:, cycle]
+    work = np.sum((f[:, 1:] + f[:, :-1]) / 2 * np.diff(y), axis=1)
+    moved = np.sum(np.abs(f[:, 1:] * np.diff(y)), axis=1)
+    if "factor" not in hidden.families:
+        assert np.all(work > -1e-4 * moved)
+    if hidden.families == {registry.SPRING}:
+        assert np.all(np.abs(work) < 1e-4 * moved)
+
+
+@pytest.mark.parametrize("law", ["creeping_arm", "viscoplastic", "bristles"])
+def test_states_follow_their_equations(law):
+    """Another integrator, another state: the equation as the registry writes it."""
+    from beyond import registry
+    from hidden import typical
+
+    motion, base, size = sines(), base_law(), 0.05
+    F = size * typical(base)
+    rates = {
+        "creeping_arm": lambda q, v: 3 * F / 0.2 * (v - np.sinh(q / F)),
+        "viscoplastic": lambda q, v: F / 0.2 * (v - 5.0 * np.sign(q) * max(abs(q) / F - 1, 0.0)),
+        "bristles": lambda q, v: F / 0.08 * (v - abs(v) * q / F / (1 + 0.8 * np.exp(-((v / 8.0) ** 2)))),
+    }
+    w = 2 * np.pi * 3.0
+    span = motion.time[0], motion.time[-1]
+    solved = solve_ivp(
+        lambda t, q: [rates[law](q[0], w * 0.9 * np.cos(w * t))], span, [0.0], t_eval=motion.time, rtol=1e-8,
+        atol=1e-6 * F, method="LSODA", max_step=1e-3,
+    )  # fmt: skip
+    shown = registry.LAWS[law].kind.part(motion, base, False, size, SHAPE).force[0]
+    error = np.sqrt(np.mean((shown - solved.y[0]) ** 2) / np.mean(shown**2))
+    assert error < STEP_ERROR
+
+
+def test_a_flag_is_at_rest_in_the_middle_and_yields_within_its_bounds():
+    from beyond import registry
+
+    motion, base = sines(), base_law()
+    shown = registry.LAWS["flag"].kind.part(motion, base, False, 1.0, SHAPE).force[0] / base.k10
+    y = motion.y[0]
+    assert np.max(np.abs(shown)) == pytest.approx(0.2, rel=1e-6)
+    assert np.all(np.abs(shown[np.abs(y) < 0.05]) <= np.abs(y[np.abs(y) < 0.05]) + 1e-9)
+    giving_back = (y > 0.3) & (y < 0.6) & (motion.v[0] < 0) & (motion.time > 0)
+    assert shown[giving_back] == pytest.approx(0.35 * 0.2, rel=1e-6)
+
+
+def test_a_term_is_judged_by_its_force():
+    """The hidden term itself, fitted, is right; a spring beside the same law isn't."""
+    from beyond.form import RIGHT_FORM, difference
+    from cases import Case, draw, measure
+
+    from pipeclamp_identification.fitting.identify import fit_structure
+    from pipeclamp_identification.loops.loops import loops_of
+    from pipeclamp_models.law.declaration import Declaration
+    from pipeclamp_models.law.law import Structure
+
+    def declared(force):
+        strength = {"symbol": "F_x", "unit": "N", "meaning": "force", "start": "0.05 * F_typical"}
+        length = {"symbol": "y_x", "unit": "mm", "meaning": "length", "start": "0.5 * A_typical", "lower": 0.05,
+                  "upper": 3.0}  # fmt: skip
+        words = {"id": "found_one", "title": "a term", "looks_like": "a term"}
+        return Declaration.model_validate({**words, "force": f"F_x * {force}", "parameters": (strength, length)})
+
+    drawn = draw(Case("beyond", ("lateral_damper",), "clean", "strong", "low", "A"), seed=2)
+    data = measure(drawn)
+    loops = loops_of(data.campaign)
+    before = fit_structure(Structure("power"), loops).law
+    for force, right in (("v / v_0 * y**2 / (y_x**2 + y**2)", True), ("tanh(y / y_x)", False)):
+        structure = Structure("power", ("found_one",), declared=(declared(force),))
+        found = difference(drawn, data.sizes, before, fit_structure(structure, loops).law)
+        assert (found <= RIGHT_FORM) == right, found
+
+
+def answered(proposed, family="damper"):
+    from beyond.judge import Answered
+
+    return Answered(proposed, family, "", "", (), 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "truth", "expected"),
+    [
+        ({"kind": "none", "found": False}, (), "right"),
+        ({"kind": "none", "found": True}, (), "false alarm"),
+        ({"kind": "effect", "ladder": ("memory:2",), "found": False}, ("memory",), "right"),
+        ({"kind": "effect", "ladder": ("memory:2",), "found": True}, ("memory",), "false alarm"),
+        ({"kind": "effect", "ladder": (), "found": True}, ("memory",), "displaced"),
+        ({"kind": "effect", "ladder": ("memory",), "found": False, "first": True}, ("memory",), "displaced"),
+        ({"found": False, "diagnosed": 1.04}, (), "nothing left"),
+        ({"found": False, "diagnosed": 1.30}, (), "nothing proposed"),
+        ({"found": True, "difference": 0.1}, (), "right form"),
+        ({"found": True, "difference": 0.5}, (), "wrong form"),
+        ({"found": True, "difference": 0.1, "law": "arctan_spring"}, (), "wrong kind"),
+    ],
+)
+def test_how_a_case_came_out(changed, truth, expected):
+    from beyond.judge import BeyondOutcome, counted
+
+    outcome = BeyondOutcome("", "beyond", "clean", "strong", "low", "A", "lateral_damper", (1.0,), 0.01, diagnosed=1.3)
+    given = {key: answered(value) if key in ("first", "found") else value for key, value in changed.items()}
+    assert counted(replace(outcome, **given), frozenset(truth)) == expected
+
+
+def test_targets_count_what_the_issue_speaks_of():
+    from beyond.table import beyond_markdown, beyond_sound, beyond_targets
+
+    def row(kind, counted, **further):
+        return {
+            "name": f"{kind}/x", "kind": kind, "form": "clean", "law": "flag" if kind == "beyond" else "", "ladder": [],
+            "strengths": [1.0], "identified": 2.0, "diagnosed": 1.5, "discovered": 1.02, "difference": 0.1,
+            "first": None, "found": None, "counted": counted, "error": "", "seconds": 1.0, **further,
+        }  # fmt: skip
+
+    weak = row("beyond", "nothing proposed", strengths=[0.2], discovered=1.5)
+    taken = row("beyond", "nothing left", diagnosed=1.0)
+    effect = row("effect", "displaced", law="condition", ladder=["condition:bolt_torque_Nm"])
+    rows = [row("beyond", "right form"), row("beyond", "wrong form", discovered=1.4), weak, taken, effect]
+    found = {entry["target"]: entry for entry in beyond_targets([*rows, row("none", "right")])}
+    assert found["clean: held-out error near the floor"]["value"] == pytest.approx(2 / 3)
+    assert found["clean: left over by the ladder: right form"]["value"] == pytest.approx(0.5)
+    assert found["clean: nothing is missing: something proposed"]["cases"] == 2
+    assert not found["clean: an effect of the catalogue displaced"]["met"]
+    assert not beyond_sound(rows)
+    assert "**missed**" in beyond_markdown(rows, "command")
