@@ -11,6 +11,7 @@ from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, p
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
@@ -30,7 +31,6 @@ from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
-DRAWS = 2000
 BEYOND_COMPARISON = 1e200
 """Squares that count as infinite, but none of them as nothing."""
 
@@ -180,11 +180,9 @@ def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
 def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
     """Tell whether a law takes a material share on all kinds of left-out conditions, beyond doubt, and fits better."""
     gain = gains(candidate, law, problem)
-    # Groups differ in size by orders of magnitude, so that a sum's standard error says little; its draws do.
-    wins = np.mean(_draws(len(gain)) @ gain > 0)
     elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
     material = explained_share(candidate, law) >= MATERIAL_PART_SHARE and candidate.akaike < law.akaike
-    return bool(material and elsewhere and len(gain) > 1 and wins > BEYOND_DOUBT_DRAWS_SHARE)
+    return bool(material and elsewhere and len(gain) > 1 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE)
 
 
 def _betters(candidate: Judged, law: Judged) -> bool:
@@ -303,7 +301,7 @@ def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judg
     squares: Array = np.stack([each.squares_by_run(problem.loops) for each in (best, *others)], axis=1)
     squares = np.minimum(squares, BEYOND_COMPARISON)
     count = len(squares)
-    wins = np.bincount(np.argmin(_draws(count) @ squares, axis=1), minlength=1 + len(others)) / DRAWS
+    wins = np.bincount(np.argmin(draws(count) @ squares, axis=1), minlength=1 + len(others)) / DRAWS
     near = []
     for place, candidate in enumerate(others, 1):
         difference = squares[:, place] - squares[:, 0]
@@ -312,11 +310,6 @@ def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judg
         if difference.sum() <= error or wins[place] >= RIVAL_DRAWS_SHARE or as_likely:
             near.append(candidate)
     return near
-
-
-def _draws(count: int) -> Array:
-    """Give how often each of so many is drawn when as many are drawn at random, (DRAWS, count)."""
-    return np.random.default_rng(0).multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(np.float64)
 
 
 def _scatter_words(lack: LackOfFit, problem: Problem) -> str:

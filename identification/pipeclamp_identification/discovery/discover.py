@@ -24,8 +24,8 @@ from pipeclamp_identification.discovery.columns import Column, Evaluation, all_c
 from pipeclamp_identification.discovery.grammar import LEVELS, RATE, STRENGTH, Term, terms
 from pipeclamp_identification.discovery.guards import (
     Guard,
-    at_the_edges,
     beyond_chance,
+    beyond_the_tests,
     comes_back,
     confirmed,
     not_in_the_catalogue,
@@ -195,7 +195,7 @@ class _Hearing:
         guards = (
             beyond_chance(float(scanned.explained()[place]), scanned.by_chance()),
             comes_back(scanned, place),
-            at_the_edges(scanned, place, problem.loops),
+            beyond_the_tests(law, best, problem),
             confirmed(law.result.law, best.result.law, self.unseen, self.groups),
             not_in_the_catalogue(best, self.listed, problem),
         )

@@ -158,6 +158,8 @@ PLACES = (
 def _dampers() -> Iterator[_Shape]:
     speed = "velocity by which it changes"
     rates = (
+        ("viscous_damping", "v / v_0", "damping in proportion to the velocity", ()),
+        ("square_damping", f"v * {SIZE_V} / v_0**2", "damping by the square of the velocity", ()),
         ("damping", f"{SIGN_V} * ({SIZE_V} / v_0)**p_x", "damping by a power of the velocity",
          (_exponent("exponent of the velocity", 0.2, 1.0, 2.0, 3.0, upper=5.0),)),
         ("saturating_damping", "tanh(v / v_x)", "damping that levels off with velocity", (_velocity(speed, 0.3, 2.0),)),

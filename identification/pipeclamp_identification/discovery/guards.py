@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_fmu.build import clamp_model, require_passive
+from pipeclamp_fmu.build import clamp_model, passivity, require_passive
+from pipeclamp_identification.diagnosis.left_out import LeftOut
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.resampling import share_of_gains
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE
 from pipeclamp_identification.discovery.search import Screened
+from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
@@ -19,14 +22,12 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.law import Law
-from pipeclamp_models.realise.force import force_of_law
+from pipeclamp_models.realise.force import force_of_equations, force_of_law
 
-DRAWS = 2000
-SEED = 20_261_123
 COMES_BACK_SHARE = 0.8
 """A term that explains most in fewer draws of the conditions may be an accident of some."""
-EDGES = 2
-"""Of A and of f: the highest level that is left out to see how a term foretells beyond what it was fitted to."""
+FEWEST_LEVELS = 2
+"""Of A and of f: levels that stay where the highest are left out to see how a term foretells beyond them."""
 
 
 @dataclass(frozen=True)
@@ -57,27 +58,57 @@ def comes_back(screened: Screened, place: int) -> Guard:
     return Guard("comes back", share >= COMES_BACK_SHARE, words)
 
 
-def at_the_edges(screened: Screened, place: int, loops: Loops) -> Guard:
-    """Ask whether a term foretells the largest amplitudes, and the highest frequencies, from all the others."""
-    worse = []
-    for name, values in (("amplitudes", loops.amplitude_mm), ("frequencies", loops.frequency_Hz)):
-        levels = number_levels(values, relative=SAME_SHARE)
-        if len(levels) < EDGES + 1:
+def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
+    """Ask whether the law with a term foretells the largest amplitudes and the highest frequencies from the others.
+
+    What lies above the largest amplitude over `BEYOND_A`, and above the highest frequency over `BEYOND_F`, is left out:
+    the law is stretched as far as the term may be used beyond the tests, as far as their levels allow.
+
+    Args:
+        law: without the term.
+        found: with it, both fitted to the same tests.
+        problem: the tests.
+    """
+    worse, asked = [], []
+    for name, values, beyond in (
+        ("amplitudes", problem.loops.amplitude_mm, BEYOND_A),
+        ("frequencies", problem.loops.frequency_Hz, BEYOND_F),
+    ):
+        edge = highest(values, beyond)
+        if not edge.any():
             continue
-        edge = np.zeros(len(values), dtype=np.bool_)
-        edge[levels[-1].rows] = True
-        if _gain_on(screened, place, edge) < 0:
+        asked.append(name)
+        without, with_it = (_squares_left_out(each, problem, edge) for each in (law, found))
+        if with_it > without:
             worse.append(name)
-    words = (
-        f"left out, the highest {' and '.join(worse)} are foretold worse" if worse else "the edges are foretold better"
-    )
-    return Guard("does no harm beyond", not worse, words)
+    words = f"left out, the highest {' and '.join(worse or asked)} are foretold {'worse' if worse else 'no worse'}"
+    return Guard("does no harm beyond", not worse, words if asked else "too few levels to leave the highest out")
 
 
-def _gain_on(screened: Screened, place: int, own: npt.NDArray[np.bool_]) -> float:
-    products, squares = (sums[:, place] for sums in screened.by_run)
-    strength = products[~own].sum() / max(squares[~own].sum(), 1e-9)
-    return float(2 * strength * products[own].sum() - strength**2 * squares[own].sum())
+def highest(values: Array, beyond: float) -> npt.NDArray[np.bool_]:
+    """Tell which runs lie above the highest level over a factor; two levels stay below, else none is told of.
+
+    Args:
+        values: amplitude or frequency of each run, shape (R,).
+        beyond: the factor.
+    """
+    levels = number_levels(values, relative=SAME_SHARE)
+    edge = np.zeros(len(values), dtype=np.bool_)
+    most = float(np.max(values)) / beyond * (1 + SAME_SHARE)
+    for level in levels[FEWEST_LEVELS:]:
+        edge[level.rows] = bool(level is levels[-1] or np.min(values[level.rows]) > most)
+    return edge
+
+
+def _squares_left_out(judged: Judged, problem: Problem, edge: npt.NDArray[np.bool_]) -> float:
+    """Give the squares of runs, in units of their noise, that a law has where it isn't fitted to them."""
+    result, law = judged.result, judged.result.law
+    force = force_of_equations(
+        result.equations, law.vector(result.equations), (law.v_r, law.y_r), problem.observations.motion,
+        derivatives=True,
+    )  # fmt: skip
+    whole = LeftOut(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
+    return float(whole.score(np.where(edge, 0, -1)).squares.sum())
 
 
 def confirmed(law: Law, found: Law, unseen: Loops, groups: npt.NDArray[np.intp]) -> Guard:
@@ -95,7 +126,7 @@ def confirmed(law: Law, found: Law, unseen: Loops, groups: npt.NDArray[np.intp])
     force = float(np.sum(unseen.samples * unseen.force_rms_N**2))
     shares = [np.sqrt(float(squares.sum()) / force) for squares in (before, after)]
     words = f"on conditions that the search never saw the error goes from {shares[0]:.2%} to {shares[1]:.2%}"
-    return Guard("confirmed", bool(gain.sum() > 0 and _wins(gain) > BEYOND_DOUBT_DRAWS_SHARE), words)
+    return Guard("confirmed", bool(gain.sum() > 0 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE), words)
 
 
 def squared_errors(law: Law, loops: Loops) -> Array:
@@ -104,36 +135,38 @@ def squared_errors(law: Law, loops: Loops) -> Array:
     return np.asarray(observations.mean_squares(force_of_law(law, observations.motion)) * loops.samples)
 
 
-def _wins(gain: Array) -> float:
-    """Give the share of draws of groups in which there is a gain; of one or two groups, of all that there are."""
-    if len(gain) < 3:
-        return float(np.all(gain > 0))
-    random = np.random.default_rng(SEED)
-    drawn = random.multinomial(len(gain), np.full(len(gain), 1 / len(gain)), DRAWS)
-    return float(np.mean(drawn @ gain > 0))
-
-
 def not_in_the_catalogue(found: Judged, listed: Sequence[Judged], problem: Problem) -> Guard:
     """Ask whether a term does better than each effect of the catalogue, beyond doubt: effects win ties."""
     for effect in listed:
         gained = effect.score.squares - found.score.squares
         gain = np.bincount(problem.groups, weights=gained).astype(np.float64)
-        if not (gain.sum() > 0 and _wins(gain) > BEYOND_DOUBT_DRAWS_SHARE):
+        if not (gain.sum() > 0 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE):
             words = f"{effect.effects[0]} of the catalogue does as well; `add` it instead"
             return Guard("beyond the catalogue", False, words)
     return Guard("beyond the catalogue", True, "no effect of the catalogue does as well")
 
 
 def passive(file: LawFile, before: LawFile) -> Guard:
-    """Ask whether the law with the term can create energy on closed cycles, as `build-fmu` does.
+    """Ask whether the law with the term can create energy, within its range and a little beyond, as `build-fmu` does.
 
     Args:
         file: the law with the term.
         before: the law without it; what it does already, the term isn't blamed for.
     """
-    if (words := _creates_energy(file)) and not _creates_energy(before):
+    wide = _widened(file)
+    if (words := _creates_energy(wide)) and not _creates_energy(_widened(before)):
         return Guard("passive", False, words)
-    return Guard("passive", True, "no closed cycle creates more energy than without it")
+    if words:
+        return Guard("passive", True, "the law without it could create energy already")
+    proof = passivity(clamp_model(wide), wide).words()
+    return Guard("passive", True, f"up to {BEYOND_A:g} A and {BEYOND_F:g} f it {proof}")
+
+
+def _widened(file: LawFile) -> LawFile:
+    """Give a law whose range reaches as far beyond the tests as a term may be used."""
+    ends = {name: file.range[name].maximum * beyond for name, beyond in (("A", BEYOND_A), ("f", BEYOND_F))}
+    wider = {name: file.range[name].model_copy(update={"maximum": end}) for name, end in ends.items()}
+    return file.model_copy(update={"range": {**file.range, **wider}})
 
 
 def _creates_energy(file: LawFile) -> str:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.diagnosis.resampling import draws
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_models.base.arrays import Array
 
@@ -82,33 +83,37 @@ class Screened:
         return float(np.quantile(best, 1 - BY_CHANCE))
 
     def best_first(self, most: int) -> list[int]:
-        """Give the columns that explain most, none that acts as a better one does."""
+        """Give the columns that explain most, none that acts as a better one does.
+
+        Of those that are as good as equal the one of fewest parameters stands for all.
+        """
         explained = self.explained()
+        parameters = np.array([len(column.term.declaration.parameters) for column in self.columns])
         chosen: list[int] = []
-        for place in np.argsort(-explained):
-            if len(chosen) == most or explained[place] <= 0:
+        met = np.zeros(len(explained), dtype=np.bool_)
+        for best in np.argsort(-explained):
+            if len(chosen) == most or explained[best] <= 0:
                 break
-            term = self.columns[place].term.declaration.id
-            if any(self.columns[other].term.declaration.id == term for other in chosen):
+            if met[best]:
                 continue
-            if all(abs(self.free[:, place] @ self.free[:, other]) < SAME for other in chosen):
-                chosen.append(int(place))
+            same = self.alike(best, SAME) & (explained > 0)
+            same[best] = True
+            met |= same
+            alike = np.flatnonzero(same)
+            place = int(alike[np.lexsort((-explained[alike], parameters[alike]))[0]])
+            if all(self.columns[other].term != self.columns[place].term for other in chosen):
+                chosen.append(place)
         return chosen
 
     def comes_back(self, place: int) -> float:
         """Give in what share of draws of the groups a column that acts as this one does explains most."""
-        random = np.random.default_rng(SEED)
         alike = self.alike(place)
-        count = int(self.groups.max()) + 1
-        wins = 0
-        for _ in range(DRAWS):
-            weights = np.bincount(random.integers(0, count, count), minlength=count).astype(np.float64)
-            wins += bool(alike[int(np.argmax(self.explained(weights=weights)))])
-        return wins / DRAWS
+        drawn = draws(int(self.groups.max()) + 1)[:DRAWS]
+        return float(np.mean([alike[np.argmax(self.explained(weights=weights))] for weights in drawn]))
 
-    def alike(self, place: int) -> npt.NDArray[np.bool_]:
-        """Tell which columns act as one does, shape (C,)."""
-        return np.asarray(np.abs(self.free.T @ self.free[:, place]) > ALIKE)
+    def alike(self, place: int, least: float = ALIKE) -> npt.NDArray[np.bool_]:
+        """Tell which columns act as one does, with this correlation at least, shape (C,)."""
+        return np.asarray(np.abs(self.free.T @ self.free[:, place]) > least)
 
 
 def screened(columns: Sequence[Column], residual: Array, jacobian: Array, groups: npt.NDArray[np.intp]) -> Screened:
