@@ -1,0 +1,63 @@
+"""What a found term must pass: highest levels left out, no energy beyond the tests either, the simplest of equals."""
+
+import json
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.grammar import terms
+from pipeclamp_identification.discovery.guards import highest, passive
+from pipeclamp_identification.discovery.search import screened
+from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
+from pipeclamp_models.law.file import read_law
+
+
+@pytest.mark.parametrize(
+    ("values", "beyond", "left_out"),
+    [
+        ([0.2, 0.5, 0.8, 1.0], BEYOND_A, [1.0]),
+        ([0.2, 0.5, 0.9, 1.0], BEYOND_A, [0.9, 1.0]),
+        ([1.0, 3.0, 5.0], BEYOND_F, [5.0]),
+        ([1.0, 2.0, 3.0, 4.5, 5.0], BEYOND_F, [3.0, 4.5, 5.0]),
+        ([1.0, 5.0], BEYOND_F, []),
+    ],
+)
+def test_the_highest_levels_are_left_out_and_two_stay(values, beyond, left_out):
+    values = np.tile(values, 3)
+    assert sorted(set(values[highest(values, beyond)])) == left_out
+
+
+@pytest.mark.parametrize(("place", "passes"), [(1.15, False), (2.0, True)])
+def test_energy_fed_in_a_little_beyond_the_tests_is_refused(tmp_path, write_law, place, passes):
+    """Of a factor that turns damping round about one amplitude; beyond 1.25 A nothing is asked."""
+    path = tmp_path / "law.json"
+    write_law(path, {"k10": 40.0, "c0": 0.5, "alpha0": 1.0})
+    before = read_law(path)
+    content = json.loads(path.read_text(encoding="utf-8"))
+    amplitude = place * before.range["A"].maximum
+    factor = f"1 - 3*q*exp(-((A - {amplitude})/0.1)**2)"
+    effect = {"id": "odd", "title": "an odd effect", "looks_like": "odd loops"}
+    effect["scales"] = [{"coefficient": "damping", "factor": factor}]
+    effect["parameters"] = [{"symbol": "q", "unit": "-", "meaning": "strength", "start": 1.0}]
+    content |= {"declared": [effect], "effects": ["odd"]}
+    content["coefficients"]["q"] = {"value": 1.0, "unit": "-", "state": "given"}
+    path.write_text(json.dumps(content), encoding="utf-8")
+    guard = passive(read_law(path), before)
+    assert guard.passed == passes
+    assert ("proved" if passes else "would create energy") in guard.words
+
+
+def test_the_simplest_stands_for_terms_that_act_as_one():
+    """A power of the velocity that starts at one is viscous damping, which has a parameter less."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+    random = np.random.default_rng(0)
+    shared, other = random.standard_normal((2, 8, 5))
+    names = ("found_damping_off_middle", "found_viscous_damping_off_middle", "found_saturating_spring")
+    columns = [
+        Column(by_id[name], {}, change, True)
+        for name, change in zip(names, (shared + 1e-6 * other, shared, other), strict=True)
+    ]
+    residual = 2 * shared + other
+    found = screened(columns, residual, random.standard_normal((8, 5, 2)), np.arange(8))
+    assert found.best_first(3) == [1, 2]
