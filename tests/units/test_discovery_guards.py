@@ -1,6 +1,10 @@
-"""What a found term must pass: highest levels left out, no energy beyond the tests either, the simplest of equals."""
+"""What a found term must pass: highest levels left out, no energy beyond the tests either, the simplest of equals.
+
+And a law may hold several.
+"""
 
 import json
+import tomllib
 
 import numpy as np
 import pytest
@@ -8,9 +12,12 @@ import pytest
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import highest, passive
+from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
+from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import read_law
+from pipeclamp_models.law.law import Structure, with_effect
 
 
 @pytest.mark.parametrize(
@@ -61,3 +68,16 @@ def test_the_simplest_stands_for_terms_that_act_as_one():
     residual = 2 * shared + other
     found = screened(columns, residual, random.standard_normal((8, 5, 2)), np.arange(8))
     assert found.best_first(3) == [1, 2]
+
+
+def test_a_law_may_hold_several_discovered_terms():
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+    structure = Structure("power")
+    for name in ("found_slip_off_middle", "found_relaxing_2_by_f", "found_stiffness_beyond_a"):
+        term = renamed(by_id[name].declaration, structure.equations.names)
+        assert Declaration.model_validate(tomllib.loads(toml_of(term))) == term
+        structure = with_effect(structure.with_declared([term]), term.id)
+        candidate = by_id["found_local_spring"].declaration
+        with_effect(structure.with_declared([candidate]), candidate.id).equations  # noqa: B018
+    names = set(structure.equations.names)
+    assert {"F_1", "w_1", "r_1", "F_2", "w_2", "t_2", "s_2", "s_1", "b_1"} <= names

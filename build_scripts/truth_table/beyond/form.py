@@ -12,7 +12,6 @@ from cases import FINELY, Drawn
 from rig import campaign_of, recorded
 from truth import Array
 
-from pipeclamp_identification.discovery.grammar import RATE, STRENGTH
 from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.law import Law
@@ -46,7 +45,7 @@ def difference(drawn: Drawn, sizes: tuple[float, ...], before: Law, after: Law) 
     seen = there.seen & without.seen
     weights = np.where(np.arange(seen.shape[1]) > 0, np.sqrt(0.5), 1.0) * seen
     hidden = (there.harmonics - without.harmonics) * weights
-    term = there.transformed(own_force(after, there)) * weights
+    term = there.transformed(own_force(before, after, there)) * weights
     free = freed(tangents(before, there) * weights, Forces(hidden, term))
     return relative(free)
 
@@ -65,11 +64,12 @@ def freed(directions: Array, forces: Forces) -> Forces:
     return Forces(*(force.ravel() - basis @ (basis.T @ force.ravel()) for force in forces))
 
 
-def own_force(law: Law, observations: LoopObservations) -> Array:
-    """Give what the discovered term of a law does to its force, N, (R, n): that with it less that without it."""
-    own = next(name for name in (STRENGTH, RATE) if name in law.values)
-    without = Law(law.structure, {**law.values, own: 0.0}, law.v_r, law.y_r)
-    return np.asarray(force_of_law(law, observations.motion).force - force_of_law(without, observations.motion).force)
+def own_force(before: Law, after: Law, observations: LoopObservations) -> Array:
+    """Give what the term that a law has more than another does to its force, N, (R, n): with it less without it."""
+    (name,) = set(after.structure.effects) - set(before.structure.effects)
+    strength = after.structure.effect(name).parameters[0].name
+    without = Law(after.structure, {**after.values, strength: 0.0}, after.v_r, after.y_r)
+    return np.asarray(force_of_law(after, observations.motion).force - force_of_law(without, observations.motion).force)
 
 
 def tangents(law: Law, observations: LoopObservations) -> Array:

@@ -135,7 +135,8 @@ def search(
     seen = _rows(loops, ~kept)
     problem, law = _weighed(structure, seen, law_of(file).values)
     evaluation = Evaluation(problem, law)
-    every = list(terms(*_varied(problem)))
+    present = {declaration.id for declaration in structure.declared}
+    every = [term for term in terms(*_varied(problem)) if term.declaration.id not in present]
     columns = all_columns(evaluation, every, progress)
     progress("what chance would explain")
     scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Collection
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import Literal
 
 import tomli_w
@@ -111,10 +114,10 @@ class Proposal:
         """Give the best term's formula with its fitted values; None where there is none."""
         if self.found is None:
             return None
-        values = self.found.judged.result.law.values
-        if self.after is not None:
+        declaration, values = self.found.term.declaration, self.found.judged.result.law.values
+        if self.declaration is not None and self.after is not None:
+            declaration = self.declaration
             values = {name: entry.value for name, entry in self.after.coefficients.items()}
-        declaration = self.found.term.declaration
         fitted = (
             f"{one.symbol} = {values[one.symbol]:.4g} {one.unit}".removesuffix(" -") for one in declaration.parameters
         )
@@ -127,6 +130,22 @@ def formula_of(declaration: Declaration) -> str:
     parts += [f"{one.coefficient} *= {one.factor}" for one in declaration.scales]
     parts += [f"{one.symbol} = {one.update}" for one in declaration.states]
     return "; ".join(parts)
+
+
+def renamed(declaration: Declaration, taken: Collection[str]) -> Declaration:
+    """Give a term of the grammar with symbols that a law doesn't have yet: F_1, F_2, ... for F_x.
+
+    A law may hold several discovered terms, and the grammar's own symbols stay free for the next search.
+
+    Args:
+        declaration: the term.
+        taken: the law's symbols.
+    """
+    symbols = [*(one.symbol for one in declaration.parameters), *(one.symbol for one in declaration.states)]
+    number = next(n for n in count(1) if not {f"{name[:-1]}{n}" for name in symbols} & set(taken))
+    pattern = rf"\b(?:{'|'.join(name[:-1] for name in symbols)})x\b"
+    text = re.sub(pattern, lambda found: f"{found[0][:-1]}{number}", declaration.model_dump_json())
+    return Declaration.model_validate_json(text)
 
 
 def with_fitted(declaration: Declaration, file: LawFile, source: str) -> Declaration:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.discovery.guards import Guard, passive
-from pipeclamp_identification.discovery.proposal import Proposal, refused, with_fitted
+from pipeclamp_identification.discovery.proposal import Proposal, refused, renamed, with_fitted
 from pipeclamp_identification.fitting.identify import software
 from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
@@ -14,7 +14,7 @@ from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.file import LawFile, law_of
 
 
 def discover(
@@ -49,10 +49,12 @@ def discover(
     if found.found is None or not found.found.passed:
         return proposal
     progress("refit with the term to all tests")
-    term, fitted = found.found.term.declaration, found.found.judged.result.law.values
+    asked, values = found.found.term.declaration, dict(found.found.judged.result.law.values)
+    term = renamed(asked, law_of(file).equations.names)
+    own = {new.symbol: values.pop(old.symbol) for old, new in zip(asked.parameters, term.parameters, strict=True)}
     added = add_effect(
         file, term.id, tests,
-        command=command, date=file.date, declared=(*declared, term), start=fitted, progress=progress,
+        command=command, date=file.date, declared=(*declared, term), start={**values, **own}, progress=progress,
     )  # fmt: skip
     before, after = added.heldout
     whole = Guard("on all tests", after < before, f"on left-out conditions of all tests {before:.2%} -> {after:.2%}")
