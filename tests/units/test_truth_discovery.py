@@ -190,3 +190,13 @@ def test_targets_count_what_the_issue_speaks_of():
     assert not found["clean: an effect of the catalogue displaced"]["met"]
     assert not beyond_sound(rows)
     assert "**missed**" in beyond_markdown(rows, "command")
+
+
+def test_a_case_with_nothing_hidden_goes_all_the_way():
+    from beyond.judge import judged_beyond
+    from cases import Case
+
+    outcome = judged_beyond(Case("none", (), "clean", "", "high", "B", 1), seed=1)
+    assert outcome.counted == "right", outcome
+    assert outcome.identified == outcome.diagnosed == outcome.discovered == pytest.approx(1.0, abs=0.02)
+    assert "nothing is missing" in outcome.found.reason
