@@ -12,7 +12,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import LeftOut, LeftOutScore, Whitened, whitened
-from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model, smooth_basis
+from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
@@ -25,6 +25,7 @@ from pipeclamp_identification.fitting.observations import (
     loop_observations,
     points_enough,
 )
+from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, per_cycle
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect, Parameter

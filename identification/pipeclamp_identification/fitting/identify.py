@@ -17,6 +17,7 @@ from pipeclamp_identification.fitting.groups_answer import groups_answer
 from pipeclamp_identification.fitting.least_squares import HELD, TOLERANCE, WISHED, Fit, fit, unfitted
 from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
+from pipeclamp_identification.fitting.spread import spread_of
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
 from pipeclamp_identification.loops.loops import Loops, loops_of, per_cycle
 from pipeclamp_models.base.errors import UsageError
@@ -246,10 +247,11 @@ def law_file(
     )
     data = data_source(campaign.name, campaign.fingerprint, len(campaign.runs), campaign.left_out)
     covered = range_of(identification.loops, aged=ages(identification.fit.equations))
-    return file_of_fit(
+    file = file_of_fit(
         identification.fit, covered, data, quality,
         name=name, command=command, date=date, history=history,
     )  # fmt: skip
+    return file.model_copy(update={"spread": spread_of(identification.fit, identification.loops)})
 
 
 def _rounded(value: float | None) -> float | None:

@@ -10,8 +10,8 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
 from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
-from pipeclamp_identification.diagnosis.noise import smooth_functions
 from pipeclamp_identification.diagnosis.screen import candidate_names
+from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
 from pipeclamp_identification.metrics_only.evidence import (
     EXPECTED_FREEDOMS,

@@ -141,6 +141,36 @@ class GroupEntry(Part):
     mean_force_N: Estimate | None = None
 
 
+class Shares(Part):
+    """Standard deviations of the shares by which a law's elastic and damping force are off."""
+
+    stiffness: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+    damping: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class Foretold(Part):
+    """How far a law is off at the end of a condition's range where the tests there are left out.
+
+    `step` is how far the end lies from the next level: of A and f the natural logarithm of their ratio, else the
+    difference in the condition's own unit.
+    """
+
+    step: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    error: Shares
+
+
+class Spread(Part):
+    """What tests scatter about their law beside the parameters' covariance, as shares of its force.
+
+    `runs`: between runs (mountings, specimens) at the same conditions; `form`: what the law leaves over on left-out
+    conditions besides, inside its range; `beyond`: that at the ends of the range of A, f, T and further conditions.
+    """
+
+    runs: Shares
+    form: Shares
+    beyond: dict[str, Foretold] = {}
+
+
 class Stage(Part):
     """The law as it stood before it was changed: what its force is computed from, and no more."""
 
@@ -176,6 +206,7 @@ class LawFile(Part):
     smoothing: dict[Literal["v_r", "y_r"], Annotated[float, Field(gt=0, allow_inf_nan=False)]]
     coefficients: dict[str, CoefficientEntry]
     covariance: Covariance | None = None
+    spread: Spread | None = None
     correlations: tuple[Correlation, ...] = ()
     range: dict[str, Interval]
     data: DataSource

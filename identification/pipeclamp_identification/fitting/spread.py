@@ -1,0 +1,148 @@
+"""What tests scatter about their law beside its parameters' covariance: from run to run, and by the law's form.
+
+A run's share is by how much of its elastic, or of its damping force it is off. What a share is where the run's
+conditions are left out follows from the fit's own derivatives, without another fit. The product of the two, with and
+without, is on average the variance of what the law can't know: neither too small by what the run did to the fit, nor
+too large by what it is worth to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.fitting.heldout import condition_groups
+from pipeclamp_identification.fitting.least_squares import Fit
+from pipeclamp_identification.fitting.observations import LoopObservations, Rows, loop_observations
+from pipeclamp_identification.fitting.smooth_trends import smooth_basis
+from pipeclamp_identification.loops.loops import Loops, per_cycle
+from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, number_levels
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.file import Foretold, Shares, Spread
+from pipeclamp_models.law.range import rounded
+
+FEWEST_LEVELS = 3
+"""Of a condition, that its law can be foretold from at its ends."""
+DETERMINED = 1e-10
+"""Directions of the parameters of which the other runs know less than this share are left to the run itself."""
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Stiffness and damping, in this order: shares of runs, shape (2, R), or their variances."""
+
+    shares: Array
+    noise: Array
+
+
+def spread_of(fit: Fit, loops: Loops) -> Spread | None:
+    """Give what the tests of a fit scatter about its law; None where there are too few runs to tell.
+
+    Args:
+        fit: the law with its force and derivatives on the tests.
+        loops: the tests, one row a run.
+    """
+    if len(fit.law_force.force) != len(loops.run):  # what ages was fitted cycle by cycle
+        loops = per_cycle(loops)
+    observations = loop_observations(loops)
+    groups = condition_groups(loops)
+    if groups.max() == 0 or not fit.fitted:
+        return None
+    left = _LeftOut(fit, observations.with_discrepancy(fit.law_force))
+    with_all = _shares(left.residual, observations)
+    variance = np.mean(with_all.shares * left.shares(groups), axis=1) - np.mean(with_all.noise, axis=1)
+    runs = _between_runs(with_all, loops)
+    form = np.maximum(variance - runs, 0.0)
+    beyond = {}
+    for name, (ends, step) in _ends(loops).items():
+        outside = left.shares(ends)
+        known = ends >= 0
+        at_ends = np.mean((with_all.shares * outside - with_all.noise)[:, known], axis=1) - runs
+        beyond[name] = Foretold(step=rounded(step), error=_deviations(np.maximum(at_ends, form)))
+    return Spread(runs=_deviations(runs), form=_deviations(form), beyond=beyond)
+
+
+class _LeftOut:
+    """What a fit's law would leave over of tests that are left out of it, to first order."""
+
+    def __init__(self, fit: Fit, observations: LoopObservations) -> None:
+        self._observations = observations
+        self._weight = np.where(observations.seen, 1 / observations.standard_error, 0.0)
+        self.residual = np.where(observations.seen, observations.plain_residual(fit.law_force), 0.0)
+        slopes = observations.plain_slopes(fit.law_force, fit.places) * self._weight
+        norms = np.sqrt(np.sum(slopes**2, axis=(1, 2)))
+        self._slopes = slopes / norms[:, None, None]
+        flat = self._slopes.reshape(len(norms), -1)
+        self._information = flat @ flat.T + np.diag(fit.precision / norms**2)
+
+    def shares(self, groups: npt.NDArray[np.intp]) -> Array:
+        """Give the shares of runs of which each group (number from 0) is left out at a time, (2, R)."""
+        residual = self.residual.copy()
+        for group in range(int(groups.max()) + 1):
+            own = np.flatnonzero(groups == group)
+            slopes = self._slopes[:, own].reshape(len(self._slopes), -1)
+            of_others = self._information - slopes @ slopes.T
+            pulled = slopes @ (self.residual * self._weight)[own].ravel()
+            moved = np.linalg.pinv(of_others, rcond=DETERMINED, hermitian=True) @ pulled
+            change = (moved @ slopes).reshape(len(own), -1)
+            weight = self._weight[own]
+            residual[own] += np.divide(change, weight, out=np.zeros_like(change), where=weight > 0)
+        return _shares(residual, self._observations).shares
+
+
+def _shares(residual: Array, observations: LoopObservations) -> _Pair:
+    """Give the share by which each run's elastic and damping force is off, and what noise makes of it."""
+    force = np.where(observations.seen, observations.harmonics, 0.0)
+    noise = np.where(observations.seen, observations.standard_error, 0.0) ** 2
+    shares, variances = [], []
+    # With the motion a cosine, what loading and unloading share is in phase, the rest in quadrature.
+    for first in (1, 2):
+        direction = force[:, first::2]
+        size = np.maximum(np.sum(direction**2, axis=1), 1e-300)
+        shares.append(np.sum(residual[:, first::2] * direction, axis=1) / size)
+        variances.append(np.sum(noise[:, first::2] * direction**2, axis=1) / size**2)
+    return _Pair(np.stack(shares), np.stack(variances))
+
+
+def _between_runs(found: _Pair, loops: Loops) -> Array:
+    """Give the variance of shares between runs: of what doesn't follow the conditions smoothly, less the noise, (2,)."""
+    basis = np.linalg.qr(smooth_basis(loops))[0]
+    free = found.shares.shape[1] - basis.shape[1]
+    if free < 1:
+        return np.zeros(2)
+    rest = found.shares - (found.shares @ basis) @ basis.T
+    by_noise = np.sum(found.noise * (1 - np.sum(basis**2, axis=1)), axis=1)
+    return np.asarray(np.maximum(np.sum(rest**2, axis=1) - by_noise, 0.0) / free)
+
+
+def _ends(loops: Loops) -> Mapping[str, tuple[npt.NDArray[np.intp], float]]:
+    """Give, by condition, which runs are at its lowest level (0) and highest (1; else -1), and how far these are off.
+
+    That is how far they lie from their neighbours, on average of the two.
+    """
+    return dict(_ends_of(loops))
+
+
+def _ends_of(loops: Loops) -> Iterator[tuple[str, tuple[npt.NDArray[np.intp], float]]]:
+    main = {"A": np.log(loops.amplitude_mm), "f": np.log(loops.frequency_Hz)}
+    others = {"T": loops.temperature_K, "rho": loops.density_g_cm3, **loops.conditions}
+    for name, values in {**main, **others}.items():
+        if not np.all(np.isfinite(values)):
+            continue
+        near = np.exp(values) if name in main else values
+        absolute = {"absolute": SAME_KELVIN} if name == "T" else {"relative": SAME_SHARE}
+        levels: list[Rows] = [level.rows for level in number_levels(near, **absolute)]
+        if len(levels) < FEWEST_LEVELS:
+            continue
+        middles = [float(np.mean(values[rows])) for rows in levels]
+        number = np.full(len(values), -1, dtype=np.intp)
+        number[levels[0]], number[levels[-1]] = 0, 1
+        yield name, (number, (middles[1] - middles[0] + middles[-1] - middles[-2]) / 2)
+
+
+def _deviations(variances: Array) -> Shares:
+    stiffness, damping = np.sqrt(variances).tolist()
+    return Shares(stiffness=rounded(stiffness), damping=rounded(damping))
