@@ -17,7 +17,7 @@ ROOTS = {
 ROOMS = {
     "pipeclamp_models": ("base", "equations", "effects", "law", "realise", "pipe"),
     "pipeclamp_fmu": ("slaves", "describe", "contents", "python", "native"),
-    "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "study"),
+    "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "bands", "study"),
     "pipeclamp_identification": (
         "signals", "units", "campaign", "importing", "loops", "fitting", "comparison", "diagnosis", "discovery",
         "metrics_only", "on_pipe", "attribution", "workflow",

@@ -118,6 +118,34 @@ class SteadySystem:
         loads = np.concatenate([sine, resized(forces, responses.shape[3])], axis=1)
         return np.asarray(np.einsum("rijh,rjh->rih", responses, loads))
 
+    def pushed(self, frequency: float, forces: Complex) -> Complex:
+        """Give the motion, mm, (Q, points, H + 1), that forces into the clamps, (Q, clamps, H + 1), make at Hz."""
+        responses = self.responses(np.array([frequency]), forces.shape[2] - 1)[0]
+        return np.asarray(np.einsum("ijh,qjh->qih", responses[:, 1:], forces))
+
+    def changed(
+        self, unknowns: Array, frequency: float, by_unknowns: Array, by_frequency: Array, forces: Complex
+    ) -> Complex:
+        """Give how the motion of clamps and probes changes, to first order.
+
+        Args:
+            unknowns: of the clamps' balanced motion, (m,), at a frequency, Hz.
+            by_unknowns: changes of the clamps' motion, (Q, m).
+            by_frequency: changes of the frequency that come with them, Hz, (Q,).
+            forces: changes of the clamps' forces that brought them about, N, (Q, clamps, H + 1).
+
+        Returns:
+            changes of the harmonics, mm, (Q, points, H + 1).
+        """
+        relative = np.column_stack([by_unknowns / self.sizes(unknowns[None])[0], by_frequency / frequency])
+        nudge = NUDGE / np.maximum(np.abs(relative).max(axis=1, initial=0.0), 1e-300)[:, None]
+        rows = np.vstack([unknowns + nudge * by_unknowns, unknowns - nudge * by_unknowns])
+        at = np.concatenate([frequency + nudge[:, 0] * by_frequency, frequency - nudge[:, 0] * by_frequency])
+        drive = np.array([self._excitation(one) for one in at.tolist()])
+        moved = self.moved(rows, at, drive, self.responses(at, self._up_to(unknowns)))
+        above, below = np.split(moved, 2)
+        return np.asarray((above - below) / (2 * nudge[:, :, None]) + self.pushed(frequency, forces))
+
     def residuals(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Array:
         """Give by how much the clamps' motion isn't balanced, mm, (rows, m); arguments as of `moved`."""
         return unknowns - packed(self.moved(unknowns, frequency, drive, responses[:, : self.clamps]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -209,7 +210,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
                 tell(label(temperature, level))
                 place = str(path)
                 system = steady_system(description, pipe, path.parent, temperature, level, table.harmonics, place)
-                curve = _curve(system, table, temperature, level, place)
+                curve = curve_of(system, table, temperature, level, place)
                 curves.append(curve)
                 for frequency in _dot_frequencies(table):
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
@@ -232,7 +233,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
     )
 
 
-def _curve(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
+def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | None, level: float, where: str) -> Curve:
     """Follow one curve, and seek what is detached from it.
 
     Raises:
@@ -253,13 +254,21 @@ def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
     return np.linspace(table.from_Hz, table.to_Hz, table.dots + 2)[1:-1].tolist() if table.dots else ()
 
 
-def write_response(response: FrequencyResponse, path: Path) -> None:
+def write_response(
+    response: FrequencyResponse, path: Path, beside: Sequence[Mapping[str, float]] | None = None
+) -> None:
     """Write curves and dots as CSV, whole or not at all: a row each, "name [unit]" as header.
+
+    Args:
+        response: curves and dots.
+        path: the file.
+        beside: further columns of each state of the curves, in their order, by header.
 
     Raises:
         UserError: the folder can't be written.
     """
     rows = []
+    further = iter(beside if beside is not None else repeat({}))
     for curve in response.curves:
         for number, state in ((n, state) for n, piece in enumerate(curve.pieces, 1) for state in piece):
             row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
@@ -271,7 +280,7 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
             ):  # fmt: skip
                 row |= {f"{name}.A_used [mm]": amplitude, f"{name}.f_used [Hz]": frequency, f"{name}.f [N]": force}
                 row[f"{name}.inRange [1 yes, 0 no]"] = float(not beyond)
-            rows.append(row)
+            rows.append({**row, **next(further)})
     for dot in response.dots:
         row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)
         row |= {"settled": float(dot.settled), "trusted": float(dot.trusted), "step [s]": dot.step}

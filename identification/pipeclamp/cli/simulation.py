@@ -61,6 +61,16 @@ PlatformsOption = Annotated[
 ]
 
 
+BandsOption = Annotated[
+    float | None,
+    typer.Option(metavar="PER_CENT", help="With bands that hold so many per cent, such as 95."),
+]
+LimitOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="POINT=MM", help="With --bands: how likely a clamp or probe moves farther than that."),
+]
+
+
 def _start_option(unit: str, help: str, least: float = 0.0) -> Any:
     """Give the option of a start value of the clamp's FMU, above the least one."""
 
@@ -186,21 +196,45 @@ def response(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
     output: Annotated[Path, file_option("RESPONSE.csv", "The curves to write.")],
     report: ReportOption = None,
+    bands: BandsOption = None,
+    limit: LimitOption = None,
 ) -> None:
     """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
     from pipeclamp.pages.system.response import response_sections
     from pipeclamp_system.steady.response import run_response, write_response
 
     spare(system, outputs=(output, report))
+    limits = _limits(limit, bands)
     with told("response") as tell:
         found = run_response(system, tell)
-        sections = response_sections(found)
+        banded = None
+        if bands is not None:
+            from pipeclamp_system.bands.response import response_bands
+
+            banded = response_bands(system, found, bands, limits, tell)
+        sections = response_sections(found, banded)
     if report:
         from pipeclamp.pages.page import write_report
 
         write_report(report, f"Frequency response {system.stem}", "pipe and clamps", sections, command_called())
-    write_response(found, output)
-    say([*sections[0].paragraphs, str(output)])
+    write_response(found, output, banded.columns() if banded else None)
+    say([*sections[0].paragraphs, *(sections[1].paragraphs if banded else ()), str(output)])
+
+
+def _limits(texts: list[str] | None, bands: float | None) -> dict[str, float]:
+    """Read what clamps and probes may move, mm, by name."""
+    if texts and bands is None:
+        raise UsageError("--limit: how likely it is exceeded is told with --bands alone; expected --bands 95 beside it")
+    limits = {}
+    for text in texts or ():
+        name, _, value = text.partition("=")
+        try:
+            limits[name.strip()] = float(value)
+        except ValueError:
+            raise UsageError(f"--limit: got {text!r}; expected a clamp or probe and mm, such as clamp1=0.8") from None
+        if not 0 < limits[name.strip()] < math.inf:
+            raise UsageError(f"--limit: got {text!r}; expected a displacement above 0 mm")
+    return limits
 
 
 @app.command("system", epilog="Example: pipeclamp system system.toml -o system.ssp --kind native")

@@ -108,7 +108,7 @@ def _shares(residual: Array, observations: LoopObservations) -> _Pair:
 
 
 def _between_runs(found: _Pair, loops: Loops) -> Array:
-    """Give the variance of shares between runs: of what doesn't follow the conditions smoothly, less the noise, (2,)."""
+    """Give the variance of shares between runs, (2,): of what doesn't follow conditions smoothly, less the noise."""
     basis = np.linalg.qr(smooth_basis(loops))[0]
     free = found.shares.shape[1] - basis.shape[1]
     if free < 1:

@@ -7,7 +7,9 @@ from itertools import groupby
 import plotly.graph_objects as go
 
 from pipeclamp.pages.page import SERIES, Section, styled
+from pipeclamp.pages.system.bands import add_band, bands_section
 from pipeclamp.show.table import Table
+from pipeclamp_system.bands.response import ResponseBands
 from pipeclamp_system.description.trust_mark import DOUBT
 from pipeclamp_system.steady.dots import Dot
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, label
@@ -23,9 +25,9 @@ DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
 
 
-def response_sections(response: FrequencyResponse) -> list[Section]:
-    """Give the report of a frequency response; the first section holds the summary in words."""
-    pictures = [response_picture(response, index) for index in range(len(response.points))]
+def response_sections(response: FrequencyResponse, bands: ResponseBands | None = None) -> list[Section]:
+    """Give the report of a frequency response; the first section holds the summary in words, the next its bands."""
+    pictures = [response_picture(response, index, bands) for index in range(len(response.points))]
     header = (
         "clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve",
         "curve leaves out", "step / ms", "",
@@ -41,6 +43,7 @@ def response_sections(response: FrequencyResponse) -> list[Section]:
     tables = [Table(header, rows, "co-simulations, and how far they are off the nearest stable branch")] if rows else []
     return [
         Section("What came out", response.summary().splitlines()),
+        *([bands_section(bands)] if bands else []),
         Section("Frequency response", (WORDS,), (), pictures),
         Section("Co-simulations", (), tables),
     ]
@@ -51,10 +54,14 @@ def _remark(dot: Dot) -> str:
     return ", ".join(words for words, said in (("not settled", not dot.settled), (DOUBT, not dot.trusted)) if said)
 
 
-def response_picture(response: FrequencyResponse, point: int) -> go.Figure:
-    """Draw all curves at one point (its index), temperatures by colour, and the co-simulations on them."""
+def response_picture(response: FrequencyResponse, point: int, bands: ResponseBands | None = None) -> go.Figure:
+    """Draw all curves at one point (its index), temperatures by colour, their bands, the co-simulations on them."""
     figure = go.Figure()
     temperatures = list(dict.fromkeys(curve.temperature for curve in response.curves))
+    for curve, banded in zip(response.curves, bands.curves if bands else (), strict=False):
+        colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
+        for of_points in banded.pieces:
+            add_band(figure, of_points[point], colour)
     for curve in response.curves:
         colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
         for stable, piece in pieces(curve):

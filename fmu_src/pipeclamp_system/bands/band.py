@@ -1,0 +1,82 @@
+"""A number with its band, and what of the band comes from what."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UsageError
+from pipeclamp_system.bands.quantities import KINDS, Unknown
+
+WIDEST = 99.9
+"""Per cent that a band holds at most: beyond, what is known of the tails is too little."""
+LEADING = 4
+"""Quantities that are named as those which matter most."""
+
+
+def steps_of(per_cent: float) -> float:
+    """Give how many standard deviations to either side hold so many per cent.
+
+    Raises:
+        UsageError: it isn't a share that a band can hold.
+    """
+    if not 1.0 <= per_cent <= WIDEST:
+        raise UsageError(f"--bands: got {per_cent:g}; expected a number from 1 to {WIDEST:g}, such as 95")
+    return float(ndtri(0.5 + per_cent / 200))
+
+
+@dataclass(frozen=True)
+class Band:
+    """A number and what isn't known of it.
+
+    Attributes:
+        value: the number.
+        low, high: ends of its band.
+        deviation: standard deviation.
+        shares: of the variance, by kind; "solution" is what the solver leaves out.
+        leading: quantities with the largest shares of it, by name, largest first; negative where they go against it.
+    """
+
+    value: float
+    low: float
+    high: float
+    deviation: float
+    shares: Mapping[str, float]
+    leading: tuple[tuple[str, float], ...]
+
+    def beyond(self, limit: float, steps: float) -> float:
+        """Give the probability that the number is above a limit; the band reaches so many standard deviations."""
+        side = self.high - self.value if limit > self.value else self.value - self.low
+        if side <= 0:
+            return float(self.value > limit)
+        return float(ndtr((self.value - limit) / (side / steps)))
+
+
+def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, solution: float = 0.0) -> Band:
+    """Give a number's band, to first order.
+
+    Args:
+        value: the number.
+        by_quantity: its derivatives by what isn't known, (Q,).
+        unknown: that, with its covariance.
+        steps: standard deviations to either side.
+        solution: standard deviation of what the solver leaves out.
+    """
+    parts = by_quantity * (unknown.covariance @ by_quantity)
+    variance = float(parts.sum()) + solution**2
+    whole = variance if variance > 0 else 1.0
+    shares: dict[str, float] = {str(kind): float(parts[unknown.of_kind(kind)].sum()) / whole for kind in KINDS}
+    largest = np.argsort(-np.abs(parts))[:LEADING]
+    deviation = float(np.sqrt(variance))
+    return Band(
+        value,
+        value - steps * deviation,
+        value + steps * deviation,
+        deviation,
+        shares | {"solution": solution**2 / whole},
+        tuple((unknown.quantities[place].name, float(parts[place]) / whole) for place in largest),
+    )

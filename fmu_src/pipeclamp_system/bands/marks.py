@@ -1,0 +1,105 @@
+"""What a person reads off a curve: its peak, and the frequencies at which it turns back, where a sweep jumps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+
+SMALL = 0.1
+"""Of a standard deviation, by which a curve is moved to see what its marks do."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """A piece of a curve at one point, and how each of its states moves per quantity.
+
+    Attributes:
+        frequency: Hz, and amplitude: mm, shape (S,).
+        by_frequency, by_amplitude: their changes, shape (Q, S).
+    """
+
+    frequency: Array
+    amplitude: Array
+    by_frequency: Array
+    by_amplitude: Array
+
+    def peak(self) -> tuple[float, float, bool]:
+        """Give the frequency and the amplitude of the highest state, and whether that is inside the piece."""
+        at = int(np.argmax(self.amplitude))
+        found = _turning(self.amplitude, at)
+        inside = 0 < at < len(self.amplitude) - 1
+        return float(_at(self.frequency, at, found)), float(_at(self.amplitude, at, found)), inside
+
+    def peak_moves(self, sizes: Array) -> tuple[Array, Array]:
+        """Give the derivatives of the peak's frequency and amplitude, (Q,) each, told by changes of these sizes."""
+        at = int(np.argmax(self.amplitude))
+        sides = []
+        for frequency, amplitude in self._moved(sizes):
+            found = np.array([_turning(one, at) for one in amplitude])
+            sides.append([_at(frequency, at, found), _at(amplitude, at, found)])
+        by_frequency, by_amplitude = _differences(sides, sizes)
+        return by_frequency, by_amplitude
+
+    def turns(self) -> list[int]:
+        """Give the states at which the curve turns back."""
+        steps = np.sign(np.diff(self.frequency))
+        return [place + 1 for place in np.flatnonzero(steps[1:] * steps[:-1] < 0).tolist()]
+
+    def turn(self, at: int) -> float:
+        """Give the frequency at which the curve turns next to a state."""
+        return float(_at(self.frequency, at, _turning(self.frequency, at)))
+
+    def turn_moves(self, at: int, sizes: Array) -> Array:
+        """Give the derivatives of that frequency, (Q,)."""
+        sides = []
+        for frequency, _ in self._moved(sizes):
+            found = np.array([_turning(one, at) for one in frequency])
+            sides.append([_at(frequency, at, found)])
+        return _differences(sides, sizes)[0]
+
+    def _moved(self, sizes: Array) -> Iterator[tuple[Array, Array]]:
+        """Give frequencies and amplitudes, (Q, S) each, with each quantity a little larger, and a little smaller."""
+        for step in (SMALL * sizes[:, None], -SMALL * sizes[:, None]):
+            yield self.frequency + step * self.by_frequency, self.amplitude + step * self.by_amplitude
+
+    def across(self, covariance: Array, scales: tuple[float, float]) -> tuple[Array, Array]:
+        """Give the standard deviation of the curve at a right angle to it, as steps in frequency and amplitude, (S,).
+
+        Args:
+            covariance: of the quantities, (Q, Q).
+            scales: what frequencies and amplitudes are drawn as shares of.
+        """
+        along = np.stack([np.gradient(self.frequency) / scales[0], np.gradient(self.amplitude) / scales[1]])
+        normal = np.stack([-along[1], along[0]]) / np.maximum(np.hypot(*along), 1e-300)
+        normal *= np.where(normal[1] < 0, -1.0, 1.0)  # upwards, where up and down can be told
+        moved = normal[0] * self.by_frequency / scales[0] + normal[1] * self.by_amplitude / scales[1]
+        deviation = np.sqrt(np.maximum(np.einsum("qs,qr,rs->s", moved, covariance, moved), 0.0))
+        return deviation * normal[0] * scales[0], deviation * normal[1] * scales[1]
+
+
+def _differences(sides: list[list[Array]], sizes: Array) -> tuple[Array, ...]:
+    above, below = sides
+    steps = 2 * SMALL * np.where(sizes > 0, sizes, 1.0)
+    return tuple((one - other) / steps for one, other in zip(above, below, strict=True))
+
+
+def _turning(values: Array, at: int) -> float:
+    """Give where a parabola through a value and its neighbours turns, in places from it, at most one; 0 at an end."""
+    if not 0 < at < len(values) - 1:
+        return 0.0
+    before, here, after = values[at - 1 : at + 2]
+    bend = before - 2 * here + after
+    return float(np.clip((before - after) / (2 * bend), -1.0, 1.0)) if bend != 0 else 0.0
+
+
+def _at(values: Array, place: int, found: Array | float) -> Array:
+    """Give values (..., S) at so much beside a place, (...): on the parabola through it and its neighbours."""
+    here = values[..., place]
+    if not 0 < place < values.shape[-1] - 1:
+        return np.asarray(here)
+    before, after = values[..., place - 1], values[..., place + 1]
+    return np.asarray(here + (after - before) / 2 * found + (before - 2 * here + after) / 2 * np.square(found))

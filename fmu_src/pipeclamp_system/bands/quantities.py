@@ -1,0 +1,109 @@
+"""What isn't known of a system's clamps, as quantities with their covariance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_system.bands.varied import SHARES, VariedLaw
+
+Kind = Literal["parameters", "runs", "form"]
+KINDS: Mapping[Kind, str] = {
+    "parameters": "the law's parameters",
+    "runs": "scatter from run to run",
+    "form": "what the law leaves over on left-out tests",
+}
+"""Kinds of what isn't known, in words."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One thing that isn't known.
+
+    Attributes:
+        kind: of what.
+        name: of the law and its parameter, or of the clamp and the share.
+        parameter: of the varied law, that it changes.
+        clamps: which of the system's clamps it changes.
+    """
+
+    kind: Kind
+    name: str
+    parameter: str
+    clamps: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """All that isn't known of a system's clamps.
+
+    Attributes:
+        laws: of each clamp; clamps of one law share it.
+        quantities: Q of them. Shares are in units of their standard deviation.
+        covariance: shape (Q, Q).
+    """
+
+    laws: Sequence[VariedLaw]
+    quantities: tuple[Quantity, ...]
+    covariance: Array
+
+    def of_kind(self, kind: Kind) -> Array:
+        """Tell which quantities are of a kind, shape (Q,)."""
+        return np.array([quantity.kind == kind for quantity in self.quantities])
+
+    def sizes(self, clamp: int, beyond: Mapping[str, float]) -> Array:
+        """Give by how much each quantity, of size one, changes its parameter at a clamp, shape (Q,).
+
+        Args:
+            clamp: which.
+            beyond: its conditions that lie beyond the data of its law, by name.
+        """
+        law = self.laws[clamp]
+        form = law.form(beyond)
+        runs = law.file.spread.runs if law.file.spread else form
+        sizes = np.zeros(len(self.quantities))
+        for place, quantity in enumerate(self.quantities):
+            if clamp not in quantity.clamps:
+                continue
+            if quantity.kind == "parameters":
+                sizes[place] = 1.0
+            else:
+                sizes[place] = getattr(runs if quantity.kind == "runs" else form, SHARES[quantity.parameter])
+        return sizes
+
+    def changes(self, clamp: int, beyond: Mapping[str, float], amounts: Array) -> dict[str, float]:
+        """Give the changes of a clamp's parameters, by name, that amounts of the quantities, shape (Q,), make."""
+        made: dict[str, float] = {}
+        for quantity, size, amount in zip(self.quantities, self.sizes(clamp, beyond), amounts, strict=True):
+            made[quantity.parameter] = made.get(quantity.parameter, 0.0) + float(size * amount)
+        return made
+
+
+def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str]) -> Unknown:
+    """Give what isn't known of clamps.
+
+    What a law's tests tell is one truth for all clamps that have it; each clamp is mounted by itself.
+
+    Args:
+        laws: of each clamp; the same object where clamps share a law.
+        clamps: their names.
+    """
+    quantities: list[Quantity] = []
+    blocks: list[Array] = []
+    for law in dict.fromkeys(laws):
+        own = tuple(place for place, other in enumerate(laws) if other is law)
+        name = law.file.name
+        quantities += [Quantity("parameters", f"{name}: {one}", one, own) for one in law.names]
+        blocks.append(law.covariance)
+        if law.file.spread is None:
+            continue
+        for parameter, share in SHARES.items():
+            quantities.append(Quantity("form", f"{name}: {share}", parameter, own))
+            quantities += [Quantity("runs", f"{clamps[place]}: {share}", parameter, (place,)) for place in own]
+            blocks.append(np.eye(1 + len(own)))
+    return Unknown(laws, tuple(quantities), block_diag(*blocks) if blocks else np.zeros((0, 0)))

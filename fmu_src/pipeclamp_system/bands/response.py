@@ -1,0 +1,353 @@
+"""A frequency response with the bands of its curves, its peaks and its jumps."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.file import write_law
+from pipeclamp_models.pipe.description import read_pipe
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
+from pipeclamp_system.bands.band import Band, band_of, steps_of
+from pipeclamp_system.bands.marks import Moving
+from pipeclamp_system.bands.quantities import KINDS, Unknown, unknown
+from pipeclamp_system.bands.sensitivity import moves, with_laws
+from pipeclamp_system.bands.varied import VariedLaw, varied
+from pipeclamp_system.cosim.building import law_in
+from pipeclamp_system.description.system import SystemDescription, read_system
+from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
+from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, curve_of, label
+
+TOLD = 0.01
+"""Share of a band's variance from which on its origin is named."""
+TELLS = 0.5
+"""Of its own band, that a point must move at the ends of the first one's, for these to tell how its band bends."""
+
+
+@dataclass(frozen=True, eq=False)
+class PieceBand:
+    """The band of a piece of a curve at one point: its ends, at a right angle to the curve, shape (S,) each; Hz, mm."""
+
+    low_frequency: Array
+    low: Array
+    high_frequency: Array
+    high: Array
+
+
+@dataclass(frozen=True)
+class PeakBand:
+    """The highest state of a curve at one point.
+
+    Attributes:
+        amplitude: mm; frequency: Hz.
+        inside: whether it lies inside the range of frequencies.
+    """
+
+    amplitude: Band
+    frequency: Band
+    inside: bool
+
+
+@dataclass(frozen=True)
+class CurveBands:
+    """The bands of one curve.
+
+    Attributes:
+        peaks: of each clamp and probe.
+        turns: frequencies, Hz, at which the curve turns back, in the order of its states.
+        pieces: of each piece of the curve, of each clamp and probe.
+        detached: how many branches nothing joins to the curve: with the law, and at the low and the high end.
+    """
+
+    peaks: tuple[PeakBand, ...]
+    turns: tuple[Band, ...]
+    pieces: tuple[tuple[PieceBand, ...], ...]
+    detached: tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class ResponseBands:
+    """The bands of a frequency response.
+
+    Attributes:
+        response: the response.
+        per_cent: that each band holds.
+        curves: the bands of each of its curves.
+        limits: mm, by clamp or probe.
+        gaps: what the laws' files don't tell, in words.
+    """
+
+    response: FrequencyResponse
+    per_cent: float
+    curves: tuple[CurveBands, ...]
+    limits: Mapping[str, float]
+    gaps: tuple[str, ...]
+
+    def words(self) -> list[str]:
+        """Say how sure the response is."""
+        lines = []
+        for curve, bands in zip(self.response.curves, self.curves, strict=True):
+            name = label(curve.temperature, curve.level)
+            for point, peak in zip(self.response.points, bands.peaks, strict=True):
+                lines.append(f"{name}: {self._peak_words(point, peak)}")
+            if bands.turns:
+                jumps = ", ".join(f"{turn.value:.4g} Hz ({turn.low:.4g} to {turn.high:.4g})" for turn in bands.turns)
+                lines.append(f"{name}: the curve turns back, and a sweep jumps, at {jumps}")
+            lines += [f"{name}: {words}" for words in _detached_words(bands.detached)]
+        return [*lines, *self.gaps]
+
+    def _peak_words(self, point: str, peak: PeakBand) -> str:
+        amplitude, frequency = peak.amplitude, peak.frequency
+        where = "" if peak.inside else ", at the end of the range of frequencies"
+        words = (
+            f"peak at {point} {amplitude.value:.4g} mm, {self.per_cent:g} % band {amplitude.low:.4g} to "
+            f"{amplitude.high:.4g} mm, at {frequency.value:.4g} Hz ({frequency.low:.4g} to {frequency.high:.4g} Hz)"
+            f"{where}{origin_words(amplitude)}"
+        )
+        if point in self.limits:
+            chance = amplitude.beyond(self.limits[point], steps_of(self.per_cent))
+            words += f"; above {self.limits[point]:g} mm with a probability of {_probability(chance)}"
+        return words
+
+    def columns(self) -> list[dict[str, float]]:
+        """Give the ends of the bands for each state of the curves, in their order, by the header of their column."""
+        rows = []
+        for curve, bands in zip(self.response.curves, self.curves, strict=True):
+            for piece, of_points in zip(curve.pieces, bands.pieces, strict=True):
+                for place in range(len(piece)):
+                    row: dict[str, float] = {}
+                    for name, band in zip(self.response.points, of_points, strict=True):
+                        row |= {
+                            f"{name}.s_low [mm]": float(band.low[place]),
+                            f"{name}.s_low frequency [Hz]": float(band.low_frequency[place]),
+                            f"{name}.s_high [mm]": float(band.high[place]),
+                            f"{name}.s_high frequency [Hz]": float(band.high_frequency[place]),
+                        }
+                    rows.append(row)
+        return rows
+
+
+def origin_words(band: Band) -> str:
+    """Say what of a band comes from what, as the end of a sentence."""
+    named = {str(kind): words for kind, words in KINDS.items()} | {"solution": "what the solver leaves out"}
+    shares = sorted(band.shares.items(), key=lambda item: -item[1])
+    parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= TOLD]
+    if not parts:
+        return ""
+    leading = [name for name, share in band.leading if share >= TOLD]
+    return f"; of the variance {', '.join(parts)}" + (f"; most from {', '.join(leading)}" if leading else "")
+
+
+def _probability(chance: float) -> str:
+    if chance < 1e-3 or chance > 1 - 1e-3:
+        return "less than 0.1 %" if chance < 0.5 else "more than 99.9 %"
+    return f"{100 * chance:.2g} %" if chance < 0.995 else f"{100 * chance:.1f} %"
+
+
+def _detached_words(counts: tuple[int, int, int]) -> list[str]:
+    here, low, high = counts
+    if here == low == high:
+        return []
+    told = [f"at the {end} end of the band {count or 'none'}" for end, count in (("low", low), ("high", high))]
+    return [f"branches apart from the curve: {here or 'none'}; {', '.join(told)}"]
+
+
+def response_bands(
+    path: Path,
+    response: FrequencyResponse,
+    per_cent: float,
+    limits: Mapping[str, float] | None = None,
+    progress: Progress | None = None,
+) -> ResponseBands:
+    """Give the bands of a system's frequency response.
+
+    To first order by exact derivatives, then held against the response at the two ends of the band of each curve's
+    first peak: where that bends, the bands follow it.
+
+    Args:
+        path: SYSTEM.toml, that the response is of.
+        response: the response.
+        per_cent: that each band holds, such as 95.
+        limits: mm that clamps or probes may move, by name.
+        progress: told what is being done.
+
+    Raises:
+        UserError: a limit is for no clamp or probe, or the response at an end isn't found.
+        UsageError: the share can't be held by a band.
+    """
+    tell = progress or (lambda what: None)
+    steps = steps_of(per_cent)
+    for name in limits or {}:
+        if name not in response.points:
+            raise UsageError(f"--limit: {name!r} is no clamp or probe; expected one of {', '.join(response.points)}")
+    description = read_system(path)
+    sources = [str(clamp.law) for clamp in description.clamps]
+    known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
+    system = _System(path, description, unknown([known[name] for name in sources], response.clamp_names))
+    curves = []
+    for curve in response.curves:
+        tell(f"band of {label(curve.temperature, curve.level)}")
+        curves.append(system.bands(curve, steps))
+    return ResponseBands(response, per_cent, tuple(curves), limits or {}, gaps(known))
+
+
+def gaps(laws: Mapping[str, VariedLaw]) -> tuple[str, ...]:
+    """Say what the files of laws, by name, don't tell of their uncertainty."""
+    lines = []
+    for name, law in laws.items():
+        if not law.names:
+            lines.append(f"{name}: no covariance in its file: its parameters count as exact; identify it from tests")
+        if law.file.spread is None:
+            lines.append(
+                f"{name}: its file doesn't tell what its tests scatter about it: bands are of its parameters alone; "
+                "identify it again from records"
+            )
+    return tuple(lines)
+
+
+class _System:
+    """A described system with what isn't known of its clamps."""
+
+    def __init__(self, path: Path, description: SystemDescription, unknown: Unknown) -> None:
+        self.path, self.description, self.unknown = path, description, unknown
+        self.table = response_table(description, str(path))
+        self.pipe: ReducedPipe = reduce(read_pipe(path.parent / str(description.pipe.file)))
+
+    def bands(self, curve: Curve, steps: float) -> CurveBands:
+        """Give the bands of a curve."""
+        moving = self._moving(curve)
+        sizes = np.sqrt(np.diag(self.unknown.covariance))
+        truncated = [max(piece, key=lambda state: max(amplitudes_of(state))).truncated for piece in curve.pieces]
+        peaks, slopes = [], []
+        for of_point in moving:
+            # of all pieces that with the highest state
+            index = max(range(len(of_point)), key=lambda place: of_point[place].peak()[1])
+            frequency, amplitude, inside = of_point[index].peak()
+            by_frequency, by_amplitude = of_point[index].peak_moves(sizes)
+            slopes.append(by_amplitude)
+            peaks.append(
+                PeakBand(
+                    band_of(amplitude, by_amplitude, self.unknown, steps, truncated[index] * amplitude),
+                    band_of(frequency, by_frequency, self.unknown, steps),
+                    inside,
+                )
+            )
+        turns = tuple(
+            band_of(piece.turn(at), piece.turn_moves(at, sizes), self.unknown, steps)
+            for piece in moving[0] for at in piece.turns()
+        )  # fmt: skip
+        scales = self.table.to_Hz - self.table.from_Hz, max(peak.amplitude.value for peak in peaks)
+        pieces = tuple(
+            tuple(_ends(of_point[index], self.unknown.covariance, scales, steps) for of_point in moving)
+            for index in range(len(curve.pieces))
+        )
+        ends = [self._solved(curve, slopes[0], side * steps) for side in (-1, 1)]
+        towards = self.unknown.covariance @ slopes[0] / max(peaks[0].amplitude.deviation, 1e-300)
+        followed = tuple(
+            _followed(
+                peak,
+                [_peak_of(end, place) for end in ends],
+                [side * steps * float(slopes[place] @ towards) for side in (-1, 1)],
+            )
+            for place, peak in enumerate(peaks)
+        )
+        detached = len(curve.detached), len(ends[0].detached), len(ends[1].detached)
+        return CurveBands(followed, turns, pieces, detached)
+
+    def _moving(self, curve: Curve) -> list[list[Moving]]:
+        """Give, for each clamp and probe, the pieces of a curve with how they move."""
+        where, folder = str(self.path), self.path.parent
+        system = steady_system(
+            self.description, self.pipe, folder, curve.temperature, curve.level, self.table.harmonics, where
+        )
+        own = [one for _, one in steady_clamps(self.description, self.pipe, folder, curve.temperature, where)]
+        clamps = with_laws(own, self.unknown)
+        pieces = [[moves(system, clamps, state, self.unknown) for state in piece] for piece in curve.pieces]
+        points = len(amplitudes_of(curve.states[0]))
+        return [
+            [
+                Moving(
+                    np.array([state.frequency for state in piece]),
+                    np.array([amplitudes_of(state)[point] for state in piece]),
+                    np.stack([one.frequency for one in moved], axis=1),
+                    np.stack([one.amplitudes[:, point] for one in moved], axis=1),
+                )
+                for piece, moved in zip(curve.pieces, pieces, strict=True)
+            ]
+            for point in range(points)
+        ]
+
+    def _solved(self, curve: Curve, direction: Array, steps: float) -> Curve:
+        """Give the curve with laws that are off, by so many standard deviations, the way that moves its peak most."""
+        covariance = self.unknown.covariance
+        deviation = float(np.sqrt(direction @ covariance @ direction))
+        if deviation == 0:
+            return curve
+        amounts = steps * (covariance @ direction) / deviation
+        highest = max(curve.states, key=lambda state: amplitudes_of(state)[0])
+        folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
+        try:
+            clamps = []
+            for place, source in enumerate(self.description.clamps):
+                file = self.unknown.laws[place].with_changes(
+                    self.unknown.changes(place, highest.beyond[place], amounts)
+                )
+                write_law(file, folder / f"law_{place}.json")
+                clamps.append(source.model_copy(update={"law": str(folder / f"law_{place}.json")}))
+            changed = self.description.model_copy(update={"clamps": tuple(clamps)})
+            where = f"{self.path}, at an end of its band"
+            system = steady_system(
+                changed, self.pipe, self.path.parent, curve.temperature, curve.level, self.table.harmonics, where
+            )
+            return curve_of(system, self.table, curve.temperature, curve.level, where)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _ends(piece: Moving, covariance: Array, scales: tuple[float, float], steps: float) -> PieceBand:
+    frequency, amplitude = (steps * step for step in piece.across(covariance, scales))
+    return PieceBand(
+        piece.frequency - frequency,
+        np.maximum(piece.amplitude - amplitude, 0.0),
+        piece.frequency + frequency,
+        piece.amplitude + amplitude,
+    )
+
+
+def _peak_of(curve: Curve, point: int) -> tuple[float, float]:
+    """Give amplitude and frequency of a curve's peak at a point."""
+    tops = []
+    for piece in curve.pieces:
+        values = np.array([amplitudes_of(state)[point] for state in piece])
+        frequencies = np.array([state.frequency for state in piece])
+        nothing = np.zeros((0, len(piece)))
+        frequency, amplitude, _ = Moving(frequencies, values, nothing, nothing).peak()
+        tops.append((amplitude, frequency))
+    return max(tops)
+
+
+def _followed(peak: PeakBand, ends: Sequence[tuple[float, float]], foretold: Sequence[float]) -> PeakBand:
+    """Bend the band of a peak as the peaks that were solved at both ends bend.
+
+    Args:
+        peak: to first order.
+        ends: amplitude and frequency as solved at the low and the high end of the first point's band.
+        foretold: steps of the amplitude to there, to first order.
+    """
+    amplitude = peak.amplitude
+    sides = []
+    for (solved, _), step, end in zip(ends, foretold, (amplitude.low, amplitude.high), strict=True):
+        # a point that hardly moves there tells nothing of its own band
+        told = abs(step) >= TELLS * abs(end - amplitude.value) and (solved - amplitude.value) * step > 0
+        sides.append((solved - amplitude.value) / step if told else 1.0)
+    low = amplitude.value + sides[0] * (amplitude.low - amplitude.value)
+    high = amplitude.value + sides[1] * (amplitude.high - amplitude.value)
+    return replace(peak, amplitude=replace(amplitude, low=low, high=high))

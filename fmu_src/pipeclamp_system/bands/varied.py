@@ -1,0 +1,108 @@
+"""What isn't known of a law, and the law as it may be instead."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import CoefficientEntry, LawFile, Shares, structure_of
+
+OFF_BY = Declaration.model_validate(
+    {
+        "id": "off_by",
+        "title": "stiffness and damping are off by shares",
+        "looks_like": "loops that are a little too steep, or too wide",
+        "parameters": [
+            {"symbol": "off_k", "unit": "-", "meaning": "share of the stiffness", "start": 0.0, "neutral": 0.0},
+            {"symbol": "off_c", "unit": "-", "meaning": "share of the damping", "start": 0.0, "neutral": 0.0},
+        ],
+        "scales": [
+            {"coefficient": "stiffness", "factor": "1 + off_k"},
+            {"coefficient": "damping", "factor": "1 + off_c"},
+            {"coefficient": "slip", "factor": "1 + off_c"},
+        ],
+    }
+)
+"""By what a whole law may be off, as an effect beside its own."""
+
+SHARES: Mapping[str, str] = {"off_k": "stiffness", "off_c": "damping"}
+"""Its parameters, and which of a law's shares each is."""
+
+
+@dataclass(frozen=True, eq=False)
+class VariedLaw:
+    """A law with what isn't known of it.
+
+    Attributes:
+        file: the law, `OFF_BY` with its shares at none beside its effects.
+        names: parameters that were fitted and travel to the pipe.
+        covariance: theirs, shape (P, P).
+    """
+
+    file: LawFile
+    names: tuple[str, ...]
+    covariance: Array
+
+    def with_changes(self, changes: Mapping[str, float]) -> LawFile:
+        """Give the law's file with parameters changed by so much, by name."""
+        coefficients = {
+            name: entry.model_copy(update={"value": entry.value + changes.get(name, 0.0)})
+            for name, entry in self.file.coefficients.items()
+        }
+        return self.file.model_copy(update={"coefficients": coefficients})
+
+    def form(self, beyond: Mapping[str, float]) -> Shares:
+        """Give by how much the law's form may be off, in standard deviations.
+
+        Beyond the range of its data that grows as it grew in the tests, from one level to the one that was left out:
+        with the distance in such steps, of A and f that of their logarithms.
+
+        Args:
+            beyond: conditions that lie beyond the range, by name, in the range's units.
+        """
+        spread = self.file.spread
+        if spread is None:
+            return Shares(stiffness=0.0, damping=0.0)
+        squares = np.array([spread.form.stiffness, spread.form.damping]) ** 2
+        for name, value in beyond.items():
+            told, interval = spread.beyond.get(name), self.file.range.get(name)
+            if told is None or interval is None:
+                continue
+            end = interval.maximum if value > interval.maximum else interval.minimum
+            distance = abs(log(value / end) if name in ("A", "f") else value - end) / told.step
+            squares += (distance * np.array([told.error.stiffness, told.error.damping])) ** 2
+        stiffness, damping = np.sqrt(squares).tolist()
+        return Shares(stiffness=stiffness, damping=damping)
+
+
+def varied(file: LawFile) -> VariedLaw:
+    """Give a law with what its file says is not known of it.
+
+    Raises:
+        UserError: it has an effect with the name of `OFF_BY` already.
+    """
+    structure = structure_of(file).with_declared((OFF_BY,))
+    coefficients = dict(file.coefficients)
+    for table in OFF_BY.parameters:
+        coefficients[table.symbol] = CoefficientEntry(value=0.0, unit=table.unit, state="given", meaning=table.meaning)
+    whole = file.model_copy(
+        update={
+            "effects": (*file.effects, OFF_BY.id),
+            "declared": structure.declared,
+            "coefficients": coefficients,
+            "covariance": None,
+            "history": (),
+        }
+    )
+    travels = set(structure_of(whole).equations_without_rig.names)
+    told = file.covariance
+    places = [place for place, name in enumerate(told.names) if name in travels] if told else []
+    if told is None or not places:
+        return VariedLaw(whole, (), np.zeros((0, 0)))
+    matrix = np.array(told.matrix)[np.ix_(places, places)]
+    return VariedLaw(whole, tuple(told.names[place] for place in places), matrix)

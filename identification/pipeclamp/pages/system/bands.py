@@ -1,0 +1,52 @@
+"""How sure a simulation is: bands drawn beside its curves, and where they come from."""
+
+from __future__ import annotations
+
+import numpy as np
+import plotly.graph_objects as go
+
+from pipeclamp.pages.page import Section
+from pipeclamp.show.table import Table
+from pipeclamp_system.bands.band import Band
+from pipeclamp_system.bands.quantities import KINDS
+from pipeclamp_system.bands.response import PieceBand, ResponseBands
+from pipeclamp_system.steady.response import label
+
+FAINT = 0.18
+"""Opacity of a band."""
+
+WORDS = (
+    "A band is drawn at a right angle to its curve, so that it holds where the curve turns back too. Shares are of the "
+    "variance of the peak. Scatter from run to run is what one mounting does; the law's form is what it leaves over on "
+    "tests that were left out, and grows where the law is used beyond its tests."
+)
+
+
+def bands_section(bands: ResponseBands) -> Section:
+    """Give the part of a report that tells how sure a response is."""
+    header = (
+        "clamps, level", "at", "peak / mm", "low", "high", "at f / Hz", "low", "high",
+        "parameters", "run to run", "left-out tests", "solver",
+    )  # fmt: skip
+    rows: list[tuple[str | float, ...]] = []
+    for curve, own in zip(bands.response.curves, bands.curves, strict=True):
+        for point, peak in zip(bands.response.points, own.peaks, strict=True):
+            of_peak, of_frequency = ([band.value, band.low, band.high] for band in (peak.amplitude, peak.frequency))
+            name = label(curve.temperature, curve.level)
+            rows.append((name, point, *of_peak, *of_frequency, *shares_of(peak.amplitude)))
+    table = Table(header, rows, f"peaks with their {bands.per_cent:g} % bands, and the shares of their variance")
+    return Section("How sure", (*bands.words(), WORDS), [table])
+
+
+def shares_of(band: Band) -> list[str]:
+    """Give the shares of a band's variance, as texts, in the order of the kinds."""
+    return [f"{band.shares[kind]:.0%}" for kind in (*KINDS, "solution")]
+
+
+def add_band(figure: go.Figure, band: PieceBand, colour: str) -> None:
+    """Draw the band of a piece of a curve."""
+    figure.add_scatter(
+        x=np.concatenate([band.low_frequency, band.high_frequency[::-1]]),
+        y=np.concatenate([band.low, band.high[::-1]]),
+        mode="none", fill="toself", fillcolor=colour, opacity=FAINT, showlegend=False, hoverinfo="skip",
+    )  # fmt: skip
