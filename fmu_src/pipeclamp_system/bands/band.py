@@ -14,6 +14,8 @@ from pipeclamp_system.bands.quantities import KINDS, Unknown
 
 WIDEST = 99.9
 """Per cent that a band holds at most: beyond, what is known of the tails is too little."""
+TOLD = 0.01
+"""Share of a band's variance from which on its origin is named."""
 LEADING = 4
 """Quantities that are named as those which matter most."""
 
@@ -80,3 +82,14 @@ def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, so
         shares | {"solution": solution**2 / whole},
         tuple((unknown.quantities[place].name, float(parts[place]) / whole) for place in largest),
     )
+
+
+def origin_words(band: Band) -> str:
+    """Say what of a band comes from what, as the end of a sentence."""
+    named = {str(kind): words for kind, words in KINDS.items()} | {"solution": "what the solver leaves out"}
+    shares = sorted(band.shares.items(), key=lambda item: -item[1])
+    parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= TOLD]
+    if not parts:
+        return ""
+    leading = [name for name, share in band.leading if share >= TOLD]
+    return f"; of the variance {', '.join(parts)}" + (f"; most from {', '.join(leading)}" if leading else "")

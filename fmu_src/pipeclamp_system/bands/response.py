@@ -16,18 +16,16 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import write_law
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
-from pipeclamp_system.bands.band import Band, band_of, steps_of
+from pipeclamp_system.bands.band import Band, band_of, origin_words, steps_of
 from pipeclamp_system.bands.marks import Moving
-from pipeclamp_system.bands.quantities import KINDS, Unknown, unknown
+from pipeclamp_system.bands.quantities import Unknown, unknown
 from pipeclamp_system.bands.sensitivity import moves, with_laws
-from pipeclamp_system.bands.varied import VariedLaw, varied
+from pipeclamp_system.bands.varied import gaps, varied
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.description.system import SystemDescription, read_system
 from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, curve_of, label
 
-TOLD = 0.01
-"""Share of a band's variance from which on its origin is named."""
 TELLS = 0.5
 """Of its own band, that a point must move at the ends of the first one's, for these to tell how its band bends."""
 
@@ -135,17 +133,6 @@ class ResponseBands:
         return rows
 
 
-def origin_words(band: Band) -> str:
-    """Say what of a band comes from what, as the end of a sentence."""
-    named = {str(kind): words for kind, words in KINDS.items()} | {"solution": "what the solver leaves out"}
-    shares = sorted(band.shares.items(), key=lambda item: -item[1])
-    parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= TOLD]
-    if not parts:
-        return ""
-    leading = [name for name, share in band.leading if share >= TOLD]
-    return f"; of the variance {', '.join(parts)}" + (f"; most from {', '.join(leading)}" if leading else "")
-
-
 def _probability(chance: float) -> str:
     if chance < 1e-3 or chance > 1 - 1e-3:
         return "less than 0.1 %" if chance < 0.5 else "more than 99.9 %"
@@ -197,20 +184,6 @@ def response_bands(
         tell(f"band of {label(curve.temperature, curve.level)}")
         curves.append(system.bands(curve, steps))
     return ResponseBands(response, per_cent, tuple(curves), limits or {}, gaps(known))
-
-
-def gaps(laws: Mapping[str, VariedLaw]) -> tuple[str, ...]:
-    """Say what the files of laws, by name, don't tell of their uncertainty."""
-    lines = []
-    for name, law in laws.items():
-        if not law.names:
-            lines.append(f"{name}: no covariance in its file: its parameters count as exact; identify it from tests")
-        if law.file.spread is None:
-            lines.append(
-                f"{name}: its file doesn't tell what its tests scatter about it: bands are of its parameters alone; "
-                "identify it again from records"
-            )
-    return tuple(lines)
 
 
 class _System:

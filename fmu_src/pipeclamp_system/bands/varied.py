@@ -106,3 +106,17 @@ def varied(file: LawFile) -> VariedLaw:
         return VariedLaw(whole, (), np.zeros((0, 0)))
     matrix = np.array(told.matrix)[np.ix_(places, places)]
     return VariedLaw(whole, tuple(told.names[place] for place in places), matrix)
+
+
+def gaps(laws: Mapping[str, VariedLaw]) -> tuple[str, ...]:
+    """Say what the files of laws, by name, don't tell of their uncertainty."""
+    lines = []
+    for name, law in laws.items():
+        if not law.names:
+            lines.append(f"{name}: no covariance in its file: its parameters count as exact; identify it from tests")
+        if law.file.spread is None:
+            lines.append(
+                f"{name}: its file doesn't tell what its tests scatter about it: bands are of its parameters alone; "
+                "identify it again from records"
+            )
+    return tuple(lines)

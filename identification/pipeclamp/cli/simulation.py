@@ -173,6 +173,7 @@ def cosim(
     system: Annotated[Path, typer.Argument(metavar="SYSTEM.toml", help="Description of the coupled system.")],
     output: Annotated[Path, file_option("RESULT.csv", "The result to write.")],
     report: ReportOption = None,
+    bands: BandsOption = None,
 ) -> None:
     """Couple a pipe FMU with clamp FMUs and run them."""
     from pipeclamp.pages.system.cosim import cosim_sections
@@ -182,13 +183,19 @@ def cosim(
     spare(system, outputs=(output, report))
     with told("cosim") as tell:
         result = run_system(system, lambda share: tell(f"{share:.0%}"))
-        sections = cosim_sections(result)
+        banded = None
+        if bands is not None:
+            from pipeclamp_system.bands.ensemble import run_bands
+
+            banded = run_bands(system, result, bands, tell)
+            result = banded.result
+        sections = cosim_sections(result, banded)
     if report:
         from pipeclamp.pages.page import write_report
 
         write_report(report, f"Co-simulation {system.stem}", "pipe and clamps", sections, command_called())
     write_result(result, output)
-    say([*sections[0].paragraphs, str(output)])
+    say([*sections[0].paragraphs, *(banded.words() if banded else ()), str(output)])
 
 
 @app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
@@ -218,7 +225,7 @@ def response(
 
         write_report(report, f"Frequency response {system.stem}", "pipe and clamps", sections, command_called())
     write_response(found, output, banded.columns() if banded else None)
-    say([*sections[0].paragraphs, *(sections[1].paragraphs if banded else ()), str(output)])
+    say([*sections[0].paragraphs, *(banded.words() if banded else ()), str(output)])
 
 
 def _limits(texts: list[str] | None, bands: float | None) -> dict[str, float]:

@@ -8,6 +8,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Section
 from pipeclamp.show.table import Table
 from pipeclamp_system.bands.band import Band
+from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.bands.quantities import KINDS
 from pipeclamp_system.bands.response import PieceBand, ResponseBands
 from pipeclamp_system.steady.response import label
@@ -19,6 +20,11 @@ WORDS = (
     "A band is drawn at a right angle to its curve, so that it holds where the curve turns back too. Shares are of the "
     "variance of the peak. Scatter from run to run is what one mounting does; the law's form is what it leaves over on "
     "tests that were left out, and grows where the law is used beyond its tests."
+)
+
+RUN_WORDS = (
+    "Shares are of the variance. Scatter from run to run is what one mounting does; the law's form is what it leaves "
+    "over on tests that were left out, and grows where the law is used beyond its tests."
 )
 
 
@@ -36,6 +42,16 @@ def bands_section(bands: ResponseBands) -> Section:
             rows.append((name, point, *of_peak, *of_frequency, *shares_of(peak.amplitude)))
     table = Table(header, rows, f"peaks with their {bands.per_cent:g} % bands, and the shares of their variance")
     return Section("How sure", (*bands.words(), WORDS), [table])
+
+
+def run_bands_section(bands: RunBands) -> Section:
+    """Give the part of a report that tells how sure a run in time is."""
+    header = ("", "value", "low", "high", "unit", "parameters", "run to run", "left-out tests", "steps")
+    rows: list[tuple[str | float, ...]] = [
+        (one.name, one.band.value, one.band.low, one.band.high, one.unit, *shares_of(one.band)) for one in bands.told
+    ]
+    table = Table(header, rows, f"{bands.per_cent:g} % bands, and the shares of their variance")
+    return Section("How sure", (*bands.words(), RUN_WORDS), [table])
 
 
 def shares_of(band: Band) -> list[str]:

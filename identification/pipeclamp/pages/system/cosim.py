@@ -9,8 +9,10 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Section, doubted, styled
 from pipeclamp.pages.pictures import curves_picture
+from pipeclamp.pages.system.bands import run_bands_section
 from pipeclamp.show.table import Table
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.cosim.result import CosimResult
 
 MOST_POINTS = 4000
@@ -18,7 +20,7 @@ MOST_POINTS = 4000
 LAST_SHARE = 0.2
 
 
-def cosim_sections(result: CosimResult) -> list[Section]:
+def cosim_sections(result: CosimResult, bands: RunBands | None = None) -> list[Section]:
     """Give the report of a co-simulation; the first section holds the summary in words."""
     points = [*result.clamp_names, *result.probe_names]
     histories = [history_picture(result, f"{name}.s", 1e3, "mm", f"Displacement at {name}") for name in points]
@@ -36,6 +38,7 @@ def cosim_sections(result: CosimResult) -> list[Section]:
             doubted(picture)
     return [
         Section("What came out", result.summary().splitlines()),
+        *([run_bands_section(bands)] if bands else []),
         Section("Motion", (), (), histories + tracked),
         Section("The clamps' loops", (), (), loops),
         Section("Energy", (), [energy], [balance]),
@@ -46,7 +49,12 @@ def history_picture(result: CosimResult, column: str, factor: float, unit: str, 
     """Draw one column over time."""
     time, values = _thinned(result.time, factor * result.columns[column])
     name = column.rpartition(".")[2]
-    return curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], title)
+    curves = [(column, time.tolist(), values.tolist(), "lines")]
+    for end in ("low", "high"):
+        if f"{column}_{end}" in result.columns:
+            time, values = _thinned(result.time, factor * result.columns[f"{column}_{end}"])
+            curves.append((f"{end} end of its band", time.tolist(), values.tolist(), "lines"))
+    return curves_picture("t / s", f"{name} / {unit}", curves, title)
 
 
 def _loop_picture(result: CosimResult, name: str) -> go.Figure:

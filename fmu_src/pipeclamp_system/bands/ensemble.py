@@ -1,0 +1,237 @@
+"""A run in time with its bands: an ensemble of runs whose laws differ as their tests allow."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+from scipy.special import ndtri
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.processes import cores, spread
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.law.file import write_law
+from pipeclamp_system.bands.band import Band, band_of, origin_words, steps_of
+from pipeclamp_system.bands.quantities import Unknown, unknown
+from pipeclamp_system.bands.varied import gaps, varied
+from pipeclamp_system.cosim.building import law_in
+from pipeclamp_system.cosim.result import CosimResult
+from pipeclamp_system.cosim.run import run_described
+from pipeclamp_system.description.system import SystemDescription, read_system
+
+FEWEST = 32
+"""Members of an ensemble at least; two for each thing that isn't known."""
+SEED = 1
+"""The same system gives the same band."""
+MOST_FAILED = 0.1
+"""Share of the members that may fail."""
+BENDS = 0.1
+"""Share of a band's variance that its linear part doesn't explain, from which on that is said."""
+
+MM = 1e3
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is read off a run at one place, with its band.
+
+    Attributes:
+        name: of the clamp or probe; of a force, with the word.
+        unit: mm or N.
+        band: the number.
+        bent: share of the ensemble's variance that doesn't follow what isn't known in proportion.
+    """
+
+    name: str
+    unit: str
+    band: Band
+    bent: float
+
+
+@dataclass(frozen=True, eq=False)
+class RunBands:
+    """A run in time with its bands.
+
+    Attributes:
+        result: the run, with the ends of the bands among its columns.
+        per_cent: that each band holds.
+        told: amplitudes over the last fifth of a run under a sine; else the largest displacements and forces.
+        members: runs of the ensemble, and how many failed.
+        gaps: what the laws' files don't tell, in words.
+    """
+
+    result: CosimResult
+    per_cent: float
+    told: tuple[Told, ...]
+    members: int
+    failed: int
+    gaps: tuple[str, ...]
+
+    def words(self) -> list[str]:
+        """Say how sure the run is."""
+        what = "amplitude over the last fifth" if self.result.settles else "largest"
+        lines = [
+            f"{one.name}: {what} {one.band.value:.4g} {one.unit}, {self.per_cent:g} % band {one.band.low:.4g} to "
+            f"{one.band.high:.4g} {one.unit}{origin_words(one.band)}"
+            + (f"; {one.bent:.0%} of its variance isn't in proportion to what isn't known" if one.bent > BENDS else "")
+            for one in self.told
+        ]
+        failed = f", of which {self.failed} failed and don't count" if self.failed else ""
+        return [*lines, f"bands of {self.members} runs with other laws{failed}", *self.gaps]
+
+
+@dataclass(frozen=True)
+class _Member:
+    """One run of an ensemble: the system with the laws of its own, in files."""
+
+    description: SystemDescription
+    folder: Path
+    where: str
+    columns: tuple[str, ...]
+    time: Array
+
+
+def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progress | None = None) -> RunBands:
+    """Give a run's bands by an ensemble on all cores.
+
+    Args:
+        path: SYSTEM.toml, that the run is of.
+        result: the run.
+        per_cent: that each band holds, such as 95.
+        progress: told what is being done.
+
+    Raises:
+        UserError: no clamp has a law whose uncertainty is known, or more than a tenth of the runs fail.
+        UsageError: the share can't be held by a band.
+    """
+    tell = progress or (lambda what: None)
+    steps = steps_of(per_cent)
+    description = read_system(path)
+    places = [place for place, clamp in enumerate(description.clamps) if clamp.law is not None]
+    sources = [str(description.clamps[place].law) for place in places]
+    known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
+    names = [description.clamps[place].at for place in places]
+    what = unknown([known[name] for name in sources], names)
+    if not what.quantities:
+        raise UserError(f"{path}: no law tells how sure it is; expected one that was identified from tests")
+    roots = _roots(what)
+    drawn = _normal(max(FEWEST, 2 * roots.shape[1]), roots.shape[1])
+    points = [*result.clamp_names, *result.probe_names]
+    columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
+    beyond = [_beyond(result, what, index, places[index]) for index in range(len(places))]
+    folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
+    try:
+        jobs = []
+        for number, row in enumerate(drawn @ roots.T):
+            clamps = list(description.clamps)
+            for index, place in enumerate(places):
+                file = folder / f"law_{number}_{index}.json"
+                write_law(what.laws[index].with_changes(what.changes(index, beyond[index], row)), file)
+                clamps[place] = clamps[place].model_copy(update={"law": str(file)})
+            changed = description.model_copy(update={"clamps": tuple(clamps)})
+            jobs.append(_Member(changed, path.parent, str(path), columns, result.time))
+        found = []
+        for run in spread(_run, jobs, cores()):
+            found.append(run)
+            tell(f"run {len(found)} of {len(jobs)} of the ensemble")
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    good = [place for place, run in enumerate(found) if not isinstance(run, str)]
+    if len(found) - len(good) > MOST_FAILED * len(found):
+        first = next(run for run in found if isinstance(run, str))
+        raise UserError(f"{len(found) - len(good)} of the band's {len(found)} runs failed, the first one so: {first}")
+    histories = np.stack([run for run in found if not isinstance(run, str)])
+    banded = _with_bands(result, columns, histories, steps)
+    told = _told(result, columns, histories, drawn[good], roots, what, steps)
+    return RunBands(banded, per_cent, told, len(found), len(found) - len(good), gaps(known))
+
+
+def _run(member: _Member) -> Array | str:
+    """Give the columns of a member's run at the nominal run's times, (columns, n); what failed where it does."""
+    try:
+        result = run_described(member.description, member.folder, member.where, checked=False)
+    except UserError as error:
+        return str(error)
+    return np.stack([np.interp(member.time, result.time, result.columns[name]) for name in member.columns])
+
+
+def _roots(what: Unknown) -> Array:
+    """Give a root of the covariance, (Q, K): what is surely nought is left out."""
+    sizes = np.sqrt(np.diag(what.covariance))
+    sizes = np.where(sizes > 0, sizes, 1.0)
+    values, vectors = np.linalg.eigh(what.covariance / np.outer(sizes, sizes))
+    kept = values > 1e-10 * values.max()
+    return np.asarray(sizes[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
+
+
+def _normal(count: int, size: int) -> Array:
+    """Give normal numbers that fill their space evenly, (count, size)."""
+    from scipy.stats import qmc
+
+    return np.asarray(ndtri(qmc.LatinHypercube(size, rng=SEED).random(count)))
+
+
+def _beyond(result: CosimResult, what: Unknown, index: int, place: int) -> dict[str, float]:
+    """Give the conditions of a clamp's run that lie beyond its law's data, by name."""
+    source = result.system.clamps[place]
+    values = {
+        "A": MM * float(np.ptp(result.columns[f"{source.at}.s"])) / 2,
+        "f": float(result.columns[f"{source.at}.f_used"][-1]),
+        "T": source.temperature_C + CELSIUS,
+    }
+    ranges = what.laws[index].file.range
+    return {
+        name: value
+        for name, value in values.items()
+        if name in ranges and isfinite(value) and not ranges[name].minimum <= value <= ranges[name].maximum
+    }
+
+
+def _with_bands(result: CosimResult, columns: Sequence[str], histories: Array, steps: float) -> CosimResult:
+    """Give the run with the ends of the bands as further columns."""
+    ends: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    for place, name in enumerate(columns):
+        half = steps * np.std(histories[:, place], axis=0, ddof=1)
+        for end, values in (("low", result.columns[name] - half), ("high", result.columns[name] + half)):
+            ends[f"{name}_{end}"], units[f"{name}_{end}"] = values, result.units[name]
+    return replace(result, columns={**result.columns, **ends}, units={**result.units, **units})
+
+
+def _told(
+    result: CosimResult, columns: Sequence[str], histories: Array, drawn: Array, roots: Array, what: Unknown,
+    steps: float,
+) -> tuple[Told, ...]:  # fmt: skip
+    """Give what is read off the run with its bands, by what it follows in proportion."""
+    sizes: Mapping[str, float] = {".s": MM, ".f": 1.0}
+    design = np.column_stack([np.ones(len(drawn)), drawn])
+    told = []
+    for place, column in enumerate(columns):
+        name, kind = column[:-2], column[-2:]
+        values = np.array([_read(result, column, one[place]) for one in histories]) * sizes[kind]
+        slopes = np.linalg.lstsq(design, values, rcond=None)[0][1:]
+        free = len(values) - design.shape[1]
+        rest = float(np.sum((values - design @ np.linalg.lstsq(design, values, rcond=None)[0]) ** 2)) / max(free, 1)
+        value = _read(result, column, result.columns[column]) * sizes[kind]
+        error = result.step_error
+        solution = value * error if kind == ".s" and error is not None and isfinite(error) else 0.0
+        by_quantity = np.linalg.pinv(roots.T) @ slopes
+        band = band_of(value, by_quantity, what, steps, float(np.hypot(solution, np.sqrt(rest))))
+        bent = rest / band.deviation**2 if band.deviation > 0 else 0.0
+        words, unit = (name, "mm") if kind == ".s" else (f"force of {name}", "N")
+        told.append(Told(words, unit, band, bent))
+    return tuple(told)
+
+
+def _read(result: CosimResult, column: str, values: Array) -> float:
+    """Read a column: the amplitude over the last fifth of a run under a sine, else the largest size."""
+    if result.settles:
+        return replace(result, columns={**result.columns, column: values}).amplitude(column)
+    return float(np.abs(values).max())
