@@ -150,7 +150,7 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     histories = np.stack([run for run in found if not isinstance(run, str)])
     banded = _with_bands(result, columns, histories, steps)
     told = _told(result, columns, histories, drawn[good], roots, what, steps)
-    return RunBands(banded, per_cent, told, len(found), len(found) - len(good), gaps(known))
+    return RunBands(banded, per_cent, told, len(found), len(found) - len(good), gaps(what.laws))
 
 
 def _run(member: _Member) -> Array | str:

@@ -175,18 +175,27 @@ def response_bands(
     for name in limits or {}:
         if name not in response.points:
             raise UsageError(f"--limit: {name!r} is no clamp or probe; expected one of {', '.join(response.points)}")
-    description = read_system(path)
-    sources = [str(clamp.law) for clamp in description.clamps]
-    known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
-    system = _System(path, description, unknown([known[name] for name in sources], response.clamp_names))
+    system = banded_system(path, response)
     curves = []
     for curve in response.curves:
         tell(f"band of {label(curve.temperature, curve.level)}")
         curves.append(system.bands(curve, steps))
-    return ResponseBands(response, per_cent, tuple(curves), limits or {}, gaps(known))
+    return ResponseBands(response, per_cent, tuple(curves), limits or {}, gaps(system.unknown.laws))
 
 
-class _System:
+def banded_system(path: Path, response: FrequencyResponse) -> BandedSystem:
+    """Give the system of a response, SYSTEM.toml, with what isn't known of its clamps.
+
+    Raises:
+        UserError: the system can't be read.
+    """
+    description = read_system(path)
+    sources = [str(clamp.law) for clamp in description.clamps]
+    known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
+    return BandedSystem(path, description, unknown([known[name] for name in sources], response.clamp_names))
+
+
+class BandedSystem:
     """A described system with what isn't known of its clamps."""
 
     def __init__(self, path: Path, description: SystemDescription, unknown: Unknown) -> None:
@@ -206,10 +215,12 @@ class _System:
             frequency, amplitude, inside = of_point[index].peak()
             by_frequency, by_amplitude = of_point[index].peak_moves(sizes)
             slopes.append(by_amplitude)
+            off_frequency, off_amplitude = of_point[index].peak_errors()
+            off_amplitude = float(np.hypot(off_amplitude, truncated[index] * amplitude))
             peaks.append(
                 PeakBand(
-                    band_of(amplitude, by_amplitude, self.unknown, steps, truncated[index] * amplitude),
-                    band_of(frequency, by_frequency, self.unknown, steps),
+                    band_of(amplitude, by_amplitude, self.unknown, steps, off_amplitude),
+                    band_of(frequency, by_frequency, self.unknown, steps, off_frequency),
                     inside,
                 )
             )
@@ -222,8 +233,9 @@ class _System:
             tuple(_ends(of_point[index], self.unknown.covariance, scales, steps) for of_point in moving)
             for index in range(len(curve.pieces))
         )
-        ends = [self._solved(curve, slopes[0], side * steps) for side in (-1, 1)]
-        towards = self.unknown.covariance @ slopes[0] / max(peaks[0].amplitude.deviation, 1e-300)
+        deviation = float(np.sqrt(slopes[0] @ self.unknown.covariance @ slopes[0]))
+        towards = self.unknown.covariance @ slopes[0] / max(deviation, 1e-300)
+        ends = [self.solved(curve, side * steps * towards) for side in (-1, 1)]
         followed = tuple(
             _followed(
                 peak,
@@ -258,13 +270,8 @@ class _System:
             for point in range(points)
         ]
 
-    def _solved(self, curve: Curve, direction: Array, steps: float) -> Curve:
-        """Give the curve with laws that are off, by so many standard deviations, the way that moves its peak most."""
-        covariance = self.unknown.covariance
-        deviation = float(np.sqrt(direction @ covariance @ direction))
-        if deviation == 0:
-            return curve
-        amounts = steps * (covariance @ direction) / deviation
+    def solved(self, curve: Curve, amounts: Array) -> Curve:
+        """Give the curve with laws that are off by amounts of what isn't known, (Q,); nothing is linear in that."""
         highest = max(curve.states, key=lambda state: amplitudes_of(state)[0])
         folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
         try:

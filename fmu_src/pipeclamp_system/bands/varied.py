@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import log
 
@@ -108,10 +108,11 @@ def varied(file: LawFile) -> VariedLaw:
     return VariedLaw(whole, tuple(told.names[place] for place in places), matrix)
 
 
-def gaps(laws: Mapping[str, VariedLaw]) -> tuple[str, ...]:
-    """Say what the files of laws, by name, don't tell of their uncertainty."""
+def gaps(laws: Iterable[VariedLaw]) -> tuple[str, ...]:
+    """Say what the files of laws don't tell of their uncertainty."""
     lines = []
-    for name, law in laws.items():
+    for law in dict.fromkeys(laws):
+        name = law.file.name
         if not law.names:
             lines.append(f"{name}: no covariance in its file: its parameters count as exact; identify it from tests")
         if law.file.spread is None:

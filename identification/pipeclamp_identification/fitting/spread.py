@@ -3,7 +3,8 @@
 A run's share is by how much of its elastic, or of its damping force it is off. What a share is where the run's
 conditions are left out follows from the fit's own derivatives, without another fit. The product of the two, with and
 without, is on average the variance of what the law can't know: neither too small by what the run did to the fit, nor
-too large by what it is worth to it.
+too large by what it is worth to it. At the ends of a range, where the law is left to go on by itself, what it is off
+there without them counts alone.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def spread_of(fit: Fit, loops: Loops) -> Spread | None:
     for name, (ends, step) in _ends(loops).items():
         outside = left.shares(ends)
         known = ends >= 0
-        at_ends = np.mean((with_all.shares * outside - with_all.noise)[:, known], axis=1) - runs
+        at_ends = np.mean((outside**2 - with_all.noise)[:, known], axis=1) - runs
         beyond[name] = Foretold(step=rounded(step), error=_deviations(np.maximum(at_ends, form)))
     return Spread(runs=_deviations(runs), form=_deviations(form), beyond=beyond)
 
