@@ -30,7 +30,7 @@ from pipeclamp_system.bands.response import ResponseBands, banded_system, respon
 from pipeclamp_system.steady.response import FrequencyResponse, amplitudes_of, run_response
 
 AMPLITUDES, FREQUENCIES, CELSIUS = (0.2, 0.4, 0.7, 1.0), (1.0, 4.0, 15.0), (20.0, 150.0)
-CYCLES, RATE, NOISE = 4, 400, 0.005
+CYCLES, RATE, NOISE = 4, 400, 0.02
 """Of a test: cycles, samples a second, noise as a share of the rms force."""
 MOUNTING = (0.003, 0.006)
 PER_CENT = 95.0
@@ -177,8 +177,8 @@ def _first(pipe: ReducedPipe, device: Device) -> float:
 
 def _drive(device: Device, pipe: ReducedPipe, kelvin: float, near: float, wanted: float) -> float:
     """Give the acceleration, m/s2, at which the clamp moves about so many mm at the peak."""
-    acceleration = 0.5
-    for _ in range(2):
+    acceleration = 0.02
+    for _ in range(3):
         _, amplitude = truth(device, pipe, kelvin, acceleration, near)
         acceleration *= wanted / amplitude
     return acceleration

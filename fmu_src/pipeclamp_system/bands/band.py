@@ -16,7 +16,7 @@ WIDEST = 99.9
 """Per cent that a band holds at most: beyond, what is known of the tails is too little."""
 TOLD = 0.01
 """Share of a band's variance from which on its origin is named."""
-LEADING = 4
+LEADING = 3
 """Quantities that are named as those which matter most."""
 
 
@@ -84,12 +84,27 @@ def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, so
     )
 
 
-def origin_words(band: Band) -> str:
-    """Say what of a band comes from what, as the end of a sentence."""
+REMEDIES: Mapping[str, str] = {
+    "parameters": "more tests near that motion would narrow it",
+    "runs": "that is what one mounting does; tests of the clamp as it is mounted would narrow it",
+    "form": "pipeclamp diagnose tells which effect the law lacks, and adding it narrows the band",
+    "solution": "more harmonics, or shorter steps, would narrow it",
+}
+"""What narrows a band most of which is of a kind."""
+
+
+def ends_words(band: Band, unit: str, per_cent: float) -> str:
+    """Give a number with the ends of its band."""
+    return f"{band.value:.4g} {unit} ({per_cent:g} %: {band.low:.4g} to {band.high:.4g})"
+
+
+def origin_words(name: str, band: Band) -> list[str]:
+    """Say what a band comes from, and what would narrow it."""
     named = {str(kind): words for kind, words in KINDS.items()} | {"solution": "what the solver leaves out"}
     shares = sorted(band.shares.items(), key=lambda item: -item[1])
     parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= TOLD]
     if not parts:
-        return ""
-    leading = [name for name, share in band.leading if share >= TOLD]
-    return f"; of the variance {', '.join(parts)}" + (f"; most from {', '.join(leading)}" if leading else "")
+        return []
+    leading = [one for one, share in band.leading if share >= TOLD]
+    most = f"; most from {', '.join(leading)}" if leading else ""
+    return [f"variance of {name}: {', '.join(parts)}{most}; {REMEDIES[shares[0][0]]}"]

@@ -10,7 +10,6 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
-from scipy.special import ndtri
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -18,8 +17,8 @@ from pipeclamp_models.base.processes import cores, spread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import write_law
-from pipeclamp_system.bands.band import Band, band_of, origin_words, steps_of
-from pipeclamp_system.bands.quantities import Unknown, unknown
+from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
+from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown
 from pipeclamp_system.bands.varied import gaps, varied
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.result import CosimResult
@@ -28,8 +27,6 @@ from pipeclamp_system.description.system import SystemDescription, read_system
 
 FEWEST = 32
 """Members of an ensemble at least; two for each thing that isn't known."""
-SEED = 1
-"""The same system gives the same band."""
 MOST_FAILED = 0.1
 """Share of the members that may fail."""
 BENDS = 0.1
@@ -78,12 +75,13 @@ class RunBands:
         """Say how sure the run is."""
         what = "amplitude over the last fifth" if self.result.settles else "largest"
         lines = [
-            f"{one.name}: {what} {one.band.value:.4g} {one.unit}, {self.per_cent:g} % band {one.band.low:.4g} to "
-            f"{one.band.high:.4g} {one.unit}{origin_words(one.band)}"
+            f"{one.name}: {what} {ends_words(one.band, one.unit, self.per_cent)}"
             + (f"; {one.bent:.0%} of its variance isn't in proportion to what isn't known" if one.bent > BENDS else "")
             for one in self.told
         ]
         failed = f", of which {self.failed} failed and don't count" if self.failed else ""
+        widest = max(self.told, key=lambda one: one.band.deviation / one.band.value)
+        lines += origin_words(widest.name, widest.band)
         return [*lines, f"bands of {self.members} runs with other laws{failed}", *self.gaps]
 
 
@@ -121,8 +119,8 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     what = unknown([known[name] for name in sources], names)
     if not what.quantities:
         raise UserError(f"{path}: no law tells how sure it is; expected one that was identified from tests")
-    roots = _roots(what)
-    drawn = _normal(max(FEWEST, 2 * roots.shape[1]), roots.shape[1])
+    roots = what.roots()
+    drawn = even_normal(max(FEWEST, 2 * roots.shape[1]), roots.shape[1])
     points = [*result.clamp_names, *result.probe_names]
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
     beyond = [_beyond(result, what, index, places[index]) for index in range(len(places))]
@@ -160,22 +158,6 @@ def _run(member: _Member) -> Array | str:
     except UserError as error:
         return str(error)
     return np.stack([np.interp(member.time, result.time, result.columns[name]) for name in member.columns])
-
-
-def _roots(what: Unknown) -> Array:
-    """Give a root of the covariance, (Q, K): what is surely nought is left out."""
-    sizes = np.sqrt(np.diag(what.covariance))
-    sizes = np.where(sizes > 0, sizes, 1.0)
-    values, vectors = np.linalg.eigh(what.covariance / np.outer(sizes, sizes))
-    kept = values > 1e-10 * values.max()
-    return np.asarray(sizes[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
-
-
-def _normal(count: int, size: int) -> Array:
-    """Give normal numbers that fill their space evenly, (count, size)."""
-    from scipy.stats import qmc
-
-    return np.asarray(ndtri(qmc.LatinHypercube(size, rng=SEED).random(count)))
 
 
 def _beyond(result: CosimResult, what: Unknown, index: int, place: int) -> dict[str, float]:

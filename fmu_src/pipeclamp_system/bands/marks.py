@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
+MOSTLY = 0.5
+"""Share of the draws in which a stretch of a curve reaches a frequency, below which it has no band there."""
 SMALL = 0.1
 """Of a standard deviation, by which a curve is moved to see what its marks do."""
 
@@ -78,19 +81,37 @@ class Moving:
         for step in (SMALL * sizes[:, None], -SMALL * sizes[:, None]):
             yield self.frequency + step * self.by_frequency, self.amplitude + step * self.by_amplitude
 
-    def across(self, covariance: Array, scales: tuple[float, float]) -> tuple[Array, Array]:
-        """Give the standard deviation of the curve at a right angle to it, as steps in frequency and amplitude, (S,).
+    def band(self, draws: Array, scales: tuple[float, float], per_cent: float) -> tuple[Array, Array]:
+        """Give the ends of the curve's band over its own frequencies, mm, (S,) each.
+
+        The curve is moved at a right angle to it as each draw says. A stretch that turns back nowhere is held against
+        itself; nan where in most draws it doesn't reach that frequency.
 
         Args:
-            covariance: of the quantities, (Q, Q).
+            draws: of the quantities, (N, Q).
             scales: what frequencies and amplitudes are drawn as shares of.
+            per_cent: that the band holds.
         """
         along = np.stack([np.gradient(self.frequency) / scales[0], np.gradient(self.amplitude) / scales[1]])
         normal = np.stack([-along[1], along[0]]) / np.maximum(np.hypot(*along), 1e-300)
-        normal *= np.where(normal[1] < 0, -1.0, 1.0)  # upwards, where up and down can be told
-        moved = normal[0] * self.by_frequency / scales[0] + normal[1] * self.by_amplitude / scales[1]
-        deviation = np.sqrt(np.maximum(np.einsum("qs,qr,rs->s", moved, covariance, moved), 0.0))
-        return deviation * normal[0] * scales[0], deviation * normal[1] * scales[1]
+        moved = draws @ (normal[0] * self.by_frequency / scales[0] + normal[1] * self.by_amplitude / scales[1])
+        frequency = self.frequency + moved * normal[0] * scales[0]
+        amplitude = np.maximum(self.amplitude + moved * normal[1] * scales[1], 0.0)
+        low, high = np.full((2, len(self.frequency)), np.nan)
+        for first, last in pairwise([0, *self.turns(), len(self.frequency) - 1]):
+            own = slice(first, last + 1)
+            here = self.frequency[own]
+            found = np.stack([_over(here, f, a) for f, a in zip(frequency[:, own], amplitude[:, own], strict=True)])
+            there = np.mean(np.isfinite(found), axis=0) >= MOSTLY
+            ends = np.nanpercentile(found[:, there], [50 - per_cent / 2, 50 + per_cent / 2], axis=0)
+            low[own][there], high[own][there] = ends
+        return low, high
+
+
+def _over(frequencies: Array, frequency: Array, amplitude: Array) -> Array:
+    """Give a stretch of a curve over frequencies; nan beyond its ends."""
+    order = np.argsort(frequency)
+    return np.interp(frequencies, frequency[order], amplitude[order], left=np.nan, right=np.nan)
 
 
 def _differences(sides: list[list[Array]], sizes: Array) -> tuple[Array, ...]:

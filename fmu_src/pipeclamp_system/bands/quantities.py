@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.special import ndtri
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.varied import SHARES, VariedLaw
@@ -19,6 +20,10 @@ KINDS: Mapping[Kind, str] = {
     "form": "what the law leaves over on left-out tests",
 }
 """Kinds of what isn't known, in words."""
+NOUGHT = 1e-10
+"""Share of the largest variance that is rounding."""
+SEED = 1
+"""The same system gives the same band."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,14 @@ class Unknown:
     laws: Sequence[VariedLaw]
     quantities: tuple[Quantity, ...]
     covariance: Array
+
+    def roots(self) -> Array:
+        """Give a root of the covariance, (Q, K): what is surely nought is left out."""
+        sizes = np.sqrt(np.diag(self.covariance))
+        sizes = np.where(sizes > 0, sizes, 1.0)
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(sizes, sizes))
+        kept = values > NOUGHT * values.max(initial=0.0)
+        return np.asarray(sizes[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
 
     def of_kind(self, kind: Kind) -> Array:
         """Tell which quantities are of a kind, shape (Q,)."""
@@ -107,3 +120,16 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str]) -> Unknown:
             quantities += [Quantity("runs", f"{clamps[place]}: {share}", parameter, (place,)) for place in own]
             blocks.append(np.eye(1 + len(own)))
     return Unknown(laws, tuple(quantities), block_diag(*blocks) if blocks else np.zeros((0, 0)))
+
+
+def even_normal(count: int, size: int) -> Array:
+    """Give normal numbers that fill their space evenly, (count, size); always the same."""
+    from scipy.stats import qmc
+
+    return np.asarray(ndtri(qmc.LatinHypercube(size, rng=SEED).random(count)))
+
+
+def normal_draws(count: int, what: Unknown) -> Array:
+    """Give so many draws of what isn't known, (count, Q)."""
+    roots = what.roots()
+    return even_normal(count, roots.shape[1]) @ roots.T

@@ -16,9 +16,9 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import write_law
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
-from pipeclamp_system.bands.band import Band, band_of, origin_words, steps_of
+from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
 from pipeclamp_system.bands.marks import Moving
-from pipeclamp_system.bands.quantities import Unknown, unknown
+from pipeclamp_system.bands.quantities import Unknown, normal_draws, unknown
 from pipeclamp_system.bands.sensitivity import moves, with_laws
 from pipeclamp_system.bands.varied import gaps, varied
 from pipeclamp_system.cosim.building import law_in
@@ -26,17 +26,20 @@ from pipeclamp_system.description.system import SystemDescription, read_system
 from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, curve_of, label
 
+DRAWS = 400
+"""Of what isn't known, that the bands of curves are made of."""
 TELLS = 0.5
 """Of its own band, that a point must move at the ends of the first one's, for these to tell how its band bends."""
 
 
 @dataclass(frozen=True, eq=False)
 class PieceBand:
-    """The band of a piece of a curve at one point: its ends, at a right angle to the curve, shape (S,) each; Hz, mm."""
+    """The band of a piece of a curve at one point: its ends at the frequencies of its states, mm, shape (S,) each.
 
-    low_frequency: Array
+    nan where the laws that are as likely have no such state there.
+    """
+
     low: Array
-    high_frequency: Array
     high: Array
 
 
@@ -97,21 +100,29 @@ class ResponseBands:
             for point, peak in zip(self.response.points, bands.peaks, strict=True):
                 lines.append(f"{name}: {self._peak_words(point, peak)}")
             if bands.turns:
-                jumps = ", ".join(f"{turn.value:.4g} Hz ({turn.low:.4g} to {turn.high:.4g})" for turn in bands.turns)
+                jumps = ", ".join(ends_words(turn, "Hz", self.per_cent) for turn in bands.turns)
                 lines.append(f"{name}: the curve turns back, and a sweep jumps, at {jumps}")
             lines += [f"{name}: {words}" for words in _detached_words(bands.detached)]
-        return [*lines, *self.gaps]
+        return [*lines, *self._origin(), *self.gaps]
+
+    def _origin(self) -> list[str]:
+        """Say what the band that is widest beside its peak comes from."""
+        peaks = [
+            (f"the peak at {point}, {label(curve.temperature, curve.level)}", peak.amplitude)
+            for curve, bands in zip(self.response.curves, self.curves, strict=True)
+            for point, peak in zip(self.response.points, bands.peaks, strict=True)
+        ]
+        name, widest = max(peaks, key=lambda one: one[1].deviation / one[1].value)
+        return origin_words(name, widest)
 
     def _peak_words(self, point: str, peak: PeakBand) -> str:
-        amplitude, frequency = peak.amplitude, peak.frequency
         where = "" if peak.inside else ", at the end of the range of frequencies"
         words = (
-            f"peak at {point} {amplitude.value:.4g} mm, {self.per_cent:g} % band {amplitude.low:.4g} to "
-            f"{amplitude.high:.4g} mm, at {frequency.value:.4g} Hz ({frequency.low:.4g} to {frequency.high:.4g} Hz)"
-            f"{where}{origin_words(amplitude)}"
+            f"peak at {point} {ends_words(peak.amplitude, 'mm', self.per_cent)} at "
+            f"{ends_words(peak.frequency, 'Hz', self.per_cent)}{where}"
         )
         if point in self.limits:
-            chance = amplitude.beyond(self.limits[point], steps_of(self.per_cent))
+            chance = peak.amplitude.beyond(self.limits[point], steps_of(self.per_cent))
             words += f"; above {self.limits[point]:g} mm with a probability of {_probability(chance)}"
         return words
 
@@ -123,12 +134,8 @@ class ResponseBands:
                 for place in range(len(piece)):
                     row: dict[str, float] = {}
                     for name, band in zip(self.response.points, of_points, strict=True):
-                        row |= {
-                            f"{name}.s_low [mm]": float(band.low[place]),
-                            f"{name}.s_low frequency [Hz]": float(band.low_frequency[place]),
-                            f"{name}.s_high [mm]": float(band.high[place]),
-                            f"{name}.s_high frequency [Hz]": float(band.high_frequency[place]),
-                        }
+                        row[f"{name}.s_low [mm]"] = float(band.low[place])
+                        row[f"{name}.s_high [mm]"] = float(band.high[place])
                     rows.append(row)
         return rows
 
@@ -171,7 +178,7 @@ def response_bands(
         UsageError: the share can't be held by a band.
     """
     tell = progress or (lambda what: None)
-    steps = steps_of(per_cent)
+    steps_of(per_cent)  # refuses what can't serve before it is begun
     for name in limits or {}:
         if name not in response.points:
             raise UsageError(f"--limit: {name!r} is no clamp or probe; expected one of {', '.join(response.points)}")
@@ -179,7 +186,7 @@ def response_bands(
     curves = []
     for curve in response.curves:
         tell(f"band of {label(curve.temperature, curve.level)}")
-        curves.append(system.bands(curve, steps))
+        curves.append(system.bands(curve, per_cent))
     return ResponseBands(response, per_cent, tuple(curves), limits or {}, gaps(system.unknown.laws))
 
 
@@ -203,8 +210,9 @@ class BandedSystem:
         self.table = response_table(description, str(path))
         self.pipe: ReducedPipe = reduce(read_pipe(path.parent / str(description.pipe.file)))
 
-    def bands(self, curve: Curve, steps: float) -> CurveBands:
+    def bands(self, curve: Curve, per_cent: float) -> CurveBands:
         """Give the bands of a curve."""
+        steps = steps_of(per_cent)
         moving = self._moving(curve)
         sizes = np.sqrt(np.diag(self.unknown.covariance))
         truncated = [max(piece, key=lambda state: max(amplitudes_of(state))).truncated for piece in curve.pieces]
@@ -228,11 +236,6 @@ class BandedSystem:
             band_of(piece.turn(at), piece.turn_moves(at, sizes), self.unknown, steps)
             for piece in moving[0] for at in piece.turns()
         )  # fmt: skip
-        scales = self.table.to_Hz - self.table.from_Hz, max(peak.amplitude.value for peak in peaks)
-        pieces = tuple(
-            tuple(_ends(of_point[index], self.unknown.covariance, scales, steps) for of_point in moving)
-            for index in range(len(curve.pieces))
-        )
         deviation = float(np.sqrt(slopes[0] @ self.unknown.covariance @ slopes[0]))
         towards = self.unknown.covariance @ slopes[0] / max(deviation, 1e-300)
         ends = [self.solved(curve, side * steps * towards) for side in (-1, 1)]
@@ -244,8 +247,26 @@ class BandedSystem:
             )
             for place, peak in enumerate(peaks)
         )
+        draws = normal_draws(DRAWS, self.unknown)
+        pieces = tuple(
+            tuple(
+                self._piece(of_point[index], peak, bent, draws, draws @ slope, per_cent)
+                for of_point, peak, bent, slope in zip(moving, peaks, followed, slopes, strict=True)
+            )
+            for index in range(len(curve.pieces))
+        )
         detached = len(curve.detached), len(ends[0].detached), len(ends[1].detached)
         return CurveBands(followed, turns, pieces, detached)
+
+    def _piece(
+        self, piece: Moving, peak: PeakBand, bent: PeakBand, draws: Array, moved: Array, per_cent: float
+    ) -> PieceBand:
+        """Give the band of a piece, whose peak moves so much in each draw, (N,): bent as that of the peak is."""
+        straight, own = peak.amplitude, bent.amplitude
+        up = (own.high - own.value) / max(straight.high - straight.value, 1e-300)
+        down = (own.value - own.low) / max(straight.value - straight.low, 1e-300)
+        scales = self.table.to_Hz - self.table.from_Hz, straight.value
+        return PieceBand(*piece.band(draws * np.where(moved > 0, up, down)[:, None], scales, per_cent))
 
     def _moving(self, curve: Curve) -> list[list[Moving]]:
         """Give, for each clamp and probe, the pieces of a curve with how they move."""
@@ -290,16 +311,6 @@ class BandedSystem:
             return curve_of(system, self.table, curve.temperature, curve.level, where)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
-
-
-def _ends(piece: Moving, covariance: Array, scales: tuple[float, float], steps: float) -> PieceBand:
-    frequency, amplitude = (steps * step for step in piece.across(covariance, scales))
-    return PieceBand(
-        piece.frequency - frequency,
-        np.maximum(piece.amplitude - amplitude, 0.0),
-        piece.frequency + frequency,
-        piece.amplitude + amplitude,
-    )
 
 
 def _peak_of(curve: Curve, point: int) -> tuple[float, float]:

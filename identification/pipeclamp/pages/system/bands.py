@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 import plotly.graph_objects as go
 
@@ -12,19 +15,20 @@ from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.bands.quantities import KINDS
 from pipeclamp_system.bands.response import PieceBand, ResponseBands
 from pipeclamp_system.steady.response import label
+from pipeclamp_system.steady.states import SteadyState
 
 FAINT = 0.18
 """Opacity of a band."""
 
 WORDS = (
-    "A band is drawn at a right angle to its curve, so that it holds where the curve turns back too. Shares are of the "
-    "variance of the peak. Scatter from run to run is what one mounting does; the law's form is what it leaves over on "
-    "tests that were left out, and grows where the law is used beyond its tests."
+    "A curve's band is drawn where most of the laws that are as likely have such a state. Shares are of the variance "
+    "of the peak. Run to run is what one mounting does; left-out tests are what the law's form leaves over on tests that "
+    "were left out, and more where the law is used beyond its tests."
 )
 
 RUN_WORDS = (
-    "Shares are of the variance. Scatter from run to run is what one mounting does; the law's form is what it leaves "
-    "over on tests that were left out, and grows where the law is used beyond its tests."
+    "Shares are of the variance. Run to run is what one mounting does; left-out tests are what the law's form leaves "
+    "over on tests that were left out, and more where the law is used beyond its tests."
 )
 
 
@@ -59,10 +63,14 @@ def shares_of(band: Band) -> list[str]:
     return [f"{band.shares[kind]:.0%}" for kind in (*KINDS, "solution")]
 
 
-def add_band(figure: go.Figure, band: PieceBand, colour: str) -> None:
-    """Draw the band of a piece of a curve."""
-    figure.add_scatter(
-        x=np.concatenate([band.low_frequency, band.high_frequency[::-1]]),
-        y=np.concatenate([band.low, band.high[::-1]]),
-        mode="none", fill="toself", fillcolor=colour, opacity=FAINT, showlegend=False, hoverinfo="skip",
-    )  # fmt: skip
+def add_band(figure: go.Figure, piece: Sequence[SteadyState], band: PieceBand, colour: str) -> None:
+    """Draw the band of a piece of a curve, each stretch that turns back nowhere by itself."""
+    frequency = np.array([state.frequency for state in piece])
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(frequency)))) + 1
+    for first, last in pairwise([0, *turns.tolist(), len(frequency) - 1]):
+        there = np.flatnonzero(np.isfinite(band.low[first : last + 1])) + first
+        figure.add_scatter(
+            x=np.concatenate([frequency[there], frequency[there][::-1]]),
+            y=np.concatenate([band.low[there], band.high[there][::-1]]),
+            mode="none", fill="toself", fillcolor=colour, opacity=FAINT, showlegend=False, hoverinfo="skip",
+        )  # fmt: skip

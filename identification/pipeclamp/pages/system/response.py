@@ -60,8 +60,8 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
     temperatures = list(dict.fromkeys(curve.temperature for curve in response.curves))
     for curve, banded in zip(response.curves, bands.curves if bands else (), strict=False):
         colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
-        for of_points in banded.pieces:
-            add_band(figure, of_points[point], colour)
+        for followed, of_points in zip(curve.pieces, banded.pieces, strict=True):
+            add_band(figure, followed, of_points[point], colour)
     for curve in response.curves:
         colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
         for stable, piece in pieces(curve):
