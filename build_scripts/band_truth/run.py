@@ -123,13 +123,14 @@ def tested(device: Device, folder: Path, random: np.random.Generator, rough: boo
 def truth(device: Device, pipe: ReducedPipe, kelvin: float, acceleration: float, near: float) -> tuple[float, float]:
     """Give frequency (Hz) and amplitude (mm) of the true peak near a frequency."""
     omega, numbers = np.array(pipe.omega), device.numbers(kelvin)
+    fastest = float(np.sqrt(np.linalg.eigvalsh(_on_device(pipe, device))[-1]))
     zeta = np.array(pipe.damping) / (2 * omega)
     participation, shape = np.array(pipe.excitation_participation), np.array(pipe.clamp_shapes[0])
     frequencies = near * np.linspace(1 - SPREAD, 1 + SPREAD, PLACES)
     for _ in range(2):  # once more about the highest
         found = []
         for frequency in frequencies.tolist():
-            per_cycle = max(PER_CYCLE, int(omega.max() / (frequency * STIFFEST)))
+            per_cycle = max(PER_CYCLE, int(fastest / (frequency * STIFFEST)))
             one = on_pipe(frequency, acceleration, SETTLE, per_cycle, omega, zeta, participation, shape, numbers)
             found.append(float(one))
         top = int(np.clip(np.argmax(found), 1, len(found) - 2))
@@ -170,9 +171,13 @@ def case(number: int, rough: bool, samples: int) -> Case:
 
 def _first(pipe: ReducedPipe, device: Device) -> float:
     """Give the first natural frequency of the pipe on the device's stiffness, Hz."""
+    return float(np.sqrt(np.linalg.eigvalsh(_on_device(pipe, device))[0]) / (2 * np.pi))
+
+
+def _on_device(pipe: ReducedPipe, device: Device) -> Array:
+    """Give the stiffness of the pipe's modes with the device's, 1/s2."""
     shape = np.array(pipe.clamp_shapes[0])
-    stiffness = np.diag(np.square(pipe.omega)) + 1e3 * (device.k + device.element) * np.outer(shape, shape)
-    return float(np.sqrt(np.linalg.eigvalsh(stiffness)[0]) / (2 * np.pi))
+    return np.asarray(np.diag(np.square(pipe.omega)) + 1e3 * (device.k + device.element) * np.outer(shape, shape))
 
 
 def _drive(device: Device, pipe: ReducedPipe, kelvin: float, near: float, wanted: float) -> float:

@@ -39,7 +39,7 @@ class Band:
         value: the number.
         low, high: ends of its band.
         deviation: standard deviation.
-        shares: of the variance, by kind; "solution" is what the solver leaves out.
+        shares: of the variance, by kind.
         leading: quantities with the largest shares of it, by name, largest first; negative where they go against it.
     """
 
@@ -66,12 +66,13 @@ def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, so
         by_quantity: its derivatives by what isn't known, (Q,).
         unknown: that, with its covariance.
         steps: standard deviations to either side.
-        solution: standard deviation of what the solver leaves out.
+        solution: standard deviation of what the solver leaves out besides.
     """
     parts = by_quantity * (unknown.covariance @ by_quantity)
     variance = float(parts.sum()) + solution**2
     whole = variance if variance > 0 else 1.0
     shares: dict[str, float] = {str(kind): float(parts[unknown.of_kind(kind)].sum()) / whole for kind in KINDS}
+    shares["solution"] += solution**2 / whole
     largest = np.argsort(-np.abs(parts))[:LEADING]
     deviation = float(np.sqrt(variance))
     return Band(
@@ -79,7 +80,7 @@ def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, so
         value - steps * deviation,
         value + steps * deviation,
         deviation,
-        shares | {"solution": solution**2 / whole},
+        shares,
         tuple((unknown.quantities[place].name, float(parts[place]) / whole) for place in largest),
     )
 
@@ -100,7 +101,7 @@ def ends_words(band: Band, unit: str, per_cent: float) -> str:
 
 def origin_words(name: str, band: Band) -> list[str]:
     """Say what a band comes from, and what would narrow it."""
-    named = {str(kind): words for kind, words in KINDS.items()} | {"solution": "what the solver leaves out"}
+    named = {str(kind): words for kind, words in KINDS.items()}
     shares = sorted(band.shares.items(), key=lambda item: -item[1])
     parts = [f"{share:.0%} {named[kind]}" for kind, share in shares if share >= TOLD]
     if not parts:

@@ -116,7 +116,7 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     sources = [str(description.clamps[place].law) for place in places]
     known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
     names = [description.clamps[place].at for place in places]
-    what = unknown([known[name] for name in sources], names)
+    what = unknown([known[name] for name in sources], names, solved=False)
     if not what.quantities:
         raise UserError(f"{path}: no law tells how sure it is; expected one that was identified from tests")
     roots = what.roots()

@@ -81,37 +81,41 @@ class Moving:
         for step in (SMALL * sizes[:, None], -SMALL * sizes[:, None]):
             yield self.frequency + step * self.by_frequency, self.amplitude + step * self.by_amplitude
 
-    def band(self, draws: Array, scales: tuple[float, float], per_cent: float) -> tuple[Array, Array]:
+    def band(self, draws: Array, per_cent: float) -> tuple[Array, Array]:
         """Give the ends of the curve's band over its own frequencies, mm, (S,) each.
 
-        The curve is moved at a right angle to it as each draw says. A stretch that turns back nowhere is held against
-        itself; nan where in most draws it doesn't reach that frequency.
+        Each draw moves the states of the curve. A stretch that turns back nowhere is held against itself; nan where in
+        most draws it doesn't reach that frequency.
 
         Args:
             draws: of the quantities, (N, Q).
-            scales: what frequencies and amplitudes are drawn as shares of.
             per_cent: that the band holds.
         """
-        along = np.stack([np.gradient(self.frequency) / scales[0], np.gradient(self.amplitude) / scales[1]])
-        normal = np.stack([-along[1], along[0]]) / np.maximum(np.hypot(*along), 1e-300)
-        moved = draws @ (normal[0] * self.by_frequency / scales[0] + normal[1] * self.by_amplitude / scales[1])
-        frequency = self.frequency + moved * normal[0] * scales[0]
-        amplitude = np.maximum(self.amplitude + moved * normal[1] * scales[1], 0.0)
+        frequency = self.frequency + draws @ self.by_frequency
+        amplitude = self.amplitude * np.exp(draws @ (self.by_amplitude / self.amplitude))
         low, high = np.full((2, len(self.frequency)), np.nan)
-        for first, last in pairwise([0, *self.turns(), len(self.frequency) - 1]):
-            own = slice(first, last + 1)
+        turns = self.turns()
+        for first, last in pairwise([0, *turns, len(self.frequency) - 1]):
+            own, turning = slice(first, last + 1), [end for end in (first, last) if end in turns]
             here = self.frequency[own]
-            found = np.stack([_over(here, f, a) for f, a in zip(frequency[:, own], amplitude[:, own], strict=True)])
+            moved = zip(frequency[:, own], amplitude[:, own], strict=True)
+            found = np.stack([np.interp(here, *_rising(*one)) for one in moved])
+            # beyond where it turns back there is no such state; beyond the range of frequencies there is
+            for end in turning:
+                upwards = self.frequency[end] == here.max()
+                past = here > frequency[:, [end]] if upwards else here < frequency[:, [end]]
+                found[past] = np.nan
             there = np.mean(np.isfinite(found), axis=0) >= MOSTLY
-            ends = np.nanpercentile(found[:, there], [50 - per_cent / 2, 50 + per_cent / 2], axis=0)
-            low[own][there], high[own][there] = ends
+            if there.any():
+                ends = np.nanpercentile(found[:, there], [50 - per_cent / 2, 50 + per_cent / 2], axis=0)
+                low[own][there], high[own][there] = ends
         return low, high
 
 
-def _over(frequencies: Array, frequency: Array, amplitude: Array) -> Array:
-    """Give a stretch of a curve over frequencies; nan beyond its ends."""
+def _rising(frequency: Array, amplitude: Array) -> tuple[Array, Array]:
+    """Give a stretch of a curve with its frequencies rising."""
     order = np.argsort(frequency)
-    return np.interp(frequencies, frequency[order], amplitude[order], left=np.nan, right=np.nan)
+    return frequency[order], amplitude[order]
 
 
 def _differences(sides: list[list[Array]], sizes: Array) -> tuple[Array, ...]:

@@ -11,13 +11,15 @@ from scipy.linalg import block_diag
 from scipy.special import ndtri
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.file import Shares
 from pipeclamp_system.bands.varied import SHARES, VariedLaw
 
-Kind = Literal["parameters", "runs", "form"]
+Kind = Literal["parameters", "runs", "form", "solution"]
 KINDS: Mapping[Kind, str] = {
     "parameters": "the law's parameters",
     "runs": "scatter from run to run",
     "form": "what the law leaves over on left-out tests",
+    "solution": "what the solver leaves out",
 }
 """Kinds of what isn't known, in words."""
 NOUGHT = 1e-10
@@ -69,16 +71,21 @@ class Unknown:
         """Tell which quantities are of a kind, shape (Q,)."""
         return np.array([quantity.kind == kind for quantity in self.quantities])
 
-    def sizes(self, clamp: int, beyond: Mapping[str, float]) -> Array:
+    def sizes(self, clamp: int, beyond: Mapping[str, float], truncated: float = 0.0) -> Array:
         """Give by how much each quantity, of size one, changes its parameter at a clamp, shape (Q,).
 
         Args:
             clamp: which.
             beyond: its conditions that lie beyond the data of its law, by name.
+            truncated: share of the motion in harmonics that the solver leaves out: the force may be off by as much.
         """
         law = self.laws[clamp]
         form = law.form(beyond)
-        runs = law.file.spread.runs if law.file.spread else form
+        shares = {
+            "form": form,
+            "runs": law.file.spread.runs if law.file.spread else form,
+            "solution": Shares(stiffness=truncated, damping=truncated),
+        }
         sizes = np.zeros(len(self.quantities))
         for place, quantity in enumerate(self.quantities):
             if clamp not in quantity.clamps:
@@ -86,7 +93,7 @@ class Unknown:
             if quantity.kind == "parameters":
                 sizes[place] = 1.0
             else:
-                sizes[place] = getattr(runs if quantity.kind == "runs" else form, SHARES[quantity.parameter])
+                sizes[place] = getattr(shares[quantity.kind], SHARES[quantity.parameter])
         return sizes
 
     def changes(self, clamp: int, beyond: Mapping[str, float], amounts: Array) -> dict[str, float]:
@@ -97,7 +104,7 @@ class Unknown:
         return made
 
 
-def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str]) -> Unknown:
+def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -> Unknown:
     """Give what isn't known of clamps.
 
     What a law's tests tell is one truth for all clamps that have it; each clamp is mounted by itself.
@@ -105,6 +112,7 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str]) -> Unknown:
     Args:
         laws: of each clamp; the same object where clamps share a law.
         clamps: their names.
+        solved: whether a solver leaves harmonics out.
     """
     quantities: list[Quantity] = []
     blocks: list[Array] = []
@@ -113,12 +121,16 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str]) -> Unknown:
         name = law.file.name
         quantities += [Quantity("parameters", f"{name}: {one}", one, own) for one in law.names]
         blocks.append(law.covariance)
-        if law.file.spread is None:
-            continue
+        further: list[Quantity] = []
         for parameter, share in SHARES.items():
-            quantities.append(Quantity("form", f"{name}: {share}", parameter, own))
-            quantities += [Quantity("runs", f"{clamps[place]}: {share}", parameter, (place,)) for place in own]
-            blocks.append(np.eye(1 + len(own)))
+            of_clamps = [(f"{clamps[place]}: {share}", parameter, (place,)) for place in own]
+            if law.file.spread is not None:
+                further.append(Quantity("form", f"{name}: {share}", parameter, own))
+                further += [Quantity("runs", *each) for each in of_clamps]
+            if solved:
+                further += [Quantity("solution", *each) for each in of_clamps]
+        quantities += further
+        blocks.append(np.eye(len(further)))
     return Unknown(laws, tuple(quantities), block_diag(*blocks) if blocks else np.zeros((0, 0)))
 
 

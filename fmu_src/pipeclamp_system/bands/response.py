@@ -199,7 +199,9 @@ def banded_system(path: Path, response: FrequencyResponse) -> BandedSystem:
     description = read_system(path)
     sources = [str(clamp.law) for clamp in description.clamps]
     known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
-    return BandedSystem(path, description, unknown([known[name] for name in sources], response.clamp_names))
+    return BandedSystem(
+        path, description, unknown([known[name] for name in sources], response.clamp_names, solved=True)
+    )
 
 
 class BandedSystem:
@@ -215,7 +217,6 @@ class BandedSystem:
         steps = steps_of(per_cent)
         moving = self._moving(curve)
         sizes = np.sqrt(np.diag(self.unknown.covariance))
-        truncated = [max(piece, key=lambda state: max(amplitudes_of(state))).truncated for piece in curve.pieces]
         peaks, slopes = [], []
         for of_point in moving:
             # of all pieces that with the highest state
@@ -224,7 +225,6 @@ class BandedSystem:
             by_frequency, by_amplitude = of_point[index].peak_moves(sizes)
             slopes.append(by_amplitude)
             off_frequency, off_amplitude = of_point[index].peak_errors()
-            off_amplitude = float(np.hypot(off_amplitude, truncated[index] * amplitude))
             peaks.append(
                 PeakBand(
                     band_of(amplitude, by_amplitude, self.unknown, steps, off_amplitude),
@@ -265,8 +265,7 @@ class BandedSystem:
         straight, own = peak.amplitude, bent.amplitude
         up = (own.high - own.value) / max(straight.high - straight.value, 1e-300)
         down = (own.value - own.low) / max(straight.value - straight.low, 1e-300)
-        scales = self.table.to_Hz - self.table.from_Hz, straight.value
-        return PieceBand(*piece.band(draws * np.where(moved > 0, up, down)[:, None], scales, per_cent))
+        return PieceBand(*piece.band(draws * np.where(moved > 0, up, down)[:, None], per_cent))
 
     def _moving(self, curve: Curve) -> list[list[Moving]]:
         """Give, for each clamp and probe, the pieces of a curve with how they move."""

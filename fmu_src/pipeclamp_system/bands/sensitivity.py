@@ -72,7 +72,7 @@ def _disturbances(clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Un
         cycle = clamp.cycle(state.clamps[place][None], at)
         values, smoothing = law.vector(equations), (law.v_r, law.y_r)
         force = force_of_equations(equations, values, smoothing, cycle, derivatives=True)
-        sizes = unknown.sizes(place, state.beyond[place])
+        sizes = unknown.sizes(place, state.beyond[place], state.truncated)
         own = np.flatnonzero(sizes)
         names = [unknown.quantities[index].parameter for index in own]
         parameters = np.array([equations.names.index(name) for name in names], dtype=np.intp)

@@ -22,7 +22,7 @@ FAINT = 0.18
 
 WORDS = (
     "A curve's band is drawn where most of the laws that are as likely have such a state. Shares are of the variance "
-    "of the peak. Run to run is what one mounting does; left-out tests are what the law's form leaves over on tests that "
+    "of the peak. Run to run is what one mounting does; left-out tests are what the law leaves over on tests that "
     "were left out, and more where the law is used beyond its tests."
 )
 
@@ -60,7 +60,7 @@ def run_bands_section(bands: RunBands) -> Section:
 
 def shares_of(band: Band) -> list[str]:
     """Give the shares of a band's variance, as texts, in the order of the kinds."""
-    return [f"{band.shares[kind]:.0%}" for kind in (*KINDS, "solution")]
+    return [f"{band.shares[kind]:.0%}" for kind in KINDS]
 
 
 def add_band(figure: go.Figure, piece: Sequence[SteadyState], band: PieceBand, colour: str) -> None:
