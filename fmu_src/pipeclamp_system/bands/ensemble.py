@@ -112,13 +112,8 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     tell = progress or (lambda what: None)
     steps = steps_of(per_cent)
     description = read_system(path)
-    places = [place for place, clamp in enumerate(description.clamps) if clamp.law is not None]
-    sources = [str(description.clamps[place].law) for place in places]
-    known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
+    places, what = _unknown_of(description, path)
     names = [description.clamps[place].at for place in places]
-    what = unknown([known[name] for name in sources], names, solved=False)
-    if not what.quantities:
-        raise UserError(f"{path}: no law tells how sure it is; expected one that was identified from tests")
     roots = what.roots()
     drawn = even_normal(max(FEWEST, 2 * roots.shape[1]), roots.shape[1])
     points = [*result.clamp_names, *result.probe_names]
@@ -149,6 +144,33 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     banded = _with_bands(result, columns, histories, steps)
     told = _told(result, columns, histories, drawn[good], roots, what, steps)
     return RunBands(banded, per_cent, told, len(found), len(found) - len(good), gaps(what.laws))
+
+
+def refuse(path: Path, per_cent: float) -> None:
+    """Refuse what no band can be given of, before anything is computed.
+
+    Raises:
+        UserError: the system can't be read, or no clamp has a law whose uncertainty is known.
+        UsageError: the share can't be held by a band.
+    """
+    steps_of(per_cent)
+    _unknown_of(read_system(path), path)
+
+
+def _unknown_of(description: SystemDescription, path: Path) -> tuple[list[int], Unknown]:
+    """Give which clamps have a law, and what isn't known of them.
+
+    Raises:
+        UserError: nothing is.
+    """
+    places = [place for place, clamp in enumerate(description.clamps) if clamp.law is not None]
+    sources = [str(description.clamps[place].law) for place in places]
+    known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
+    names = [description.clamps[place].at for place in places]
+    what = unknown([known[name] for name in sources], names, solved=False)
+    if not what.quantities:
+        raise UserError(f"{path}: no law tells how sure it is; expected one that was identified from tests")
+    return places, what
 
 
 def _run(member: _Member) -> Array | str:

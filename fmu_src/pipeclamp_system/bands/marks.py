@@ -23,12 +23,14 @@ class Moving:
     Attributes:
         frequency: Hz, and amplitude: mm, shape (S,).
         by_frequency, by_amplitude: their changes, shape (Q, S).
+        by_turning: changes of the frequency at which the curve turns back, next to each state, shape (Q, S).
     """
 
     frequency: Array
     amplitude: Array
     by_frequency: Array
     by_amplitude: Array
+    by_turning: Array
 
     def peak(self) -> tuple[float, float, bool]:
         """Give the frequency and the amplitude of the highest state, and whether that is inside the piece."""
@@ -68,13 +70,9 @@ class Moving:
         """Give the frequency at which the curve turns next to a state."""
         return float(_at(self.frequency, at, _turning(self.frequency, at)))
 
-    def turn_moves(self, at: int, sizes: Array) -> Array:
+    def turn_moves(self, at: int) -> Array:
         """Give the derivatives of that frequency, (Q,)."""
-        sides = []
-        for frequency, _ in self._moved(sizes):
-            found = np.array([_turning(one, at) for one in frequency])
-            sides.append([_at(frequency, at, found)])
-        return _differences(sides, sizes)[0]
+        return np.asarray(self.by_turning[:, at])
 
     def _moved(self, sizes: Array) -> Iterator[tuple[Array, Array]]:
         """Give frequencies and amplitudes, (Q, S) each, with each quantity a little larger, and a little smaller."""

@@ -13,6 +13,7 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.law.file import write_law
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
@@ -174,20 +175,36 @@ def response_bands(
         progress: told what is being done.
 
     Raises:
-        UserError: a limit is for no clamp or probe, or the response at an end isn't found.
-        UsageError: the share can't be held by a band.
+        UserError: the response at an end isn't found.
+        UsageError: as of `refuse`.
     """
     tell = progress or (lambda what: None)
-    steps_of(per_cent)  # refuses what can't serve before it is begun
-    for name in limits or {}:
-        if name not in response.points:
-            raise UsageError(f"--limit: {name!r} is no clamp or probe; expected one of {', '.join(response.points)}")
+    refuse(path, per_cent, limits or {})
     system = banded_system(path, response)
     curves = []
     for curve in response.curves:
         tell(f"band of {label(curve.temperature, curve.level)}")
         curves.append(system.bands(curve, per_cent))
     return ResponseBands(response, per_cent, tuple(curves), limits or {}, gaps(system.unknown.laws))
+
+
+def refuse(path: Path, per_cent: float, limits: Mapping[str, float]) -> None:
+    """Refuse what no band can be given of, before anything is computed.
+
+    Raises:
+        UserError: the system can't be read.
+        UsageError: the share can't be held by a band, or a limit is for no clamp or probe.
+    """
+    steps_of(per_cent)
+    if not limits:
+        return
+    description = read_system(path)
+    known = [clamp.at for clamp in description.clamps]
+    if description.pipe.file is not None:
+        known += [probe.name for probe in read_pipe(path.parent / description.pipe.file).probes]
+    for name in limits:
+        if name not in known:
+            raise UsageError(f"--limit: {unknown_name(name, known, 'clamp or probe')}")
 
 
 def banded_system(path: Path, response: FrequencyResponse) -> BandedSystem:
@@ -215,7 +232,7 @@ class BandedSystem:
     def bands(self, curve: Curve, per_cent: float) -> CurveBands:
         """Give the bands of a curve."""
         steps = steps_of(per_cent)
-        moving = self._moving(curve)
+        moving = self.moving(curve)
         sizes = np.sqrt(np.diag(self.unknown.covariance))
         peaks, slopes = [], []
         for of_point in moving:
@@ -233,7 +250,7 @@ class BandedSystem:
                 )
             )
         turns = tuple(
-            band_of(piece.turn(at), piece.turn_moves(at, sizes), self.unknown, steps)
+            band_of(piece.turn(at), piece.turn_moves(at), self.unknown, steps)
             for piece in moving[0] for at in piece.turns()
         )  # fmt: skip
         deviation = float(np.sqrt(slopes[0] @ self.unknown.covariance @ slopes[0]))
@@ -267,7 +284,7 @@ class BandedSystem:
         down = (own.value - own.low) / max(straight.value - straight.low, 1e-300)
         return PieceBand(*piece.band(draws * np.where(moved > 0, up, down)[:, None], per_cent))
 
-    def _moving(self, curve: Curve) -> list[list[Moving]]:
+    def moving(self, curve: Curve) -> list[list[Moving]]:
         """Give, for each clamp and probe, the pieces of a curve with how they move."""
         where, folder = str(self.path), self.path.parent
         system = steady_system(
@@ -284,6 +301,7 @@ class BandedSystem:
                     np.array([amplitudes_of(state)[point] for state in piece]),
                     np.stack([one.frequency for one in moved], axis=1),
                     np.stack([one.amplitudes[:, point] for one in moved], axis=1),
+                    np.stack([one.turning for one in moved], axis=1),
                 )
                 for piece, moved in zip(curve.pieces, pieces, strict=True)
             ]
@@ -319,7 +337,7 @@ def _peak_of(curve: Curve, point: int) -> tuple[float, float]:
         values = np.array([amplitudes_of(state)[point] for state in piece])
         frequencies = np.array([state.frequency for state in piece])
         nothing = np.zeros((0, len(piece)))
-        frequency, amplitude, _ = Moving(frequencies, values, nothing, nothing).peak()
+        frequency, amplitude, _ = Moving(frequencies, values, nothing, nothing, nothing).peak()
         tops.append((amplitude, frequency))
     return max(tops)
 

@@ -27,10 +27,12 @@ class Moves:
     Attributes:
         frequency: Hz, shape (Q,).
         amplitudes: half the peak-to-peak displacement of each clamp and probe, mm, shape (Q, points).
+        turning: where the curve turns back next to the state, how that frequency moves, Hz, shape (Q,).
     """
 
     frequency: Array
     amplitudes: Array
+    turning: Array
 
 
 def moves(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> Moves:
@@ -58,7 +60,10 @@ def moves(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyStat
     moved = np.linalg.solve(np.vstack([slopes, along]), right).T * scales
     changes = system.changed(unknowns, state.frequency, moved[:, :-1], moved[:, -1], forces)
     motion = np.concatenate([state.clamps, state.probes])
-    return Moves(moved[:, -1], _of_half_range(motion, changes))
+    # at a turning point the balance can't answer a push along this
+    unanswered = np.linalg.svd(by_unknowns)[0][:, -1]
+    turning = packed(pushed) @ unanswered / (by_frequency @ unanswered)
+    return Moves(moved[:, -1], _of_half_range(motion, changes), turning)
 
 
 def _disturbances(clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> Complex:

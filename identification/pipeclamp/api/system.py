@@ -17,6 +17,7 @@ from pipeclamp_system.cosim.run import run_system
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Section
+    from pipeclamp_system.bands.ensemble import RunBands
 
 
 class Cosimulation:
@@ -25,10 +26,12 @@ class Cosimulation:
     Attributes:
         origin: the system's description.
         result: all columns, units, the energy balance, and what is to be doubted.
+        bands: how sure it is, where that was asked for.
     """
 
-    def __init__(self, result: CosimResult, origin: Path) -> None:
+    def __init__(self, result: CosimResult, origin: Path, bands: RunBands | None = None) -> None:
         self.result = result
+        self.bands = bands
         self.origin = origin
 
     @property
@@ -78,11 +81,11 @@ class Cosimulation:
     def _sections(self) -> Sequence[Section]:
         from pipeclamp.pages.system.cosim import cosim_sections
 
-        return cosim_sections(self.result)
+        return cosim_sections(self.result, self.bands)
 
     def __str__(self) -> str:
         """Say what came out, and what isn't to be trusted."""
-        return "\n".join(self._sections()[0].paragraphs)
+        return "\n".join([*self._sections()[0].paragraphs, *(self.bands.words() if self.bands else ())])
 
     def __repr__(self) -> str:
         """Give the system, and whether the result can be trusted."""
@@ -94,14 +97,15 @@ class Cosimulation:
 
 
 @one_thread()
-def cosim(system: PathOrName) -> Cosimulation:
+def cosim(system: PathOrName, *, bands: float | None = None) -> Cosimulation:
     """Couple a pipe FMU with clamp FMUs and run them.
 
     Args:
         system: description of the coupled system, SYSTEM.toml; paths in it are relative to its folder.
+        bands: per cent that the bands of its columns are to hold, such as 95, by an ensemble of runs; None for none.
 
     Raises:
-        UserError: the system can't be read, built or run.
+        UserError: the system can't be read, built or run, or no law tells how sure it is.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
@@ -127,4 +131,10 @@ def cosim(system: PathOrName) -> Cosimulation:
     <co-simulation of cantilever with a clamp: trusted>
     """
     path = Path(path_of(system, "the description of a system"))
-    return Cosimulation(run_system(path), path)
+    result = run_system(path)
+    if bands is None:
+        return Cosimulation(result, path)
+    from pipeclamp_system.bands.ensemble import run_bands
+
+    banded = run_bands(path, result, bands)
+    return Cosimulation(banded.result, path, banded)

@@ -182,11 +182,13 @@ def cosim(
 
     spare(system, outputs=(output, report))
     with told("cosim") as tell:
-        result = run_system(system, lambda share: tell(f"{share:.0%}"))
         banded = None
         if bands is not None:
-            from pipeclamp_system.bands.ensemble import run_bands
+            from pipeclamp_system.bands.ensemble import refuse, run_bands
 
+            refuse(system, bands)
+        result = run_system(system, lambda share: tell(f"{share:.0%}"))
+        if bands is not None:
             banded = run_bands(system, result, bands, tell)
             result = banded.result
         sections = cosim_sections(result, banded)
@@ -213,11 +215,13 @@ def response(
     spare(system, outputs=(output, report))
     limits = _limits(limit, bands)
     with told("response") as tell:
-        found = run_response(system, tell)
         banded = None
         if bands is not None:
-            from pipeclamp_system.bands.response import response_bands
+            from pipeclamp_system.bands.response import refuse, response_bands
 
+            refuse(system, bands, limits)
+        found = run_response(system, tell)
+        if bands is not None:
             banded = response_bands(system, found, bands, limits, tell)
         sections = response_sections(found, banded)
     if report:

@@ -3,8 +3,8 @@
 A run's share is by how much of its elastic, or of its damping force it is off. What a share is where the run's
 conditions are left out follows from the fit's own derivatives, without another fit. The product of the two, with and
 without, is on average the variance of what the law can't know: neither too small by what the run did to the fit, nor
-too large by what it is worth to it. At the ends of a range, where the law is left to go on by itself, what it is off
-there without them counts alone.
+too large by what it is worth to it. So between the levels of A and f. At their ends a law that has to do without the
+tests there goes on by itself: inside the range what it is off with them counts, beyond it what it is off without.
 """
 
 from __future__ import annotations
@@ -54,13 +54,18 @@ def spread_of(fit: Fit, loops: Loops) -> Spread | None:
         return None
     left = _LeftOut(fit, observations.with_discrepancy(fit.law_force))
     with_all = _shares(left.residual, observations)
-    variance = np.mean(with_all.shares * left.shares(groups), axis=1) - np.mean(with_all.noise, axis=1)
+    ends = _ends(loops)
+    at_end = np.any([number >= 0 for name, (number, _) in ends.items() if name in ("A", "f")], axis=0)
+    free = 2 * len(loops.run) - len(fit.fitted)
+    fitted_away = 2 * len(loops.run) / free if free > 0 else 1.0
+    products = with_all.shares * np.where(at_end, fitted_away * with_all.shares, left.shares(groups))
+    variance = np.mean(products, axis=1) - np.mean(with_all.noise, axis=1)
     runs = _between_runs(with_all, loops)
     form = np.maximum(variance - runs, 0.0)
     beyond = {}
-    for name, (ends, step) in _ends(loops).items():
-        outside = left.shares(ends)
-        known = ends >= 0
+    for name, (number, step) in ends.items():
+        outside = left.shares(number)
+        known = number >= 0
         at_ends = np.mean((outside**2 - with_all.noise)[:, known], axis=1) - runs
         beyond[name] = Foretold(step=rounded(step), error=_deviations(np.maximum(at_ends, form)))
     return Spread(runs=_deviations(runs), form=_deviations(form), beyond=beyond)
