@@ -59,12 +59,14 @@ class Identification:
     Attributes:
         fit: the fit.
         loops: the campaign's loops.
+        observations: the same, as observations.
         misfits: its error on each run.
         method: how it was found.
     """
 
     fit: Fit
     loops: Loops
+    observations: LoopObservations
     misfits: tuple[RunMisfit, ...]
     method: Method
 
@@ -109,7 +111,7 @@ def identify(
     refuse_unknown(structure)
     result = fit_structure(structure, loops, observations, method=method, progress=tell)
     tell("error on every sample")
-    return Identification(result, loops, misfits(result.law, campaign, loops), method)
+    return Identification(result, loops, observations, misfits(result.law, campaign, loops), method)
 
 
 def refuse_unknown(structure: Structure) -> None:
@@ -251,7 +253,8 @@ def law_file(
         identification.fit, covered, data, quality,
         name=name, command=command, date=date, history=history,
     )  # fmt: skip
-    return file.model_copy(update={"spread": spread_of(identification.fit, identification.loops)})
+    spread = spread_of(identification.fit, identification.loops, identification.observations)
+    return file.model_copy(update={"spread": spread})
 
 
 def _rounded(value: float | None) -> float | None:

@@ -39,16 +39,17 @@ class _Pair:
     noise: Array
 
 
-def spread_of(fit: Fit, loops: Loops) -> Spread | None:
+def spread_of(fit: Fit, loops: Loops, observations: LoopObservations) -> Spread | None:
     """Give what the tests of a fit scatter about its law; None where there are too few runs to tell.
 
     Args:
         fit: the law with its force and derivatives on the tests.
         loops: the tests, one row a run.
+        observations: the same, as observations.
     """
     if len(fit.law_force.force) != len(loops.run):  # what ages was fitted cycle by cycle
         loops = per_cycle(loops)
-    observations = loop_observations(loops)
+        observations = loop_observations(loops)
     groups = condition_groups(loops)
     if groups.max() == 0 or not fit.fitted:
         return None

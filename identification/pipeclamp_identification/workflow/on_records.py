@@ -168,7 +168,7 @@ class RecordTests:
             heldout_nrmse(law, self.loops, observations),
             heldout_nrmse(result.law, self.loops, observations),
         )
-        fitted = FittedToRecords(sines, Identification(result, self.loops, runs, "joint"))
+        fitted = FittedToRecords(sines, Identification(result, self.loops, observations, runs, "joint"))
         return Refitted(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
 
     def diagnose(

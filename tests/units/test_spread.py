@@ -1,0 +1,55 @@
+"""What a law's file tells of the scatter of its tests: tests of known scatter, and of a known lack of the law."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.fitting.identify import identify
+from pipeclamp_identification.fitting.spread import spread_of
+from pipeclamp_identification.loops.loops import loops_of
+
+LEVELS = tuple(itertools.product((0.2, 0.4, 0.7, 1.0), (1.0, 3.0, 6.0, 10.0), (20.0, 100.0, 180.0)))
+
+
+@pytest.fixture
+def spread(harmonic_record, run_of, campaign_of):
+    """Give the spread of tests whose stiffness and damping scatter by shares, beside a lack that bends with A."""
+
+    def of(stiffness, damping, lack=0.0):
+        random = np.random.default_rng(3)
+        runs = []
+        for number, (A, f, celsius) in enumerate(LEVELS):
+            off_k, off_c = 1 + stiffness * random.standard_normal(), 1 + damping * random.standard_normal()
+            bent = 1 + lack * np.sin(9 * np.log(A))
+            force = off_k * 1500 * A + 1j * off_c * bent * 40 * (2 * np.pi * f * A) ** 0.3
+            made = harmonic_record((0.0, A), (0.0, force), frequency=f, rate=100 * f, cycles=3.0)
+            noise = 0.5 * random.standard_normal(len(made.force_N))
+            made = type(made)(made.time_s, made.displacement_mm, made.force_N + noise)
+            settings = {"amplitude_mm": A, "frequency_Hz": f, "temperature_C": celsius}
+            runs.append(run_of(made, str(number), **settings))
+        tests = campaign_of(*runs)
+        found = identify(tests)
+        assert len(loops_of(tests).run) == len(LEVELS)
+        return spread_of(found.fit, found.loops, found.observations)
+
+    return of
+
+
+def test_scatter_between_runs_comes_back(spread):
+    found = spread(0.01, 0.03)
+    assert found.runs.stiffness == pytest.approx(0.01, rel=0.35)
+    assert found.runs.damping == pytest.approx(0.03, rel=0.35)
+    assert found.form.stiffness < 0.006
+    assert found.form.damping < 0.018
+
+
+def test_what_a_law_has_no_form_for_is_told_apart(spread):
+    found = spread(0.0, 0.0, lack=0.2)
+    assert found.form.stiffness < 0.003
+    assert 0.03 < found.form.damping < 0.2
+    assert found.runs.damping < found.form.damping
+    assert found.beyond["A"].error.damping >= found.form.damping
+    assert found.beyond["A"].step == pytest.approx((np.log(2) + np.log(1 / 0.7)) / 2, rel=1e-6)
