@@ -41,7 +41,9 @@ def test_what_cannot_serve_is_refused(tmp_path, refused, options, said):
 def test_a_law_that_tells_nothing_has_no_bands(tmp_path, refused):
     path = banded(tmp_path, 1.0)
     path.write_text(path.read_text(encoding="utf-8").replace("law.json", "emwm2"), encoding="utf-8")
-    assert "no law tells how sure it is" in refused("cosim", path, "-o", tmp_path / "c.csv", "--bands", "95")
+    for command in ("cosim", "response"):
+        told = refused(command, path, "-o", tmp_path / "c.csv", "--bands", "95")
+        assert "no clamp has a law that tells how sure it is" in told
 
 
 def test_a_run_in_time_has_bands(tmp_path, pipeclamp):

@@ -19,7 +19,7 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import write_law
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
 from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown
-from pipeclamp_system.bands.varied import gaps, varied
+from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.cosim.run import run_described
@@ -167,10 +167,8 @@ def _unknown_of(description: SystemDescription, path: Path) -> tuple[list[int], 
     sources = [str(description.clamps[place].law) for place in places]
     known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
     names = [description.clamps[place].at for place in places]
-    what = unknown([known[name] for name in sources], names, solved=False)
-    if not what.quantities:
-        raise UserError(f"{path}: no law tells how sure it is; expected one that was identified from tests")
-    return places, what
+    refuse_silent(known.values(), str(path))
+    return places, unknown([known[name] for name in sources], names, solved=False)
 
 
 def _run(member: _Member) -> Array | str:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.law.file import write_law
@@ -21,7 +21,7 @@ from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words,
 from pipeclamp_system.bands.marks import Moving
 from pipeclamp_system.bands.quantities import Unknown, normal_draws, unknown
 from pipeclamp_system.bands.sensitivity import moves, with_laws
-from pipeclamp_system.bands.varied import gaps, varied
+from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.description.system import SystemDescription, read_system
 from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
@@ -66,13 +66,14 @@ class CurveBands:
         peaks: of each clamp and probe.
         turns: frequencies, Hz, at which the curve turns back, in the order of its states.
         pieces: of each piece of the curve, of each clamp and probe.
-        detached: how many branches nothing joins to the curve: with the law, and at the low and the high end.
+        detached: how many branches nothing joins to the curve: with the law, and at the low and the high end;
+            None where no motion was found there.
     """
 
     peaks: tuple[PeakBand, ...]
     turns: tuple[Band, ...]
     pieces: tuple[tuple[PieceBand, ...], ...]
-    detached: tuple[int, int, int]
+    detached: tuple[int, int | None, int | None]
 
 
 @dataclass(frozen=True)
@@ -147,12 +148,18 @@ def _probability(chance: float) -> str:
     return f"{100 * chance:.2g} %" if chance < 0.995 else f"{100 * chance:.1f} %"
 
 
-def _detached_words(counts: tuple[int, int, int]) -> list[str]:
-    here, low, high = counts
-    if here == low == high:
-        return []
-    told = [f"at the {end} end of the band {count or 'none'}" for end, count in (("low", low), ("high", high))]
-    return [f"branches apart from the curve: {here or 'none'}; {', '.join(told)}"]
+def _detached_words(counts: tuple[int, int | None, int | None]) -> list[str]:
+    here, *ends = counts
+    lines = [
+        f"no motion is found with the law at the {name} end of its band, which is foretold from the law alone"
+        for name, count in zip(("low", "high"), ends, strict=True)
+        if count is None
+    ]
+    if any(count not in (None, here) for count in ends):
+        told = zip(("low", "high"), ends, strict=True)
+        at_ends = [f"at the {name} end of the band {count or 'none'}" for name, count in told if count is not None]
+        lines.append(f"branches apart from the curve: {here or 'none'}; {', '.join(at_ends)}")
+    return lines
 
 
 def response_bands(
@@ -192,13 +199,13 @@ def refuse(path: Path, per_cent: float, limits: Mapping[str, float]) -> None:
     """Refuse what no band can be given of, before anything is computed.
 
     Raises:
-        UserError: the system can't be read.
+        UserError: the system can't be read, or no clamp has a law that tells how sure it is.
         UsageError: the share can't be held by a band, or a limit is for no clamp or probe.
     """
     steps_of(per_cent)
-    if not limits:
-        return
     description = read_system(path)
+    laws = [varied(law_in(path.parent, str(clamp.law))) for clamp in description.clamps if clamp.law is not None]
+    refuse_silent(laws, str(path))
     known = [clamp.at for clamp in description.clamps]
     if description.pipe.file is not None:
         known += [probe.name for probe in read_pipe(path.parent / description.pipe.file).probes]
@@ -255,11 +262,11 @@ class BandedSystem:
         )  # fmt: skip
         deviation = float(np.sqrt(slopes[0] @ self.unknown.covariance @ slopes[0]))
         towards = self.unknown.covariance @ slopes[0] / max(deviation, 1e-300)
-        ends = [self.solved(curve, side * steps * towards) for side in (-1, 1)]
+        ends = [self._end(curve, side * steps * towards) for side in (-1, 1)]
         followed = tuple(
             _followed(
                 peak,
-                [_peak_of(end, place) for end in ends],
+                [None if end is None else _peak_of(end, place) for end in ends],
                 [side * steps * float(slopes[place] @ towards) for side in (-1, 1)],
             )
             for place, peak in enumerate(peaks)
@@ -272,8 +279,15 @@ class BandedSystem:
             )
             for index in range(len(curve.pieces))
         )
-        detached = len(curve.detached), len(ends[0].detached), len(ends[1].detached)
-        return CurveBands(followed, turns, pieces, detached)
+        low, high = (None if end is None else len(end.detached) for end in ends)
+        return CurveBands(followed, turns, pieces, (len(curve.detached), low, high))
+
+    def _end(self, curve: Curve, amounts: Array) -> Curve | None:
+        """Give the curve with laws that are off, as of `solved`; None where no such motion is found."""
+        try:
+            return self.solved(curve, amounts)
+        except UserError:
+            return None
 
     def _piece(
         self, piece: Moving, peak: PeakBand, bent: PeakBand, draws: Array, moved: Array, per_cent: float
@@ -330,32 +344,31 @@ class BandedSystem:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _peak_of(curve: Curve, point: int) -> tuple[float, float]:
-    """Give amplitude and frequency of a curve's peak at a point."""
+def _peak_of(curve: Curve, point: int) -> float:
+    """Give the amplitude of a curve's peak at a point, mm."""
     tops = []
     for piece in curve.pieces:
         values = np.array([amplitudes_of(state)[point] for state in piece])
-        frequencies = np.array([state.frequency for state in piece])
         nothing = np.zeros((0, len(piece)))
-        frequency, amplitude, _ = Moving(frequencies, values, nothing, nothing, nothing).peak()
-        tops.append((amplitude, frequency))
+        tops.append(Moving(values, values, nothing, nothing, nothing).peak()[1])
     return max(tops)
 
 
-def _followed(peak: PeakBand, ends: Sequence[tuple[float, float]], foretold: Sequence[float]) -> PeakBand:
+def _followed(peak: PeakBand, ends: Sequence[float | None], foretold: Sequence[float]) -> PeakBand:
     """Bend the band of a peak as the peaks that were solved at both ends bend.
 
     Args:
         peak: to first order.
-        ends: amplitude and frequency as solved at the low and the high end of the first point's band.
+        ends: amplitude as solved at the low and the high end of the first point's band; None where none was found.
         foretold: steps of the amplitude to there, to first order.
     """
     amplitude = peak.amplitude
     sides = []
-    for (solved, _), step, end in zip(ends, foretold, (amplitude.low, amplitude.high), strict=True):
+    for solved, step, end in zip(ends, foretold, (amplitude.low, amplitude.high), strict=True):
         # a point that hardly moves there tells nothing of its own band
-        told = abs(step) >= TELLS * abs(end - amplitude.value) and (solved - amplitude.value) * step > 0
-        sides.append((solved - amplitude.value) / step if told else 1.0)
+        told = solved is not None and abs(step) >= TELLS * abs(end - amplitude.value) > 0
+        bend = (solved - amplitude.value) / step if solved is not None and told else 1.0
+        sides.append(bend if bend > 0 else 1.0)
     low = amplitude.value + sides[0] * (amplitude.low - amplitude.value)
     high = amplitude.value + sides[1] * (amplitude.high - amplitude.value)
     return replace(peak, amplitude=replace(amplitude, low=low, high=high))

@@ -9,6 +9,7 @@ from math import log
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import CoefficientEntry, LawFile, Shares, structure_of
 
@@ -22,13 +23,13 @@ OFF_BY = Declaration.model_validate(
             {"symbol": "off_c", "unit": "-", "meaning": "share of the damping", "start": 0.0, "neutral": 0.0},
         ],
         "scales": [
-            {"coefficient": "stiffness", "factor": "1 + off_k"},
-            {"coefficient": "damping", "factor": "1 + off_c"},
-            {"coefficient": "slip", "factor": "1 + off_c"},
+            {"coefficient": "stiffness", "factor": "exp(off_k)"},
+            {"coefficient": "damping", "factor": "exp(off_c)"},
+            {"coefficient": "slip", "factor": "exp(off_c)"},
         ],
     }
 )
-"""By what a whole law may be off, as an effect beside its own."""
+"""By what a whole law may be off, as an effect beside its own: no share turns a sign."""
 
 SHARES: Mapping[str, str] = {"off_k": "stiffness", "off_c": "damping"}
 """Its parameters, and which of a law's shares each is."""
@@ -121,3 +122,13 @@ def gaps(laws: Iterable[VariedLaw]) -> tuple[str, ...]:
                 "identify it again from records"
             )
     return tuple(lines)
+
+
+def refuse_silent(laws: Iterable[VariedLaw], where: str) -> None:
+    """Refuse laws of which none tells how sure it is; `where` is named in the error.
+
+    Raises:
+        UserError: none does.
+    """
+    if not any(law.names or law.file.spread for law in laws):
+        raise UserError(f"{where}: no clamp has a law that tells how sure it is; expected one identified from tests")
