@@ -8,8 +8,9 @@ from itertools import pairwise
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import Section
+from pipeclamp.pages.page import SERIES, Section
 from pipeclamp.show.table import Table
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.band import Band
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.bands.quantities import KINDS
@@ -19,6 +20,8 @@ from pipeclamp_system.steady.states import SteadyState
 
 FAINT = 0.18
 """Opacity of a band."""
+DENSE = 0.6
+"""Of one that is narrow beside what it is of."""
 
 WORDS = (
     "A curve's band is drawn where most of the laws that are as likely have such a state. Shares are of the variance "
@@ -58,6 +61,18 @@ def run_bands_section(bands: RunBands) -> Section:
     return Section("How sure", (*bands.words(), RUN_WORDS), [table])
 
 
+def add_area(
+    figure: go.Figure, x: Array, low: Array, high: Array, name: str, colour: str = SERIES[1], opacity: float = DENSE
+) -> None:
+    """Fill what lies between two curves, behind all others; with a name it stands in the legend."""
+    area = go.Scatter(
+        x=np.concatenate([x, x[::-1]]), y=np.concatenate([low, high[::-1]]), mode="none", fill="toself",
+        fillcolor=colour, opacity=opacity, name=name, showlegend=bool(name), hoverinfo="skip",
+    )  # fmt: skip
+    figure.add_trace(area)
+    figure.data = (figure.data[-1], *figure.data[:-1])
+
+
 def shares_of(band: Band) -> list[str]:
     """Give the shares of a band's variance, as texts, in the order of the kinds."""
     return [f"{band.shares[kind]:.0%}" for kind in KINDS]
@@ -69,8 +84,4 @@ def add_band(figure: go.Figure, piece: Sequence[SteadyState], band: PieceBand, c
     turns = np.flatnonzero(np.diff(np.sign(np.diff(frequency)))) + 1
     for first, last in pairwise([0, *turns.tolist(), len(frequency) - 1]):
         there = np.flatnonzero(np.isfinite(band.low[first : last + 1])) + first
-        figure.add_scatter(
-            x=np.concatenate([frequency[there], frequency[there][::-1]]),
-            y=np.concatenate([band.low[there], band.high[there][::-1]]),
-            mode="none", fill="toself", fillcolor=colour, opacity=FAINT, showlegend=False, hoverinfo="skip",
-        )  # fmt: skip
+        add_area(figure, frequency[there], band.low[there], band.high[there], "", colour, FAINT)

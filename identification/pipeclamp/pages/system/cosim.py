@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Section, doubted, styled
 from pipeclamp.pages.pictures import curves_picture
-from pipeclamp.pages.system.bands import run_bands_section
+from pipeclamp.pages.system.bands import add_area, run_bands_section
 from pipeclamp.show.table import Table
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.ensemble import RunBands
@@ -49,12 +49,12 @@ def history_picture(result: CosimResult, column: str, factor: float, unit: str, 
     """Draw one column over time."""
     time, values = _thinned(result.time, factor * result.columns[column])
     name = column.rpartition(".")[2]
-    curves = [(column, time.tolist(), values.tolist(), "lines")]
-    for end in ("low", "high"):
-        if f"{column}_{end}" in result.columns:
-            time, values = _thinned(result.time, factor * result.columns[f"{column}_{end}"])
-            curves.append((f"{end} end of its band", time.tolist(), values.tolist(), "lines"))
-    return curves_picture("t / s", f"{name} / {unit}", curves, title)
+    figure = curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], title)
+    if f"{column}_low" in result.columns:
+        shown = np.searchsorted(result.time, time)
+        low, high = (factor * result.columns[f"{column}_{end}"][shown] for end in ("low", "high"))
+        add_area(figure, time, low, high, "its band")
+    return figure
 
 
 def _loop_picture(result: CosimResult, name: str) -> go.Figure:

@@ -45,7 +45,7 @@ def response_sections(response: FrequencyResponse, bands: ResponseBands | None =
         Section("What came out", response.summary().splitlines()),
         *([bands_section(bands)] if bands else []),
         Section("Frequency response", (WORDS,), (), pictures),
-        Section("Co-simulations", (), tables),
+        *([Section("Co-simulations", (), tables)] if tables else []),
     ]
 
 
