@@ -111,6 +111,13 @@ def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shap
     return Part(force=F_c * level * np.tanh(motion.v / (0.03 * shape["speed"])))
 
 
+def displacement_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Friction as what deflects presses; rough: smoothed, and pressed a little at rest."""
+    pressed = np.abs(motion.y) + (0.05 * shape["stop"] if rough else 0.0)
+    slides = np.tanh(motion.v / (0.03 * shape["speed"])) if rough else np.sign(motion.v)
+    return Part(force=size * base.k10 * pressed * slides)
+
+
 def stribeck(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Dry friction that falls with speed, as a Gaussian; rough: as Hess and Soom have it, smoothed."""
     speed, at_speed = np.abs(motion.v) / (4 * shape["speed"]), 0.3 * shape["any"]
@@ -324,6 +331,7 @@ EFFECTS: dict[str, Kind] = {
     "relaxation_spread": Kind(relaxation_spread, most=0.8),
     "oil_damper": Kind(oil_damper, most=0.3),
     "stribeck": Kind(stribeck, most=0.3),
+    "displacement_friction": Kind(displacement_friction, most=0.3),
     "exponential_stiffening": Kind(exponential_stiffening, most=1.0),
     "gas_spring": Kind(gas_spring, most=3.0),
 }

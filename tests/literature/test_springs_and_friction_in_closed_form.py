@@ -74,6 +74,17 @@ def test_the_loss_of_falling_friction(frequency):
     assert lost(motion, force_on("stribeck", STRIBECK, motion))[0] == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.parametrize("amplitude", [1.0, 2.0])
+def test_friction_that_grows_with_the_displacement(amplitude):
+    """Reid: a cycle of amplitude A loses 2 k_mu A^2, at any speed; k_mu = mu k of a ring spring."""
+    for frequency in (0.1, 10.0):
+        motion = sinusoids(amplitude, frequency, 293.15, 8192)
+        force = force_on("displacement_friction", {"k_mu": 50.0}, motion)
+        assert lost(motion, force)[0] == pytest.approx(100.0 * amplitude**2, rel=2e-3)
+    assert at("displacement_friction", {"k_mu": 50.0}, 0.0, 50.0)[0] == 0.0
+    assert at("displacement_friction", {"k_mu": 50.0}, -2.0, [50.0, -50.0]) == pytest.approx([100.0, -100.0], rel=1e-3)
+
+
 FUNG = {"k_x": 300.0, "b_x": 4.0}
 
 

@@ -21,6 +21,7 @@ CONTRACT = [
     "play",
     "coulomb",
     "stribeck",
+    "displacement_friction",
     "viscous",
     "quadratic_damping",
     "directional_damping",

@@ -13,7 +13,7 @@ STEP_ERROR = 2e-3
 """Share of the force (rms) by which the fine steps of the truth err: half of the least noise."""
 LAWS = (
     "arctan_spring", "lateral_springs", "sine_spring", "log_spring", "pressed_contact", "magnets", "limited_chain",
-    "ring_spring", "eddy_brake", "activated_flow", "squeeze_film", "thinning_oil", "yielding_paste", "lateral_damper",
+    "eddy_brake", "activated_flow", "squeeze_film", "thinning_oil", "yielding_paste", "lateral_damper",
     "capstan", "creeping_arm", "viscoplastic", "bristles", "flag", "hardening_plastic", "glass_transition", "payne",
     "loss_peak", "running_in", "field_friction", "warm_oil",
 )  # fmt: skip

@@ -55,11 +55,6 @@ def limited_chain(motion: Motion, base: BaseLaw, rough: bool, size: float, shape
     return Part(force=size * base.k10 * motion.y * stretched**2 / (1 - stretched**2))
 
 
-def ring_spring(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Rings that slide on cones: friction in proportion to the force, one part of which the base law's spring has."""
-    return Part(force=size * base.k10 * np.abs(motion.y) * np.tanh(motion.v / SLIDES))
-
-
 def eddy_brake(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """A brake whose own currents push its field away: beyond a speed its force falls."""
     speed = motion.v / (10 * shape["speed"])

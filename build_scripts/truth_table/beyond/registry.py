@@ -59,10 +59,6 @@ LAWS: dict[str, Beyond] = {
         Kind(plain.limited_chain, most=5.0), "F = k y (y/y_m)^2 / (1 - (y/y_m)^2)",
         "Gent 1996, Rubber Chem. Technol. 69(1): his denominator", SPRING,
     ),
-    "ring_spring": _law(
-        Kind(plain.ring_spring), "F = mu k |y| tanh(v/v_s)",
-        "Reid 1956, J. Aeronaut. Sci. 23; Hill 1995, PhD thesis, University of Canterbury", DAMPER, ELEMENT,
-    ),
     "eddy_brake": _law(
         Kind(plain.eddy_brake), "F = 2 F_m (v/v_c) / (1 + (v/v_c)^2)", "Wouterse 1991, IEE Proc. B 138(4)", DAMPER,
     ),
