@@ -13,6 +13,7 @@ from pipeclamp_fmu.slaves.own_motion import LIMIT
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.tables import pl
+from pipeclamp_system.cosim.beating import Beats, Swing, swing_of
 from pipeclamp_system.cosim.energy import EnergyBalance
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_system.description.system import ClampSource, SystemDescription
@@ -51,6 +52,7 @@ class CosimResult:
         unsolved: by which share they still changed in the last run, where they were not solved.
         step_error: of the displacement, owed to the macro step, as a share of it; infinite where no other step could
             tell, None where none was asked.
+        beats: a swing of its amplitude that is a tracker's doing; None where there is none.
     """
 
     system: SystemDescription
@@ -64,6 +66,7 @@ class CosimResult:
     runs: int = 1
     unsolved: float = 0.0
     step_error: float | None = None
+    beats: Beats | None = None
 
     @property
     def name(self) -> str:
@@ -116,6 +119,13 @@ class CosimResult:
         """Whether the excitation is one sine, so that the motion settles."""
         return self.system.excitation.kind == "sine"
 
+    def swing(self, clamp: str) -> Swing | None:
+        """Give how the amplitude of a clamp goes to and fro at the end of a run under a sine; None where it doesn't."""
+        frequency = self.system.excitation.frequency_Hz
+        if not self.settles or frequency is None:
+            return None
+        return swing_of(self.time, self.columns[f"{clamp}.s"], frequency)
+
     @property
     def unsettled(self) -> dict[str, float]:
         """By which share the amplitude of each point still changes over the last two fifths, where it is too much."""
@@ -149,6 +159,8 @@ class CosimResult:
         if self.hidden_share > self.trusted_share:
             remedy = "use another, smaller step_s: a mode of the pipe may ring at a multiple of 1/step_s"
             found.append((motion, f"{most}; {remedy}"))
+        if self.beats is not None:
+            found.append(_about_beats(self.beats))
         return found
 
     def marks(self) -> list[str]:
@@ -197,6 +209,7 @@ class CosimResult:
             f"not settled: the amplitude at {name} changes by {change:.1%} from the last fifth but one to the last, "
             f"expected at most {SETTLED:.0%}; use a larger stop_s"
             for name, change in self.unsettled.items()
+            if self.beats is None
         ]
         if self.step_error is not None and self.step_error <= self.trusted_share:
             lines.append(
@@ -254,6 +267,18 @@ class CosimResult:
         return f"{name}: its law is taken for {used} ({how})"
 
 
+def _about_beats(beats: Beats) -> tuple[str, str]:
+    """Say that an amplitude swings for its tracker alone, and what the clamp does."""
+    swing = beats.swing
+    period = "" if swing.period is None else f", once in {swing.period:.3g} s,"
+    return (
+        f"the amplitude at {beats.name} swings between {1e3 * swing.low:.4g} and {1e3 * swing.high:.4g} mm{period} "
+        "for its law follows it with a delay",
+        f"with the law held at A = {1e3 * beats.held_at:.4g} mm it comes to {1e3 * beats.settles_at:.4g} mm; use "
+        "solve = true in place of track = true, or a law with memory, whose stiffness doesn't hang on A",
+    )
+
+
 def write_result(result: CosimResult, path: Path) -> None:
     """Write a result as CSV, whole or not at all: one row per communication point, "name [unit]" as header.
 
@@ -262,7 +287,7 @@ def write_result(result: CosimResult, path: Path) -> None:
     """
     frame = pl.DataFrame({f"{name} [{result.units[name]}]": values for name, values in result.columns.items()})
     trusted = pl.lit(float(result.trusted)).alias("trusted [1 yes, 0 no]")
-    settled = pl.lit(float(not result.unsettled) if result.settles else None, pl.Float64)
+    settled = pl.lit(float(not result.unsettled and result.beats is None) if result.settles else None, pl.Float64)
     known = settled.alias("settled [1 yes, 0 no, empty where nothing settles]")
     error = pl.lit(None if result.step_error in (None, inf) else result.step_error, pl.Float64)
     told = error.alias("step_error [share of the displacement, empty where not known]")

@@ -7,8 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from pipeclamp_fmu.slaves.own_motion import OFF_BY
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_system.cosim.beating import Beats
 from pipeclamp_system.cosim.building import finished
 from pipeclamp_system.cosim.divergence import EnergyGuard
 from pipeclamp_system.cosim.interrupts import held_back
@@ -76,7 +79,9 @@ def run_described(
                 break
             ready = nearer
         result = replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0)
-        return _checked(result, ready, folder, where, tell_check) if checked else result
+        if not checked:
+            return result
+        return _checked(replace(result, beats=_beats(result, ready, folder, where)), ready, folder, where, tell_check)
 
 
 def _shared(progress: ShareDone | None, share: float) -> tuple[ShareDone | None, ShareDone | None]:
@@ -103,6 +108,37 @@ def _checked(
         if other.hidden_share <= result.trusted_share and other.time.size != result.time.size:
             return replace(result, step_error=step_error(result, other))
     return result if doubtful else replace(result, step_error=math.inf)
+
+
+def _beats(result: CosimResult, ready: SystemDescription, folder: Path, where: str) -> Beats | None:
+    """Tell whether an amplitude swings for a tracker alone: another run, in which all laws' A and f stand still, tells.
+
+    They are held at their means over the last two fifths of the run.
+    """
+    tracked = {clamp.at for clamp in ready.clamps if clamp.mode == "tracked"}
+    swings = {name: swing for name in tracked if (swing := result.swing(name)) is not None}
+    if not swings:
+        return None
+    late = result.time >= 0.6 * result.time[-1]
+    means = {
+        name: [float(np.mean(result.columns[f"{name}.{signal}_used"][late])) for signal in "Af"] for name in tracked
+    }
+    held = [
+        clamp.model_copy(
+            update={"track": False, "amplitude_mm": 1e3 * means[clamp.at][0], "frequency_Hz": means[clamp.at][1]}
+        )
+        if clamp.at in tracked
+        else clamp
+        for clamp in ready.clamps
+    ]
+    try:
+        still = _once(ready.model_copy(update={"clamps": tuple(held)}), folder, where, None)
+    except UserError:
+        return None
+    name = max(swings, key=lambda one: swings[one].high - swings[one].low)
+    if any(still.swing(one) is not None for one in swings):
+        return None
+    return Beats(name, swings[name], means[name][0], still.amplitude(f"{name}.s"))
 
 
 def _in_steps(description: SystemDescription, factor: float) -> SystemDescription:

@@ -1,0 +1,76 @@
+"""Beats: under a sine an amplitude may swing to and fro for ever, because a clamp's law follows it with a delay.
+
+A law whose stiffness hangs on A steeply makes a loop of pipe, tracker and law, which needn't be stable where the clamp
+itself is. What the clamp would do tells a run in which its A and f stand still.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+
+SWINGS = 0.02
+"""Share of its mean by which an amplitude must go to and fro in the last fifth of a run to be looked at."""
+LASTS = 0.8
+"""Of the swing in the fifth before, that must be left in the last one: less is a transient that dies out."""
+FEWEST_CYCLES = 5
+"""Of the excitation in a fifth of the run, that show a swing."""
+
+
+@dataclass(frozen=True)
+class Swing:
+    """How an amplitude goes to and fro.
+
+    Attributes:
+        low, high: amplitude in single cycles over the last two fifths of a run, in the signal's unit.
+        period: s, from high to high; None where it isn't told.
+    """
+
+    low: float
+    high: float
+    period: float | None
+
+
+@dataclass(frozen=True)
+class Beats:
+    """A swing that is a tracker's doing and not the clamp's.
+
+    Attributes:
+        name: of the clamp that swings most.
+        swing: its displacement's, m.
+        held_at: amplitude at which its law was held in another run, m.
+        settles_at: amplitude that the clamp then comes to, m.
+    """
+
+    name: str
+    swing: Swing
+    held_at: float
+    settles_at: float
+
+
+def swing_of(time: Array, signal: Array, frequency: float) -> Swing | None:
+    """Give how the amplitude of a signal goes to and fro at the end of a run; None where it settles, or dies down.
+
+    Args:
+        time: s, (n,).
+        signal: (n,).
+        frequency: of the excitation, Hz.
+    """
+    cycles = int(0.2 * time[-1] * frequency)
+    if cycles < FEWEST_CYCLES:
+        return None
+    ends = time[-1] - np.arange(2 * cycles, -1, -1) / frequency
+    places = np.searchsorted(time, ends)
+    amplitude = np.array([np.ptp(signal[one : max(other, one + 2)]) / 2 for one, other in pairwise(places.tolist())])
+    before, last = amplitude[:cycles], amplitude[cycles:]
+    share = np.ptp(last) / last.mean() if last.mean() > 0 else 0.0
+    if share < SWINGS or np.ptp(last) < LASTS * np.ptp(before):
+        return None
+    above = amplitude > (amplitude.min() + amplitude.max()) / 2
+    rises = np.flatnonzero(~above[:-1] & above[1:])
+    period = float(np.diff(rises).mean() / frequency) if len(rises) > 1 else None
+    return Swing(float(amplitude.min()), float(amplitude.max()), period)

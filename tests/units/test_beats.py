@@ -1,0 +1,63 @@
+"""An amplitude that swings for its tracker alone is told from a transient and from a motion that settles."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+from banded import PIPE
+
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import write_law
+from pipeclamp_system.cosim.beating import swing_of
+from pipeclamp_system.cosim.run import run_system
+
+TIME = np.linspace(0.0, 10.0, 20001)
+
+SYSTEM = """name = "case"
+pipe = { file = "pipe.toml" }
+clamps = [{ at = "clamp1", law = "law.json", temperature_C = 20.0, track = true, amplitude_mm = 1, frequency_Hz = 14 }]
+excitation = { kind = "sine", acceleration_m_s2 = 3.0, frequency_Hz = 14.0 }
+run = { stop_s = 7.0, step_s = 0.002 }
+"""
+
+
+def sine(amplitude):
+    return amplitude * np.sin(2 * pi * 8.0 * TIME)
+
+
+def test_a_swing_is_told_from_what_dies_out_and_from_what_settles():
+    swinging = swing_of(TIME, sine(1 + 0.3 * np.sin(2 * pi * 1.25 * TIME)), 8.0)
+    assert swinging.low == pytest.approx(0.7, abs=0.05)
+    assert swinging.high == pytest.approx(1.3, abs=0.05)
+    assert swinging.period == pytest.approx(0.8, abs=0.03)
+    assert swing_of(TIME, sine(1 + np.exp(-TIME / 2) * np.sin(2 * pi * 1.25 * TIME)), 8.0) is None
+    assert swing_of(TIME, sine(1.0), 8.0) is None
+    assert swing_of(TIME, sine(0.0), 8.0) is None
+    assert swing_of(TIME[:2001], sine(1 + 0.3 * np.sin(2 * pi * 1.25 * TIME))[:2001], 8.0) is None  # too short to tell
+
+
+@pytest.mark.parametrize(("steep", "beats"), [(-0.9, True), (-0.3, False)])
+def test_a_law_that_hangs_on_its_tracker_is_said_to_beat(tmp_path, steep, beats):
+    file = open_law("emwm2")
+    values = {"k10": 120.0, "k30": 0.0, "k1_A": steep, "k3_A": 0.0, "c0": 0.5, "alpha0": 1.0, "alpha_f": 0.0}
+    entries = {
+        name: entry.model_copy(update={"value": values.get(name, entry.value)})
+        for name, entry in file.coefficients.items()
+    }
+    wide = {"A": {"minimum": 0.05, "maximum": 5.0}, "f": {"maximum": 40.0}}
+    ranges = {name: entry.model_copy(update=wide.get(name, {})) for name, entry in file.range.items()}
+    write_law(file.model_copy(update={"coefficients": entries, "range": ranges}), tmp_path / "law.json")
+    (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
+    (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
+    result = run_system(tmp_path / "system.toml")
+    assert (result.beats is not None) == beats
+    said = result.summary()
+    assert ("swings between" in said) == beats
+    if beats:
+        assert result.beats.swing.high > 1.5 * result.beats.swing.low
+        assert result.beats.swing.low < result.beats.settles_at < result.beats.swing.high
+        assert not result.trusted
+        assert "solve = true in place of track = true" in said
+        assert "use a larger stop_s" not in said
