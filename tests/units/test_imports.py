@@ -20,7 +20,7 @@ ROOMS = {
     "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "bands", "study"),
     "pipeclamp_identification": (
         "signals", "units", "campaign", "importing", "loops", "fitting", "comparison", "diagnosis", "discovery",
-        "metrics_only", "on_pipe", "attribution", "workflow",
+        "metrics_only", "on_pipe", "attribution", "planning", "workflow",
     ),
     "pipeclamp": ("show", "pages", "api", "studio", "cli"),
 }  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -66,6 +66,15 @@ class Unknown:
         values, vectors = np.linalg.eigh(self.covariance / np.outer(sizes, sizes))
         kept = values > NOUGHT * values.max(initial=0.0)
         return np.asarray(sizes[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
+
+    def by_clamp(self) -> Unknown:
+        """Give the same, what a law's form may be off at each clamp by itself: wholly correlated, as it is one law."""
+        told: list[tuple[int, Quantity]] = []
+        for place, one in enumerate(self.quantities):
+            apart = [replace(one, clamps=(clamp,)) for clamp in one.clamps] if one.kind == "form" else [one]
+            told += [(place, each) for each in apart]
+        places = [place for place, _ in told]
+        return Unknown(self.laws, tuple(one for _, one in told), self.covariance[np.ix_(places, places)])
 
     def of_kind(self, kind: Kind) -> Array:
         """Tell which quantities are of a kind, shape (Q,)."""

@@ -214,8 +214,13 @@ def refuse(path: Path, per_cent: float, limits: Mapping[str, float]) -> None:
             raise UsageError(f"--limit: {unknown_name(name, known, 'clamp or probe')}")
 
 
-def banded_system(path: Path, response: FrequencyResponse) -> BandedSystem:
+def banded_system(path: Path, response: FrequencyResponse, *, by_clamp: bool = False) -> BandedSystem:
     """Give the system of a response, SYSTEM.toml, with what isn't known of its clamps.
+
+    Args:
+        path: the system's file.
+        response: its response.
+        by_clamp: whether what a law's form may be off stands there for each of its clamps by itself.
 
     Raises:
         UserError: the system can't be read.
@@ -223,9 +228,8 @@ def banded_system(path: Path, response: FrequencyResponse) -> BandedSystem:
     description = read_system(path)
     sources = [str(clamp.law) for clamp in description.clamps]
     known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
-    return BandedSystem(
-        path, description, unknown([known[name] for name in sources], response.clamp_names, solved=True)
-    )
+    what = unknown([known[name] for name in sources], response.clamp_names, solved=True)
+    return BandedSystem(path, description, what.by_clamp() if by_clamp else what)
 
 
 class BandedSystem:

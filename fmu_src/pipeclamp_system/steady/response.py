@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import repeat
 from pathlib import Path
@@ -179,12 +180,13 @@ def amplitudes_of(state: SteadyState) -> tuple[float, ...]:
     return tuple(half_range(np.vstack([state.clamps, state.probes])).tolist())
 
 
-def run_response(path: Path, progress: Progress | None = None) -> FrequencyResponse:
+def run_response(path: Path, progress: Progress | None = None, *, dots: bool = True) -> FrequencyResponse:
     """Give the frequency response of the system that a file describes.
 
     Args:
         path: SYSTEM.toml; paths in it are relative to its folder.
         progress: told what is being done.
+        dots: whether it is co-simulated too, as often as the file asks for.
 
     Raises:
         UserError: the system can't be read or built, has no sine, no law or nothing to show, or a co-simulation fails.
@@ -203,8 +205,9 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
     # Refuses what can't serve before anything is built.
     steady_system(description, pipe, path.parent, None, 1.0, table.harmonics, str(path))
     curves: list[Curve] = []
-    dots: list[Dot] = []
-    with finished(description, path.parent) as ready:
+    found: list[Dot] = []
+    frequencies = _dot_frequencies(table) if dots else ()
+    with finished(description, path.parent) if frequencies else nullcontext(description) as ready:
         for temperature in table.temperatures_C or (None,):
             for level in table.levels:
                 tell(label(temperature, level))
@@ -212,13 +215,13 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
                 system = steady_system(description, pipe, path.parent, temperature, level, table.harmonics, place)
                 curve = curve_of(system, table, temperature, level, place)
                 curves.append(curve)
-                for frequency in _dot_frequencies(table):
+                for frequency in frequencies:
                     tell(f"{label(temperature, level)}, co-simulation at {frequency:.4g} Hz")
                     passed = [state for piece in curve.pieces for state in system.crossings(piece, frequency)]
                     stable = [
                         Rest(amplitudes_of(state), -state.growth, state.truncated) for state in passed if state.stable
                     ]
-                    dots.append(co_simulated(ready, temperature, level, frequency, stable, path))
+                    found.append(co_simulated(ready, temperature, level, frequency, stable, path))
     excitation = description.excitation
     amount = excitation.model_dump(include={"acceleration_m_s2", "displacement_mm", "force_N"}, exclude_none=True)
     return FrequencyResponse(
@@ -227,7 +230,7 @@ def run_response(path: Path, progress: Progress | None = None) -> FrequencyRespo
         pipe.probe_names,
         ", ".join(f"{name} = {value:g}" for name, value in amount.items()),
         tuple(curves),
-        tuple(dots),
+        tuple(found),
         tuple(ranges_of(law_in(path.parent, str(clamp.law))) for clamp in description.clamps),
         table.harmonics is not None,
     )

@@ -20,6 +20,7 @@ from pipeclamp.cli import campaigns as cli_campaigns
 from pipeclamp.cli import catalogue as cli_catalogue
 from pipeclamp.cli import discover as cli_discover
 from pipeclamp.cli import importing as cli_importing
+from pipeclamp.cli import planning as cli_planning
 from pipeclamp.cli import simulation as cli_simulation
 from pipeclamp.cli import studio as cli_studio
 from pipeclamp.cli.terminal import (
@@ -30,6 +31,7 @@ from pipeclamp.cli.terminal import (
     JobsOption,
     JsonOption,
     LawArgument,
+    LimitsOption,
     ReportOption,
     StrictOption,
     command_called,
@@ -85,6 +87,7 @@ app.add_typer(cli_campaigns.app)
 app.add_typer(cli_catalogue.app)
 app.add_typer(cli_importing.app)
 app.add_typer(cli_discover.app)
+app.add_typer(cli_planning.app)
 app.add_typer(cli_simulation.app)
 app.add_typer(cli_studio.app)
 
@@ -312,13 +315,7 @@ def diagnose(
     json: JsonOption = None,
     report: ReportOption = None,
     auto: Annotated[Path | None, file_option("LAW2.json", "Add what is missing, again and again.", "--auto")] = None,
-    limits: Annotated[
-        str,
-        typer.Option(
-            metavar="A=0.1..2,f=0.5..20,T=20..300,v=..300",
-            help="What the rig can do, for the whole motion of the next test: mm, Hz, degC, mm/s; F=..5000, N.",
-        ),
-    ] = "",
+    limits: LimitsOption = "",
     drive: Annotated[
         Path | None, file_option("DRIVE.csv", "Write the next test's drive signal, .csv or .parquet.", "--drive")
     ] = None,

@@ -127,6 +127,14 @@ DeclaredOption = Annotated[
     list[Path] | None,
     typer.Option("--declared", metavar="F.toml", help="An effect of your own, by declaration; any number of times."),
 ]
+LimitsOption = Annotated[
+    str,
+    typer.Option(
+        "--limits",
+        metavar="A=0.1..2,f=0.5..20,T=20..300,v=..300",
+        help="What the rig can do, for the whole motion of the next test: mm, Hz, degC, mm/s; F=..5000, N.",
+    ),
+]
 
 
 def _processes(jobs: int) -> int:

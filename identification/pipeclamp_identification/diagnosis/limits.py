@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -130,14 +132,25 @@ def reach(tested: Motion, stated: Limits | None) -> Limits:
     Returns:
         limits whose ranges of amplitude, frequency and temperature are finite.
     """
-    stated = stated or Limits()
-    (A_low, A_high), (f_low, f_high), T = (span(tested, name) for name in ("A", "f", "T"))
+    A, f, T = (span(tested, name) for name in ("A", "f", "T"))
     celsius = (T[0] - CELSIUS, T[1] - CELSIUS)
+    return reach_around(A, f, celsius, stated, warmed="T" not in tested.assumed)
+
+
+def reach_around(A: Range, f: Range, celsius: Range, stated: Limits | None, *, warmed: bool = True) -> Limits:
+    """Give where tests are sought: within the stated limits; where one is open, around what was tested.
+
+    Args:
+        A, f, celsius: lowest and highest amplitude (mm), frequency (Hz) and temperature (degC) so far.
+        stated: what the rig can do.
+        warmed: whether another temperature than those may be tested at all.
+    """
+    stated = stated or Limits()
     return replace(
         stated,
-        amplitude=_closed(stated.amplitude, (REACH_A[0] * A_low, REACH_A[1] * A_high), 0.0),
-        frequency=_closed(stated.frequency, (REACH_F[0] * f_low, REACH_F[1] * f_high), 0.0),
-        temperature=celsius if "T" in tested.assumed else _closed(stated.temperature, celsius, -CELSIUS),
+        amplitude=_closed(stated.amplitude, (REACH_A[0] * A[0], REACH_A[1] * A[1]), 0.0),
+        frequency=_closed(stated.frequency, (REACH_F[0] * f[0], REACH_F[1] * f[1]), 0.0),
+        temperature=_closed(stated.temperature, celsius, -CELSIUS) if warmed else celsius,
     )
 
 
@@ -173,6 +186,29 @@ def drivable(profile: Profile, A: Array, f: Array, limits: Limits) -> tuple[Arra
         pairs += [(amplitude, frequency) for amplitude in stated_levels(A, A_low, most)]
     found = np.array(pairs, dtype=np.float64).reshape(-1, 2)
     return found[:, 0], found[:, 1]
+
+
+def drivable_grid(
+    profile: Profile, levels: Mapping[str, Array], limits: Limits, further: Mapping[str, Array] | None = None
+) -> dict[str, Array]:
+    """Give every combination of conditions that keeps the limits.
+
+    Args:
+        profile: shape of the motion.
+        levels: that are wished for: A (mm), f (Hz) and T (degC).
+        limits: what the rig can do.
+        further: levels of further conditions, by slow signal.
+
+    Returns:
+        slow signals by name, shape (R,) each, T in K; none where the shape can't be driven at all.
+    """
+    A, f = drivable(profile, levels["A"], levels["f"], limits)
+    T = stated_levels(levels["T"], *limits.temperature) + CELSIUS
+    every = {"pair": np.arange(len(A)), "T": T, **(further or {})}
+    rows = np.array(list(itertools.product(*every.values()))).reshape(-1, len(every))
+    columns = dict(zip(every, rows.T, strict=True))
+    pair = columns.pop("pair").astype(np.intp)
+    return {"A": A[pair], "f": f[pair], **columns}
 
 
 def stated_levels(values: Array, low: float, high: float) -> Array:

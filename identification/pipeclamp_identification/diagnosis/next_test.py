@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
-from pipeclamp_identification.diagnosis.limits import Limits, drivable, limits_words, reach, span, stated_levels
+from pipeclamp_identification.diagnosis.limits import Limits, drivable_grid, limits_words, reach, span
 from pipeclamp_identification.diagnosis.outlook import (
     LEAST_DEVIATIONS,
     PROFILES,
@@ -172,14 +171,7 @@ class _Search:
             spread[name] = np.concatenate([spread[name], np.array(ends) - (CELSIUS if name == "T" else 0.0)])
         over = {"A": profile.peak_displacement, "f": float(profile.highest_order), "T": 1.0}
         spread |= {name: np.asarray(values / over[name]) for name, values in levels.items()}
-        A, f = drivable(profile, spread["A"], spread["f"], limits)
-        T = stated_levels(spread["T"], *limits.temperature) + CELSIUS
-        every = {"pair": np.arange(len(A)), "T": T, **self.further}
-        columns = dict(
-            zip(every, np.array(list(itertools.product(*every.values()))).reshape(-1, len(every)).T, strict=True)
-        )
-        pair = columns.pop("pair").astype(np.intp)
-        return {"A": A[pair], "f": f[pair], **columns}
+        return drivable_grid(profile, spread, limits, self.further)
 
     def temperature(self, T: float) -> float | None:
         """Give a temperature in degC; none where that of the tests so far isn't known."""
@@ -217,7 +209,7 @@ def next_test(diagnosis: Diagnosis, limits: Limits | None = None) -> Proposal | 
         return NoTest(_why_none(search, within, outlooks))
     mistaken = np.concatenate([outlook.mistaken for outlook in outlooks])
     away = np.concatenate(
-        [_away(outlook.grid, tested) + (RIDING if outlook.profile == RIDDEN else 0.0) for outlook in outlooks]
+        [away_from(outlook.grid, tested) + (RIDING if outlook.profile == RIDDEN else 0.0) for outlook in outlooks]
     )
     enough = mistaken <= max(-(SURE_DEVIATIONS**2) / 8, NEARLY_LOG_CHANCE * float(mistaken.min()))
     best = int(np.lexsort((mistaken, np.where(enough, away, np.inf)))[0])
@@ -326,7 +318,7 @@ def _further_levels(rivals: Sequence[Foreseer], diagnosis: Diagnosis) -> dict[st
     return levels
 
 
-def _away(grid: Conditions, tested: Mapping[str, tuple[float, float]]) -> Array:
+def away_from(grid: Conditions, tested: Mapping[str, tuple[float, float]]) -> Array:
     """Give how far outside of what was tested conditions lie, shape (R,): octaves of A and f, hundreds of kelvin."""
     away = np.zeros(len(grid["A"]))
     for name, (low, high) in tested.items():

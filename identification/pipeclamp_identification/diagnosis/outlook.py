@@ -164,14 +164,29 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     """
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
-    white = float(np.median(loops.noise_rms_N)) ** 2 * 2 / CYCLES
-    samples = np.maximum(rate / motion.slow["f"], 1.0)
-    covariance = np.eye(force.shape[1]) * (white / samples)[:, :, None]
+    covariance = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
     for part, scatter in ((slice(1, None, 2), noise.stiffness_scatter), (slice(2, None, 2), noise.damping_scatter)):
         direction = np.zeros_like(force)
         direction[:, part] = scatter * force[:, part]
         covariance = covariance + direction[:, :, None] * direction[:, None, :]
     return covariance / REPEATS
+
+
+def sensor_noise(rms_N: float | Array, rate: float, motion: Motion, count: int) -> Array:
+    """Give the covariance of the mean harmonics of one run, which the force sensor's noise makes.
+
+    Args:
+        rms_N: of a sample, or of those of each run, shape (R,).
+        rate: samples per second.
+        motion: R motions.
+        count: of the harmonics as real numbers, m.
+
+    Returns:
+        N2, shape (R, m, m).
+    """
+    white = np.broadcast_to(rms_N, len(motion.y)) ** 2 * 2 / CYCLES
+    samples = np.maximum(rate / motion.slow["f"][:, 0], 1.0)
+    return np.asarray(np.eye(count) * (white / samples)[:, None, None])
 
 
 def _form(law_forces: Sequence[LawForce], without: Array) -> Array:

@@ -1,0 +1,64 @@
+"""Which tests to run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeclamp.api.shown import PathOrName, Shown, path_of
+from pipeclamp.show.narrowing import band_plan_view
+from pipeclamp.show.view import View
+from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.planning.narrowing import BandPlan, plan_tests
+from pipeclamp_models.base.one_thread import one_thread
+
+if TYPE_CHECKING:
+    from pipeclamp.pages.page import Section
+
+
+class LoopTests(Shown):
+    """The loop tests that narrow the band of a pipe's peak.
+
+    Attributes:
+        found: the bands and the tests.
+    """
+
+    def __init__(self, found: BandPlan) -> None:
+        self.found = found
+
+    def view(self) -> View:
+        """Give its answer, tables and lines."""
+        return band_plan_view(self.found, None)
+
+    def page(self) -> tuple[str, str, Sequence[Section]]:
+        """Give its page: title, subtitle, sections."""
+        from pipeclamp.pages.narrowing import band_plan_page
+
+        return band_plan_page(self.found)
+
+    def __repr__(self) -> str:
+        """Give the system and how many tests are worth their time."""
+        return f"<loop tests for {self.found.system}: {len(self.found.tests)}>"
+
+
+@one_thread()
+def plan(
+    system: PathOrName, *, limits: str | None = None, bands: float = 95.0, at: str | None = None,
+    force_noise: float | None = None,
+) -> LoopTests:  # fmt: skip
+    """Find the loop tests that narrow the band of a pipe's peak most, one after another.
+
+    Args:
+        system: description of the coupled system, SYSTEM.toml.
+        limits: what the rig can do, such as "A=0.1..2,f=0.5..20,T=20..300,v=..300".
+        bands: per cent that the band holds.
+        at: clamp or probe; that of the widest band beside its peak unless told.
+        force_noise: rms noise of the force, N; that of the law's own tests unless told.
+
+    Raises:
+        UserError: the system can't be read or solved, or no law tells how sure it is.
+    """
+    reach = parse_limits(limits) if limits else None
+    path = Path(path_of(system, "the description of a system"))
+    return LoopTests(plan_tests(path, reach, per_cent=bands, at=at, noise_N=force_noise))

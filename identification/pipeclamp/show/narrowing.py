@@ -1,0 +1,73 @@
+"""The loop tests that narrow a pipe's band, in sentences and a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeclamp.show.table import Table
+from pipeclamp.show.view import View
+from pipeclamp_identification.diagnosis.outlook import REPEATS
+from pipeclamp_identification.planning.narrowing import WORTH, BandPlan, test_words
+from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
+from pipeclamp_system.bands.band import Band, ends_words, origin_words
+
+
+def width(band: Band) -> float:
+    """Give how wide a band is."""
+    return band.high - band.low
+
+
+def band_plan_view(plan: BandPlan, drive: Path | None) -> View:
+    """Give how a plan is told; `drive` is where the first test's drive signal was written."""
+    return View(band_plan_answer(plan), [tests_table(plan)] if plan.tests else [], band_plan_words(plan, drive))
+
+
+def tests_table(plan: BandPlan) -> Table:
+    """Give the tests, one after another, with the band after each."""
+    header = ("", "A / mm", "f / Hz", "T / °C", "peak / mm: low", "high", "width", "peak / Hz: low", "high")
+    before = plan.before
+    rows: list[tuple[str | float | None, ...]] = [
+        ("now", None, None, None, *_ends(before.amplitude, before.amplitude), before.frequency.low,
+         before.frequency.high)
+    ]  # fmt: skip
+    several = len({test.law for test in plan.tests}) > 1
+    for number, test in enumerate(plan.tests, 1):
+        name = f"after test {number}" + (f", of {test.law}" if several else "")
+        rows.append(
+            (name, test.amplitude_mm, test.frequency_Hz, test.temperature_C, *_ends(test.amplitude, before.amplitude),
+             test.frequency.low, test.frequency.high)
+        )  # fmt: skip
+    rows.append(("at best", None, None, None, *_ends(plan.floor, before.amplitude), None, None))
+    return Table(header, rows, f"{plan.per_cent:g} % band of the peak at {plan.point}, each test {REPEATS} times")
+
+
+def _ends(band: Band, before: Band) -> tuple[float, float, str]:
+    return band.low, band.high, f"{width(band) / width(before):.0%}" if width(before) > 0 else ""
+
+
+def band_plan_words(plan: BandPlan, drive: Path | None = None) -> list[str]:
+    """Say which test narrows the band most, what stays, and what was reckoned with."""
+    amplitude = plan.before.amplitude
+    lines = [f"Peak at {plan.point}, {plan.curve}: {ends_words(amplitude, 'mm', plan.per_cent)}."]
+    at_best = f"{plan.floor.low:.4g} to {plan.floor.high:.4g} mm"
+    if plan.tests:
+        first = plan.tests[0]
+        lines.append(
+            f"Next test: run {test_words(first)}: the band goes to {first.amplitude.low:.4g} to "
+            f"{first.amplitude.high:.4g} mm, {width(first.amplitude) / width(amplitude):.0%} of its width."
+        )
+        lines.append(
+            f"Stop there, or after test {len(plan.tests)}: a further one would take less than {WORTH:.0%} of it."
+        )
+    else:
+        lines.append(f"No loop test within the limits takes {WORTH:.0%} of the band's width.")
+    lines.append(f"No number of such tests goes below {at_best}: mountings and the law's form stay.")
+    last = plan.tests[-1].amplitude if plan.tests else amplitude
+    lines += [f"{line[0].upper()}{line[1:]}." for line in origin_words("the peak then", last)]
+    for law, words in plan.limits.items():
+        lines.append(f"Sought for {law} within {words}; noise of the force: {plan.noise[law]}.")
+    if drive and plan.tests:
+        lines.append(f"{drive} holds its drive signal: {plan.tests[0].plan.words()}; run it {REPEATS} times.")
+    elif drive:
+        lines.append(f"{drive} isn't written: no test is proposed.")
+    return [*lines, *plan.gaps]

@@ -1,0 +1,189 @@
+"""Loop tests that could be run, and what each would tell of a law's parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_identification.campaign.rig import TestPlan
+from pipeclamp_identification.diagnosis.limits import Limits, drivable_grid, reach_around
+from pipeclamp_identification.diagnosis.outlook import HARMONICS, PROFILES, REPEATS, SINE, sensor_noise
+from pipeclamp_identification.fitting.observations import harmonics_of
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.law.file import Interval, LawFile, law_of
+from pipeclamp_models.realise.force import force_of_equations, known_jacobian
+from pipeclamp_models.realise.motion import sinusoids
+from pipeclamp_system.bands.varied import SHARES, VariedLaw
+
+LEVELS = 7
+"""Of amplitude and of frequency at which tests are sought."""
+TEMPERATURES = 4
+RIG = TestPlan()
+"""What a rig is taken for where nothing tells."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoopTests:
+    """R tests of a law's clamp that could be run next.
+
+    Attributes:
+        law: the law with what isn't known of it.
+        grid: their conditions, A (mm), f (Hz), T (K), shape (R,) each.
+        slopes: of what a test measures by the law's parameters, N, shape (P, R, m).
+        error: covariance of what a test measures about the law, N2, shape (R, m, m): noise and scatter of the mean of
+            its repeats, and the law's form there, which repeats don't change.
+    """
+
+    law: VariedLaw
+    grid: Mapping[str, Array]
+    slopes: Array
+    error: Array
+
+    def __len__(self) -> int:
+        """Give how many there are."""
+        return len(self.grid["A"])
+
+    def conditions(self, row: int) -> dict[str, float]:
+        """Give the conditions of a test, by name."""
+        return {name: float(values[row]) for name, values in self.grid.items()}
+
+    def less(self, covariance: Array, wanted: Array) -> Array:
+        """Give by how much each test makes the variance of a number smaller, shape (R,).
+
+        Args:
+            covariance: of the law's parameters before the test, shape (P, P).
+            wanted: derivatives of the number by them, shape (P,).
+        """
+        told = np.einsum("prm,p->rm", self.slopes, covariance @ wanted)
+        solved = np.linalg.solve(self._seen(covariance), told[..., None])[..., 0]
+        return np.asarray(np.sum(told * solved, axis=1))
+
+    def after(self, covariance: Array, row: int) -> Array:
+        """Give the covariance of the law's parameters after a test, shape (P, P); before it is `covariance`."""
+        told = covariance @ self.slopes[:, row]
+        seen = self.slopes[:, row].T @ told + self.error[row]
+        left = covariance - told @ np.linalg.solve(seen, told.T)
+        return np.asarray((left + left.T) / 2)
+
+    def _seen(self, covariance: Array) -> Array:
+        """Give the covariance of what the tests will measure, shape (R, m, m)."""
+        by_parameters = np.einsum("prm,pq,qrn->rmn", self.slopes, covariance, self.slopes, optimize=True)
+        return np.asarray(by_parameters + self.error)
+
+
+def reach_of(file: LawFile, limits: Limits | None, celsius: float) -> Limits:
+    """Give where a law's clamp may be tested: within the limits, else around what it was tested at.
+
+    Args:
+        file: the law.
+        limits: what the rig can do, where stated.
+        celsius: the temperature for a law whose tests had none that is known.
+    """
+    A, f, T = file.range["A"], file.range["f"], file.range.get("T")
+    tested = (T.minimum - CELSIUS, T.maximum - CELSIUS) if T else (celsius, celsius)
+    return reach_around((A.minimum, A.maximum), (f.minimum, f.maximum), tested, limits, warmed=T is not None)
+
+
+def loop_tests(
+    law: VariedLaw,
+    limits: Limits,
+    near: Mapping[str, float],
+    further: Mapping[str, float],
+    noise_N: float | None,
+) -> LoopTests:
+    """Give the tests of a law's clamp within closed limits; none where the rig can drive none.
+
+    Args:
+        law: the law with what isn't known of it.
+        limits: what the rig can do; its ranges are finite.
+        near: A (mm), f (Hz) and T (K) of the motion that matters, which is looked at too as far as the rig reaches.
+        further: other conditions that the law follows, in its units: as on the pipe.
+        noise_N: rms noise of the force; None for the scatter that the law's file tells.
+    """
+    profile, file = PROFILES[SINE], law.file
+    levels = {
+        "A": np.geomspace(limits.amplitude[0], limits.amplitude[1] / profile.peak_displacement, LEVELS),
+        "f": np.geomspace(limits.frequency[0], limits.frequency[1], LEVELS),
+        "T": np.linspace(*limits.temperature, TEMPERATURES),
+    }
+    for name, values in levels.items():
+        interval = file.range.get(name)
+        ends = [interval.minimum, interval.maximum] if interval else []
+        also = np.array([*ends, near[name]]) - (CELSIUS if name == "T" else 0.0)
+        levels[name] = np.concatenate([values, also])
+    grid = drivable_grid(profile, levels, limits)
+    slopes, error, peak = _foretold(law, grid, further, noise_N)
+    kept = np.flatnonzero(peak <= limits.force)
+    return LoopTests(law, {name: values[kept] for name, values in grid.items()}, slopes[:, kept], error[kept])
+
+
+def _foretold(
+    law: VariedLaw, grid: Mapping[str, Array], further: Mapping[str, float], noise_N: float | None
+) -> tuple[Array, Array, Array]:
+    """Give slopes and error of `LoopTests`, and the largest force of each, N, shape (R,)."""
+    own = law_of(law.file)
+    equations = own.structure.equations_without_rig
+    motion = sinusoids(grid["A"], grid["f"], grid["T"])
+    others = {name: np.full_like(motion.slow["A"], value) for name, value in further.items()}
+    motion = replace(motion, slow={**motion.slow, **others})
+    force = force_of_equations(equations, own.vector(equations), (own.v_r, own.y_r), motion, derivatives=True)
+    names = [*law.names, *SHARES]
+    places = np.array([equations.names.index(name) for name in names], dtype=np.intp)
+    every = known_jacobian(force).through(lambda courses: harmonics_of(courses, HARMONICS), places)
+    count = len(law.names)
+    noise = noise_of(law.file, noise_N, force.force)
+    error = sensor_noise(noise, RIG.rate, motion, every.shape[2]) / REPEATS
+    runs = law.file.spread.runs if law.file.spread else None
+    for row in range(len(error)):
+        there = {name: float(values[row]) for name, values in grid.items()}
+        form = law.form(beyond(law.file, there))
+        for share, direction in zip(SHARES.values(), every[count:, row], strict=True):
+            scatter = getattr(runs, share) ** 2 / REPEATS if runs else 0.0
+            error[row] += (scatter + getattr(form, share) ** 2) * np.outer(direction, direction)
+    return every[:count], error, np.asarray(np.abs(force.force).max(axis=1, initial=0.0))
+
+
+def noise_of(file: LawFile, stated: float | None, forces: Array) -> Array:
+    """Give the rms noise of the force in tests whose force the law foretells, N, shape (R,).
+
+    As stated; else the share of the force that scatters in the law's own tests; else what the virtual rig has.
+    """
+    share = file.fit.noise_nrmse if file.fit else None
+    if stated is None and share is not None:
+        return np.asarray(share * np.sqrt(np.mean(forces**2, axis=1)))
+    return np.full(len(forces), RIG.force_noise if stated is None else stated)
+
+
+def noise_words(file: LawFile, stated: float | None) -> str:
+    """Say what noise of the force is reckoned with."""
+    share = file.fit.noise_nrmse if file.fit else None
+    if stated is not None:
+        return f"{stated:g} N rms, as stated"
+    if share is not None:
+        return f"{share:.2%} of the force, as in the tests of {file.name}"
+    return f"{RIG.force_noise:g} N rms, as of the virtual rig"
+
+
+def beyond(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
+    """Give which conditions lie beyond a law's range, by name, in its units."""
+    return {
+        name: value
+        for name, value in conditions.items()
+        if name in file.range and not file.range[name].minimum <= value <= file.range[name].maximum
+    }
+
+
+def with_test(file: LawFile, conditions: Mapping[str, float]) -> LawFile:
+    """Give a law's file whose range holds one more test."""
+    wider = {
+        name: Interval(
+            minimum=min(interval.minimum, conditions.get(name, interval.minimum)),
+            maximum=max(interval.maximum, conditions.get(name, interval.maximum)),
+            unit=interval.unit,
+        )
+        for name, interval in file.range.items()
+    }
+    return file.model_copy(update={"range": wider})
