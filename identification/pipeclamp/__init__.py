@@ -23,15 +23,16 @@ if TYPE_CHECKING:
     from pipeclamp.api.importing import Import, import_files
     from pipeclamp.api.law import Law, open_law
     from pipeclamp.api.laws import add, identify, identify_per, remove
-    from pipeclamp.api.planning import LoopTests, plan
+    from pipeclamp.api.planning import LoopTests, PlannedCampaign, plan, plan_campaign
     from pipeclamp.api.system import Cosimulation, cosim
     from pipeclamp.api.tests import Tests, read_campaign
     from pipeclamp_models.base.errors import UserError
 
 __all__ = [
-    "Comparison", "Cosimulation", "Diagnosis", "Discovery", "Import", "Law", "LawsComparison", "LoopTests", "Tests",
-    "UserError", "add", "build_fmu", "build_pipe", "compare", "compare_laws", "cosim", "diagnose", "discover",
-    "identify", "identify_per", "import_files", "open_law", "plan", "read_campaign", "remove",
+    "Comparison", "Cosimulation", "Diagnosis", "Discovery", "Import", "Law", "LawsComparison", "LoopTests",
+    "PlannedCampaign", "Tests", "UserError", "add", "build_fmu", "build_pipe", "compare", "compare_laws", "cosim",
+    "diagnose", "discover", "identify", "identify_per", "import_files", "open_law", "plan", "plan_campaign",
+    "read_campaign", "remove",
 ]  # fmt: skip
 
 _HOMES = {
@@ -57,7 +58,9 @@ _HOMES = {
     "identify_per": "pipeclamp.api.laws",
     "import_files": "pipeclamp.api.importing",
     "open_law": "pipeclamp.api.law",
+    "PlannedCampaign": "pipeclamp.api.planning",
     "plan": "pipeclamp.api.planning",
+    "plan_campaign": "pipeclamp.api.planning",
     "read_campaign": "pipeclamp.api.tests",
     "remove": "pipeclamp.api.laws",
 }

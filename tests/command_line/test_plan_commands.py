@@ -7,6 +7,8 @@ import json
 import pytest
 from banded import banded
 
+import pipeclamp as pc
+
 
 def test_the_next_loop_test_of_a_pipe(tmp_path, pipeclamp):
     path = banded(tmp_path, 1.0)
@@ -35,3 +37,40 @@ def test_the_next_loop_test_of_a_pipe(tmp_path, pipeclamp):
 )
 def test_what_cannot_serve_is_refused(tmp_path, refused, options, said):
     assert said in refused("plan", banded(tmp_path, 1.0), *options, status=2)
+
+
+def test_a_campaign_is_planned_and_tried_on_the_rig(tmp_path, pipeclamp):
+    folder, answer, report = tmp_path / "planned", tmp_path / "plan.json", tmp_path / "plan.html"
+    options = ["--hours", "0.3", "--limits", "A=0.2..1,f=2..6,T=20..20", "--json", answer, "--report", report]
+    done = pipeclamp("plan", "-o", folder, *options)
+    said = " ".join(done.stdout.split())
+    told = json.loads(answer.read_text(encoding="utf-8"))
+    assert f"This plan names 90% of effects above {told['newtons']:.3g} N in {told['hours']:.3g} rig hours" in said
+    assert "What hours buy" in report.read_text(encoding="utf-8")
+    campaign = tmp_path / "virtual"
+    rate = ["--rate", "400", "--force-noise", "3", "--format", "parquet"]
+    pipeclamp("rig", "emwm2", "-o", campaign, "--plan", folder, *rate)
+    planned = [line.split(",")[0] for line in (folder / "runs.csv").read_text(encoding="utf-8").splitlines()]
+    ran = [line.split(",")[0] for line in (campaign / "runs.csv").read_text(encoding="utf-8").splitlines()]
+    assert ran == planned
+    assert len(ran) == told["runs"] + 1
+    assert pipeclamp("metrics", campaign).returncode == 0
+    found = pc.plan_campaign(hours=0.3, limits="A=0.2..1,f=2..6,T=20..20")
+    assert found.to_dict() == told
+    saved = found.save(tmp_path / "again") / "plan.csv"
+    assert saved.read_text(encoding="utf-8") == (folder / "plan.csv").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "expected either SYSTEM.toml"),
+        (["-o", "new", "--at", "tip"], "got --at; expected that of a system alone"),
+        (["-o", "new", "--hours", "0"], "--hours: got 0; expected a number above 0"),
+        (["-o", "new", "--limits", "A=1..2,f=5..6,v=..1"], "no sine test keeps all of"),
+    ],
+)
+def test_a_campaign_that_cannot_be_planned_is_refused(tmp_path, refused, words, said):
+    words = [str(tmp_path / word) if word == "new" else word for word in words]
+    assert said in refused("plan", *words, status=2)
+    assert not (tmp_path / "new").exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +18,7 @@ from pipeclamp.cli.terminal import (
     console,
     errors,
     folder_option,
+    is_stated,
     names_in,
     numbers_in,
     opened_law,
@@ -39,11 +41,8 @@ class RecordFormat(StrEnum):
 
 OF_NO_DRIVE = ("amplitudes", "frequencies", "cycles", "ramp_cycles", "distortion", "riding", "riding_order")
 """Options that make a motion, where no drive signal states it."""
-
-
-def _is_stated(context: typer.Context, name: str) -> bool:
-    source = context.get_parameter_source(name)
-    return source is not None and source.name != "DEFAULT"
+OF_NO_PLAN = ("amplitudes", "frequencies", "temperatures", "repeats", "cycles", "ramp_cycles", "drive")
+"""Options that say which runs there are, where no plan does."""
 
 
 @app.command(epilog="Example: pipeclamp rig law.json -o virtual --effects viscous --set c1=2 --temperatures 20,150,300")
@@ -71,6 +70,10 @@ def rig(
             metavar="DRIVE.csv", help="A drive signal that every run follows, as `diagnose --drive` writes it."
         ),
     ] = None,
+    plan: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Run the campaign that `pipeclamp plan -o` wrote, in its order."),
+    ] = None,
     repeats: Annotated[int, typer.Option(help="Runs of each combination.")] = 1,
     cycles: Annotated[float, typer.Option(help="Cycles per record; need not be whole.")] = 5.0,
     ramp_cycles: Annotated[float, typer.Option(help="Cycles of ramp-in before them.")] = 0.0,
@@ -97,14 +100,20 @@ def rig(
     """A virtual campaign of a law: would this test plan see that effect?"""
     from pipeclamp.show.effects import truth_table
     from pipeclamp_identification.campaign import rig as virtual
-    from pipeclamp_identification.campaign.drive import read_drive
+    from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, read_drive
     from pipeclamp_identification.campaign.writing import write_campaign
+    from pipeclamp_identification.planning.schedule import read_plan
     from pipeclamp_models.law.declaration_files import read_effects
 
-    if drive and (stated := [f"--{name.replace('_', '-')}" for name in OF_NO_DRIVE if _is_stated(context, name)]):
-        raise UsageError(f"--drive: got {', '.join(stated)} as well; expected the motion from {drive} alone")
+    for option, given, others, what in (
+        ("--plan", plan, OF_NO_PLAN, "runs"),
+        ("--drive", drive, OF_NO_DRIVE, "motion"),
+    ):
+        if given and (stated := [f"--{name.replace('_', '-')}" for name in others if is_stated(context, name)]):
+            raise UsageError(f"{option}: got {', '.join(stated)} as well; expected the {what} from {given} alone")
     with told("rig") as tell:
-        plan = virtual.TestPlan(
+        runs_of = read_plan(plan) if plan else ()
+        asked = virtual.TestPlan(
             amplitudes=numbers_in(amplitudes, "--amplitudes"),
             frequencies=numbers_in(frequencies, "--frequencies"),
             temperatures=numbers_in(temperatures, "--temperatures"),
@@ -131,14 +140,16 @@ def rig(
             seed=seed,
         )
         if drive:
-            plan = virtual.driven(plan, read_drive(drive))
+            asked = virtual.driven(asked, read_drive(drive))
+        if runs_of:
+            asked = virtual.planned(replace(asked, cycles=FULL_CYCLES, ramp_cycles=RAMP_CYCLES), runs_of)
         ids, declarations = read_effects(names_in(effects), declared or ())
         file = opened_law(law)
-        truth = virtual.truth_of(file, ids, values_in(set_values), plan, declarations)
-        runs = virtual.virtual_runs(truth.law, plan, truth.conditions)
+        truth = virtual.truth_of(file, ids, values_in(set_values), asked, declarations)
+        runs = virtual.virtual_runs(truth.law, asked, truth.conditions)
         notes = f"Virtual rig: {command_called()}"
         count = write_campaign(output, runs, name=output.name, notes=notes, format=format.value, progress=tell)
-    for words in virtual.beyond_range(file, plan):
+    for words in virtual.beyond_range(file, asked):
         errors().print(f"warning: beyond the law's data: {words}", style="yellow", highlight=False, soft_wrap=True)
     if truth.whence:
         print_table(truth_table(truth))

@@ -146,6 +146,12 @@ def _processes(jobs: int) -> int:
 JobsOption = Annotated[int, typer.Option(callback=_processes, help="Processes; -1: one a core.")]
 
 
+def is_stated(context: typer.Context, name: str) -> bool:
+    """Tell whether an option was given, rather than left at its default."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
+
+
 def opened_law(name_or_path: str) -> LawFile:
     """Open a law; of one that a newer program made, say so: what it holds may mean something else there.
 

@@ -41,6 +41,17 @@ OF_ONE_SPECIMEN = 1_000_000
 
 
 @dataclass(frozen=True)
+class PlannedRun:
+    """One run of a campaign that was planned: its name, mm, Hz, degC, and the load cycles before it."""
+
+    run: str
+    amplitude_mm: float
+    frequency_Hz: float
+    temperature_C: float
+    first_cycle: float
+
+
+@dataclass(frozen=True)
 class TestPlan:
     """What the virtual rig runs and how well it measures.
 
@@ -65,6 +76,8 @@ class TestPlan:
         repeats: runs of each combination.
         seed: of the random numbers; the same seed gives the same campaign.
         drive: the displacement of every run, where it isn't made of these amplitudes, frequencies, cycles and tones.
+        runs: all runs in their order, where they aren't every combination; amplitudes, frequencies and temperatures are
+            theirs.
     """
 
     amplitudes: tuple[float, ...] = (0.2, 0.5, 0.8, 1.0)
@@ -92,6 +105,7 @@ class TestPlan:
     repeats: int = 1
     seed: int = 0
     drive: Drive | None = None
+    runs: tuple[PlannedRun, ...] = ()
 
     def check(self) -> None:
         """Refuse a plan that can't be run.
@@ -166,6 +180,17 @@ def driven(plan: TestPlan, drive: Drive) -> TestPlan:
     return replace(plan, amplitudes=(amplitude,), frequencies=(frequency,), drive=drive)
 
 
+def planned(plan: TestPlan, runs: Sequence[PlannedRun]) -> TestPlan:
+    """Give a plan of these runs, with the sensors and the cycles of another."""
+    levels = (
+        sorted({getattr(run, name) for run in runs}) for name in ("amplitude_mm", "frequency_Hz", "temperature_C")
+    )
+    amplitudes, frequencies, temperatures = map(tuple, levels)
+    return replace(
+        plan, amplitudes=amplitudes, frequencies=frequencies, temperatures=temperatures, repeats=1, runs=tuple(runs)
+    )
+
+
 def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | None = None) -> Iterator[WrittenRun]:
     """Run the plan on a clamp that obeys the law, rig effects included.
 
@@ -181,8 +206,12 @@ def virtual_runs(law: Law, plan: TestPlan, conditions: Mapping[str, float] | Non
     _refuse_unstated(law.equations, conditions or {})
     for specimen in range(1, plan.specimens + 1) or (0,):
         own = _of_specimen(law, plan, specimen) if specimen else law
-        for frequency in plan.frequencies:
-            yield from _runs_at(own, plan, frequency, conditions or {}, specimen)
+        found = [_runs_at(own, plan, frequency, conditions or {}, specimen) for frequency in plan.frequencies]
+        if plan.runs:
+            order = {_name(run, specimen): place for place, run in enumerate(plan.runs)}
+            yield from sorted(itertools.chain(*found), key=lambda run: order[str(run.row["run"])])
+        else:
+            yield from itertools.chain(*found)
 
 
 STIFFNESS, DAMPING = ("k10", "k30"), ("c0",)
@@ -214,14 +243,14 @@ def _runs_at(
 ) -> Iterator[WrittenRun]:
     """Run all amplitudes and temperatures at one frequency: records of one length, marched together."""
     equations = law.equations
-    pairs = list(itertools.product(plan.amplitudes, plan.temperatures, range(plan.repeats)))
-    random = [_random(plan, A, frequency, T, repeat + OF_ONE_SPECIMEN * specimen) for A, T, repeat in pairs]
-    A = np.array(
-        [pair[0] * (1 + plan.amplitude_error * rng.standard_normal()) for pair, rng in zip(pairs, random, strict=True)]
-    )
-    T = np.array(
-        [pair[1] + plan.temperature_error * rng.standard_normal() for pair, rng in zip(pairs, random, strict=True)]
-    )
+    runs, repeats = zip(*_planned_at(plan, frequency), strict=True)
+    random = [
+        _random(plan, run.amplitude_mm, frequency, run.temperature_C, repeat + OF_ONE_SPECIMEN * specimen)
+        for run, repeat in zip(runs, repeats, strict=True)
+    ]
+    pairs = list(zip(runs, random, strict=True))
+    A = np.array([run.amplitude_mm * (1 + plan.amplitude_error * rng.standard_normal()) for run, rng in pairs])
+    T = np.array([run.temperature_C + plan.temperature_error * rng.standard_normal() for run, rng in pairs])
     shift = np.array([rng.uniform(0, 2 * np.pi) for rng in random])
     fine = plan.rate * SUBSTEPS
     # One cycle that isn't recorded brings the clamp from rest into the motion, so that the drive may start anywhere.
@@ -236,7 +265,7 @@ def _runs_at(
         "A": A[:, None],
         "f": np.full((len(A), 1), frequency),
         "T": T[:, None] + CELSIUS,
-        "N": np.broadcast_to(np.maximum(time, 0.0) * frequency, motion[0].shape),
+        "N": np.array([run.first_cycle for run in runs])[:, None] + np.maximum(time, 0.0) * frequency,
         **{condition_signal(column): np.full((len(A), 1), value) for column, value in conditions.items()},
     }
     truth = force_of_equations(
@@ -248,19 +277,16 @@ def _runs_at(
     if not np.all(np.isfinite(truth)):
         raise UserError(f"the law gives no finite force at {frequency:g} Hz; expected a plan near the law's range")
     kept = slice(lead, None, SUBSTEPS)
-    for index, (nominal, rng) in enumerate(zip(pairs, random, strict=True)):
-        name = f"A{nominal[0]:g}_f{frequency:g}_T{nominal[1]:g}".replace(".", "p").replace("-", "m")
-        name += f"_{nominal[2] + 1}" if plan.repeats > 1 else ""
-        name += f"_S{specimen}" if specimen else ""
+    for index, (run, rng) in enumerate(pairs):
         yield WrittenRun(
             {
-                "run": name,
-                "amplitude_mm": nominal[0],
+                "run": _name(run, specimen),
+                "amplitude_mm": run.amplitude_mm,
                 "frequency_Hz": frequency,
-                "temperature_C": nominal[1],
+                "temperature_C": run.temperature_C,
                 **conditions,
                 **({"specimen": f"S{specimen}"} if specimen else {}),
-                "first_cycle": 0,
+                "first_cycle": run.first_cycle,
             },
             Record(
                 time[kept],
@@ -280,6 +306,22 @@ def _runs_at(
                 ),
             ),
         )
+
+
+def _planned_at(plan: TestPlan, frequency: float) -> list[tuple[PlannedRun, int]]:
+    """Give the runs of a plan at a frequency, and which of the random numbers of its condition each has."""
+    if plan.runs:
+        return [(run, place) for place, run in enumerate(plan.runs, 1) if run.frequency_Hz == frequency]
+    found = []
+    for A, T, repeat in itertools.product(plan.amplitudes, plan.temperatures, range(plan.repeats)):
+        name = f"A{A:g}_f{frequency:g}_T{T:g}".replace(".", "p").replace("-", "m")
+        name += f"_{repeat + 1}" if plan.repeats > 1 else ""
+        found.append((PlannedRun(name, A, frequency, T, 0), repeat))
+    return found
+
+
+def _name(run: PlannedRun, specimen: int) -> str:
+    return f"{run.run}_S{specimen}" if specimen else run.run
 
 
 def _random(plan: TestPlan, A: float, frequency: float, T: float, repeat: int) -> np.random.Generator:

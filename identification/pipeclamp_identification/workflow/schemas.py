@@ -16,6 +16,7 @@ from pipeclamp_identification.loops.answer import MetricsAnswer
 from pipeclamp_identification.metrics_only.comparison_answer import MetricComparisonAnswer
 from pipeclamp_identification.metrics_only.diagnosis_answer import MetricDiagnosisAnswer
 from pipeclamp_identification.metrics_only.metrics_answer import MetricRowsAnswer
+from pipeclamp_identification.planning.campaign_answer import CampaignPlanAnswer
 from pipeclamp_identification.planning.narrowing_answer import BandPlanAnswer
 from pipeclamp_identification.workflow.laws_answer import LawsComparisonAnswer
 from pipeclamp_models.base.errors import UsageError, did_you_mean
@@ -32,6 +33,7 @@ WRITTEN: dict[str, tuple[Any, str]] = {
     "effects": (CatalogueAnswer, "effects --json"),
     "discovery": (DiscoveryAnswer, "discover --json"),
     "band-plan": (BandPlanAnswer, "plan --json of a coupled system"),
+    "campaign-plan": (CampaignPlanAnswer, "plan -o --json"),
     "diagnosis": (DiagnosisAnswer | MetricDiagnosisAnswer, "diagnose --json"),
 }
 """What there are schemas of, with what writes it; two kinds are of records and of metrics without records."""

@@ -1,0 +1,238 @@
+"""A campaign before any test: which runs, in which order, and which effects they would name in how many hours."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.limits import Limits, limits_words, reach_around, stated_levels
+from pipeclamp_identification.diagnosis.outlook import PROFILES, SINE
+from pipeclamp_identification.planning.loop_tests import RIG
+from pipeclamp_identification.planning.schedule import (
+    LABORATORY,
+    Condition,
+    RigTimes,
+    ScheduledRun,
+    hours_of,
+    scheduled,
+)
+from pipeclamp_identification.planning.telling import Power, Scene, power, scene
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.law.file import LawFile
+
+FINEST = {"A": 7, "f": 7, "T": 5}
+"""Levels within the limits, of which plans take some."""
+COUNTS = {"A": (3, 4, 5, 7), "f": (3, 4, 5, 7), "T": (1, 3, 5)}
+"""Numbers of levels: from fewer than three no law can be foretold at their ends, and no form be judged."""
+MOST_REPEATS = 6
+NEARLY = 1.05
+"""A plan that needs an effect this many times as large as another one's names as well; the shorter one is taken."""
+SCATTER = 0.003
+"""Rms share by which stiffness and damping differ from run to run, where nothing tells."""
+HOURS = 8.0
+LONGER = 2.0
+"""Times the hours, up to which plans are looked at, to say what more time would give."""
+PROFILE = PROFILES[SINE]
+RIG_TIMES = RigTimes()
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a campaign is planned for.
+
+    Attributes:
+        hours: rig hours that it may take.
+        noise_N: rms noise of the force.
+        scatter: rms share by which stiffness and damping differ from run to run.
+        rate: samples per second.
+        times: what the rig needs besides the runs.
+        seed: of the random order.
+    """
+
+    hours: float = HOURS
+    noise_N: float = RIG.force_noise
+    scatter: float = SCATTER
+    rate: float = RIG.rate
+    times: RigTimes = RIG_TIMES
+    seed: int = 0
+
+    def check(self) -> None:
+        """Refuse what can't be planned for.
+
+        Raises:
+            UsageError: a number is out of its range.
+        """
+        for name, value in (
+            ("--hours", self.hours), ("--force-noise", self.noise_N), ("--heating", self.times.heating)
+        ):  # fmt: skip
+            if not (math.isfinite(value) and value > 0):
+                raise UsageError(f"{name}: got {value:g}; expected a number above 0")
+        for name, value in (
+            ("--scatter", self.scatter), ("--soak", self.times.soak_min), ("--pause", self.times.pause_s)
+        ):  # fmt: skip
+            if not (math.isfinite(value) and value >= 0):
+                raise UsageError(f"{name}: got {value:g}; expected a number of at least 0")
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What is known after a block: hours, and the rms force above which nine of ten effects are named; None: none."""
+
+    temperature_C: float
+    hours: float
+    newtons: float | None
+    told: int
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A plan that was looked at: its hours, its runs, what it names, and how many effects it can tell."""
+
+    hours: float
+    runs: int
+    newtons: float
+    told: int
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignPlan:
+    """A campaign before any test.
+
+    Attributes:
+        law: name of the law that the clamp is expected to be like.
+        asked: what it was planned for.
+        limits: closed ones, within which it lies.
+        runs: in their order.
+        repeats: of each condition.
+        hours: that it takes.
+        power: what it names.
+        stages: after each block of one temperature.
+        tried: all plans that were looked at.
+    """
+
+    law: str
+    asked: Asked
+    limits: Limits
+    runs: tuple[ScheduledRun, ...]
+    repeats: int
+    hours: float
+    power: Power
+    stages: tuple[Stage, ...]
+    tried: tuple[Tried, ...]
+
+
+def plan_campaign(
+    file: LawFile, limits: Limits | None = None, asked: Asked | None = None, progress: Progress | None = None
+) -> CampaignPlan:
+    """Give the campaign that names the most and the smallest effects within its hours.
+
+    Args:
+        file: a law like that which the clamp is expected to have: its base law stands for the clamp.
+        limits: what the rig can do; where nothing is stated, around that law's data.
+        asked: what the campaign is for.
+        progress: told what is being done.
+
+    Raises:
+        UsageError: nothing can be driven within the limits, or no campaign fits into the hours.
+    """
+    asked = asked or Asked()
+    asked.check()
+    levels = _Levels(_within(file, limits))
+    view = scene(file, levels.grid, asked.noise_N, asked.rate, asked.scatter, progress)
+    levels.refuse_force(view.peak)
+    tried: list[Tried] = []
+    fitting: list[tuple[Tried, int, tuple[ScheduledRun, ...], Power]] = []
+    least = math.inf
+    for counts in itertools.product(*COUNTS.values()):
+        conditions, temperatures = levels.some(*counts)
+        for repeats in range(1, MOST_REPEATS + 1) if conditions else ():
+            runs = scheduled(conditions, temperatures, repeats, asked.times, asked.seed)
+            hours = hours_of(runs, asked.times)
+            least = min(least, hours)
+            if hours > LONGER * asked.hours:
+                break
+            found = power(view, levels.counted(runs))
+            one = Tried(hours, len(runs), found.from_newtons(), int(found.told().sum()))
+            tried.append(one)
+            if hours <= asked.hours:
+                fitting.append((one, repeats, runs, found))
+    if not fitting:
+        shortest = f"; the shortest takes {least:.2g} h" if math.isfinite(least) else ""
+        raise UsageError(f"--hours: got {asked.hours:g}; no campaign fits into that{shortest}")
+    most = max(one.told for one, *_ in fitting)
+    lowest = min(one.newtons for one, *_ in fitting if one.told == most)
+    as_good = [each for each in fitting if each[0].told == most and each[0].newtons <= NEARLY * lowest]
+    best, repeats, runs, found = min(as_good, key=lambda each: each[0].hours)
+    stages = tuple(_stages(runs, levels, view, asked))
+    return CampaignPlan(
+        file.name, asked, levels.limits, runs, repeats, best.hours, found, stages, tuple(dict.fromkeys(tried))
+    )
+
+
+def _within(file: LawFile, limits: Limits | None) -> Limits:
+    """Give closed limits: as stated, else around a law's data."""
+    A, f, T = (file.range.get(name) for name in ("A", "f", "T"))
+    assert A is not None and f is not None, "a law's file holds both"
+    celsius = (T.minimum - CELSIUS, T.maximum - CELSIUS) if T else (LABORATORY, LABORATORY)
+    ends = replace(Limits(), amplitude=(A.minimum, A.maximum), frequency=(f.minimum, f.maximum), temperature=celsius)
+    return reach_around(ends.amplitude, ends.frequency, ends.temperature, limits or ends)
+
+
+class _Levels:
+    """The finest levels within limits, every combination of them, and which of these a sine test can drive."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        A, f, T = limits.amplitude, limits.frequency, limits.temperature
+        self.A = stated_levels(np.geomspace(A[0], A[1] / PROFILE.peak_displacement, FINEST["A"]), *A)
+        self.f = stated_levels(np.geomspace(*f, FINEST["f"]), *f)
+        self.T = stated_levels(np.linspace(*T, FINEST["T"]), *T)
+        every = np.array(list(itertools.product(self.A.tolist(), self.f.tolist(), self.T.tolist())))
+        slow = PROFILE.peak_velocity * every[:, 0] * every[:, 1] <= limits.velocity
+        if not slow.any():
+            raise UsageError(f"--limits: no sine test keeps all of {limits_words(limits)}; expected wider ones")
+        every = every[slow]
+        self.grid = {"A": every[:, 0], "f": every[:, 1], "T": every[:, 2] + CELSIUS}
+        self._rows = {tuple(row): place for place, row in enumerate(every.tolist())}
+
+    def refuse_force(self, peak: Array) -> None:
+        """Leave out conditions that ask for more than the rig's force, by the law's largest there, N, shape (R,)."""
+        self._rows = {one: place for one, place in self._rows.items() if peak[place] <= self.limits.force}
+
+    def some(self, A: int, f: int, T: int) -> tuple[list[Condition], list[float]]:
+        """Give so many levels of each, evenly chosen: the conditions of a block, and the temperatures."""
+        temperatures = _spread(self.T, T)
+        pairs = itertools.product(_spread(self.A, A), _spread(self.f, f))
+        return [pair for pair in pairs if all((*pair, celsius) in self._rows for celsius in temperatures)], temperatures
+
+    def counted(self, runs: Iterable[ScheduledRun]) -> Array:
+        """Give how many runs there are at each condition, shape (R,)."""
+        found = np.zeros(len(self.grid["A"]))
+        for run in runs:
+            found[self._rows[run.amplitude_mm, run.frequency_Hz, run.temperature_C]] += 1
+        return found
+
+
+def _spread(levels: Array, count: int) -> list[float]:
+    """Give so many of the levels, both ends among them; of one alone the first."""
+    places = np.unique(np.round(np.linspace(0, len(levels) - 1, count)).astype(int))
+    return [float(value) for value in levels[places]]
+
+
+def _stages(runs: Sequence[ScheduledRun], levels: _Levels, view: Scene, asked: Asked) -> Iterator[Stage]:
+    """Give what is known after each block."""
+    for block in range(1, runs[-1].block + 1):
+        so_far = [run for run in runs if run.block <= block]
+        found = power(view, levels.counted(so_far))
+        newtons = found.from_newtons()
+        yield Stage(
+            so_far[-1].temperature_C, hours_of(so_far, asked.times), newtons if math.isfinite(newtons) else None,
+            int(found.told().sum()),
+        )  # fmt: skip
