@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pipeclamp_fmu.contents.clamp import USUAL, ClampModel, Entry, FurtherCondition, Start, clamp_content
 from pipeclamp_fmu.contents.content import Content
+from pipeclamp_fmu.contents.continuous_memory import require_states
 from pipeclamp_fmu.contents.excitation import Samples, excitation_content
 from pipeclamp_fmu.contents.passivity import require_dissipation
 from pipeclamp_fmu.contents.passivity_proof import Proof, cycles_through, prove
@@ -86,7 +87,7 @@ def build_native_clamp(
         told: what it starts with.
 
     Raises:
-        UserError: as `build_clamp`; a platform can't be compiled for.
+        UserError: as `native_clamp_content`; a platform can't be compiled for.
     """
     content = native_clamp_content(file, told)
     return write_native_fmu(content, output, fmi, default_platforms(fmi) if platforms is None else platforms)
@@ -107,9 +108,11 @@ def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
     """Give all that goes into a law's native FMU.
 
     Raises:
-        UserError: as `build_clamp`.
+        UserError: as `build_clamp`; its memory is to be continuous states and can't be.
     """
     model = clamp_model(file, told)
+    if told.memory_as_states:
+        require_states(model)
     require_passive(model, file)
     structure = law_of(file).structure
     states = [

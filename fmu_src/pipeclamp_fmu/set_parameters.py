@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 from pipeclamp_fmu.build import native_clamp_content, python_clamp_content
 from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.native.clamp import DISSIPATED, MEMORY
 from pipeclamp_fmu.native.packing import native_files
 from pipeclamp_fmu.native.sources import c_sources
 from pipeclamp_fmu.python.packing import module_file, python_files, zipped
@@ -78,6 +79,7 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
         root = ElementTree.fromstring(files[DESCRIPTION])
         connected = [entry.get("name") for entry in root.iter() if entry.get("causality") == "input"]
         events = root.get("numberOfEventIndicators", "0") != "0" or root.find(".//EventIndicator") is not None
+        states = any(entry.get("name") == f"{MEMORY}{DISSIPATED}" for entry in root.iter())
         fmi = {"2": 2, "3": 3}[root.get("fmiVersion", "")[:1]]
         identifier = next(root.iter("CoSimulation")).attrib["modelIdentifier"]
         place = f"resources/{FILE_NAME}"
@@ -92,6 +94,7 @@ def _built(fmu: Path, files: Mapping[str, bytes]) -> _Built:
         track=bool(told.get("track", False)),
         connected_temperature="T_in" in connected,
         events=events,
+        memory_as_states=states,
     )
     return _Built(fmi, identifier, start)
 

@@ -84,6 +84,7 @@ class Start:
         track: whether A and f are followed from the motion.
         connected_temperature: whether T_in is an input, to be connected, and used.
         events: whether reversals are events of model exchange, where the law has memory.
+        memory_as_states: whether memory is continuous states in model exchange, and needs no completed steps.
     """
 
     A: float | None = None
@@ -92,6 +93,7 @@ class Start:
     track: bool = False
     connected_temperature: bool = False
     events: bool = True
+    memory_as_states: bool = False
 
 
 USUAL = Start()

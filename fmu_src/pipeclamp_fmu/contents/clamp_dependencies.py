@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from pipeclamp_fmu.describe.variables import TIME, Dependencies, Variables
 
 
-def clamp_dependencies(source: str, variables: Variables, further: Iterable[str]) -> Dependencies:
+def clamp_dependencies(
+    source: str, variables: Variables, further: Iterable[str], states: Sequence[str] = ()
+) -> Dependencies:
     """Give what the clamp's outputs depend on.
 
     A and f may be tracked, whenever `track` is set: then the motion and the time since the last step move them.
@@ -17,6 +19,7 @@ def clamp_dependencies(source: str, variables: Variables, further: Iterable[str]
         source: the law's, see `pipeclamp.realise.scalar.python_source`.
         variables: of the clamp.
         further: names of the parameters that state further conditions.
+        states: names of the continuous states; the last is the dissipated energy.
     """
     read = _read(source)
     connected = [variable.name for variable in variables.connected]
@@ -25,17 +28,22 @@ def clamp_dependencies(source: str, variables: Variables, further: Iterable[str]
     told = [name for name in ("A", "f") if name in read]
     force = [*motion, *(temperature if "T" in read else ()), *([TIME] if told or "h" in read else ())]
     settings = [*told, *(["track"] if told else ()), *(["T", "T_in", "useTemperatureInput"] if "T" in read else ())]
+    memory = states[:-1]
+    known = (*motion, *settings, *further, *(variable.name for variable in variables.fixed))
+    rates = {f"der({name})": (*force, *memory) for name in states}
     return Dependencies(
         always={
-            "flange.f": tuple(force),
+            **rates,
+            "flange.f": (*force, *memory),
             "A_used": ("flange.s", TIME),
             "f_used": (*motion, TIME),
             "T_used": tuple(temperature),
-            "energyDissipated": tuple(force),
+            "energyDissipated": tuple(states[-1:] or force),
             "forceDeviation": tuple(force) if told else (),
         },
         initially={
-            "flange.f": (*motion, *settings, *further, *(variable.name for variable in variables.fixed)),
+            "flange.f": known,
+            **dict.fromkeys(rates, known),
             "A_used": ("A", "track"),
             "f_used": ("f", "track"),
             "T_used": ("T", "T_in", "useTemperatureInput"),

@@ -26,6 +26,14 @@ from pipeclamp_fmu.slaves import clamp as clamp_slave
 MEMORY = "memory."
 """What the names of the variables begin with that hold the clamp's memory."""
 
+DISSIPATED = "dissipated"
+"""Of these, the state that integrates the dissipated energy."""
+
+SOURCES = ("clamp.c", "clamp.h", "own_motion.c")
+IN_STEPS = ("memory_in_steps.c", "no_states.c")
+AS_STATES = ("memory_as_states.c",)
+"""The clamp's C sources, and those of how its memory moves on in model exchange."""
+
 
 def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], version: str) -> NativeContent:
     """Give all that goes into the clamp's native FMU.
@@ -38,17 +46,23 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
     """
     described = quantities(model)
     variables = clamp_variables(model, described)
-    icon, references = clamp_extras(model, variables, model_exchange=True)
+    as_states = model.told.memory_as_states
+    icon, references = clamp_extras(model, variables, model_exchange=not as_states)
+    shown = _continuous(described, states) if as_states else ()
     return NativeContent(
         kind="clamp",
         text=clamp_text(model, version),
         model=NativeModel(
             model.name,
-            ("clamp.c", "clamp.h", "own_motion.c", "no_states.c"),
+            (*SOURCES, *(AS_STATES if as_states else IN_STEPS)),
             {"law.h": _header(model, source)},
-            replace(variables, locals=_memory(described, states)),
+            replace(
+                variables, locals=(*shown, *_memory(described, () if as_states else states)), states=len(shown) // 2
+            ),
             model.ranges,
             f"{MEMORY}v" if states and model.told.events else "",
+            steps_matter=not as_states,
+            exchange_slopes=not as_states,
         ),
         terminals=(
             Terminal(
@@ -57,10 +71,13 @@ def native_clamp(model: ClampModel, source: str, states: Sequence[Entry], versio
                 {"s": ("flange.s", "signal"), "v": ("flange.v", "signal"), "f": ("flange.f", "inflow")},
             ),
         ),
-        dependencies=clamp_dependencies(model.source, variables, [entry.name for entry in model.further]),
-        documentation=clamp_documentation(
-            model, described, WITHOUT_EVENTS if states and not model.told.events else NATIVE_USE
+        dependencies=clamp_dependencies(
+            model.source,
+            variables,
+            [entry.name for entry in model.further],
+            [variable.name for variable in shown[: len(shown) // 2]],
         ),
+        documentation=clamp_documentation(model, described, _use(model, bool(states))),
         icon=icon,
         further=references,
     )
@@ -75,6 +92,8 @@ def _header(model: ClampModel, source: str) -> str:
         [
             "/* Generated: the law's equations. */",
             "#include <math.h>",
+            "",
+            f'#define STATES_SOURCE "{(AS_STATES if model.told.memory_as_states else IN_STEPS)[0]}"',
             "",
             source,
             "/* Conditions: the law's unit in the FMU's, whether they must be above 0, which counts load cycles. */",
@@ -97,9 +116,33 @@ def _memory(described: Mapping[str, Quantity], states: Sequence[Entry]) -> tuple
     )
 
 
-NATIVE_USE = (
+def _continuous(described: Mapping[str, Quantity], states: Sequence[Entry]) -> tuple[Variable, ...]:
+    """Give the continuous states in the order in which memory_as_states.c has them, then their derivatives."""
+    force, s = (described[name].nominal or 1.0 for name in ("flange.f", "flange.s"))
+    sizes = {"N": force, "mm": 1e3 * s}
+    dissipated = replace(described["energyDissipated"], description="dissipated energy", minimum=None, maximum=None)
+    listed = (
+        *(
+            Variable(f"{MEMORY}{entry.name}", Quantity(entry.meaning, entry.unit, nominal=sizes.get(entry.unit)))
+            for entry in states
+        ),
+        Variable(f"{MEMORY}{DISSIPATED}", dissipated),
+    )
+    rates = (
+        Variable(f"der({entry.name})", Quantity(f"change of the {entry.quantity.description} per second"))
+        for entry in listed
+    )
+    return (*listed, *rates)
+
+
+CO_SIMULATION = (
     "In co-simulation flange.s and flange.v are the values at the end of a step; from the last communication point to "
-    "them the motion is straight. A master that steps all models in parallel therefore sees the force one step late.",
+    "them the motion is straight. A master that steps all models in parallel therefore sees the force one step late."
+)
+SAVED = "States are saved, restored and serialised exactly. Standard C library only; the sources are inside."
+
+NATIVE_USE = (
+    CO_SIMULATION,
     "In model exchange the force is that of a straight move from the last completed integrator step to the present "
     "inputs. There are no continuous states: memory moves on at completed integrator steps and events "
     "(memory.s and the variables beside it show it), and a reversal of the motion is an event where the law has "
@@ -108,7 +151,7 @@ NATIVE_USE = (
     "Directional derivatives of the outputs by inputs and tunable parameters are exact; with memory they are those of "
     "going on in the last step's direction.",
     COEFFICIENTS,
-    "States are saved, restored and serialised exactly. Standard C library only; the sources are inside.",
+    SAVED,
 )
 
 WITHOUT_EVENTS = (
@@ -116,3 +159,25 @@ WITHOUT_EVENTS = (
     "This FMU was built without events: a reversal within an integrator's step is seen at the step's end, so that the "
     "force errs by what the motion turns back within one step.",
 )
+
+STATES_USE = (
+    CO_SIMULATION,
+    "This FMU was built with memory as states: in model exchange the law's memory and the dissipated energy are "
+    "continuous states, and force and derivatives depend on time, inputs and states alone. So importers that complete "
+    "no integrator steps get the right force; its accuracy is that of their integrator. A state's derivative is that "
+    "of the law's own step along the motion, for its length towards 0.",
+    "In model exchange forceDeviation is 0, for nothing looks at whole cycles, track can't be used, and there are no "
+    "directional derivatives; in co-simulation those of the outputs are exact.",
+    COEFFICIENTS,
+    SAVED,
+)
+
+WITHOUT_REVERSALS = "This FMU was built without events: an integrator finds reversals by its control of the error."
+
+
+def _use(model: ClampModel, with_memory: bool) -> tuple[str, ...]:
+    """Give how to use the FMU."""
+    without_events = with_memory and not model.told.events
+    if model.told.memory_as_states:
+        return (*STATES_USE, WITHOUT_REVERSALS) if without_events else STATES_USE
+    return WITHOUT_EVENTS if without_events else NATIVE_USE

@@ -52,6 +52,7 @@ class Description:
         text: what is said of the whole.
         variables: all variables.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
+        steps_matter, exchange_slopes: as of `NativeModel`.
         terminals: connectors.
         dependencies: of outputs and states' derivatives.
         tool: program that wrote the FMU, with its version.
@@ -62,6 +63,8 @@ class Description:
     text: ModelText
     variables: Variables
     indicator: str
+    steps_matter: bool
+    exchange_slopes: bool
     terminals: Sequence[Terminal]
     dependencies: Dependencies
     tool: str
@@ -98,11 +101,16 @@ def _fmi2(description: Description) -> bytes:
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "true",
     }
+    exchange = {"providesDirectionalDerivative": _truth(description.exchange_slopes)}
+    if not description.steps_matter:
+        exchange["completedIntegratorStepNotNeeded"] = "true"
     for kind, own in (
-        ("ModelExchange", {}),
-        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"}),
+        ("ModelExchange", exchange),
+        (
+            "CoSimulation",
+            {"providesDirectionalDerivative": "true", "canHandleVariableCommunicationStepSize": "true"},
+        ),
     ):
         files = SubElement(SubElement(root, kind, common | own), "SourceFiles")
         SubElement(files, "File", {"name": MAIN_SOURCE})
@@ -149,11 +157,13 @@ def _fmi3(description: Description) -> bytes:
         "modelIdentifier": description.identifier,
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": "true",
-        "providesAdjointDerivatives": "true",
     }
-    SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
-    SubElement(root, "CoSimulation", common | {"canHandleVariableCommunicationStepSize": "true"})
+    slopes = ("providesDirectionalDerivatives", "providesAdjointDerivatives")
+    exchange = dict.fromkeys(slopes, _truth(description.exchange_slopes))
+    exchange["needsCompletedIntegratorStep"] = _truth(description.steps_matter)
+    SubElement(root, "ModelExchange", common | exchange)
+    stepped = dict.fromkeys(slopes, "true") | {"canHandleVariableCommunicationStepSize": "true"}
+    SubElement(root, "CoSimulation", common | stepped)
     _common_elements(root, description, TIME_QUANTITY)
     listed = SubElement(root, "ModelVariables")
     places = {variable.name: str(reference) for reference, variable in enumerate(variables.all, start=1)}

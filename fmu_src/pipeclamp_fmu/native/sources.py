@@ -29,6 +29,8 @@ class NativeModel:
         variables: its variables.
         ranges: of its first tunable parameters.
         indicator: name of the variable whose zero crossings are events of model exchange, "" for none.
+        steps_matter: whether model exchange moves something on at completed integrator steps.
+        exchange_slopes: whether there are directional derivatives in model exchange, as in co-simulation.
     """
 
     name: str
@@ -37,6 +39,8 @@ class NativeModel:
     variables: Variables
     ranges: Sequence[Range]
     indicator: str = ""
+    steps_matter: bool = True
+    exchange_slopes: bool = True
 
 
 def template(name: str) -> str:
@@ -69,6 +73,7 @@ def _layout(model: NativeModel, fmi: int, identifier: str) -> str:
         "FLAG_LOCALS": len(variables.boolean_locals),
         "RANGES": len(model.ranges),
         "INDICATORS": int(bool(model.indicator)),
+        "EXCHANGE_SLOPES": int(model.exchange_slopes),
     }
     structure = content_hash(*model.generated.values(), *(variable.name for variable in variables.all))
     headers = [*model.generated, *(name for name in model.sources if name.endswith(".h"))]

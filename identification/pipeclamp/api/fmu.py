@@ -29,6 +29,7 @@ def build_fmu(
     track: bool = False,
     temperature_input: bool = False,
     events: bool = True,
+    memory_as_states: bool = False,
 ) -> Path:
     """Package a law as an FMU with A, f and T parameters.
 
@@ -44,6 +45,7 @@ def build_fmu(
         track: A and f follow the motion.
         temperature_input: T_in is an input to connect, in place of T.
         events: native: in model exchange, a reversal of the motion is an event where the law has memory.
+        memory_as_states: native: in model exchange, memory is continuous states, for tools that complete no steps.
 
     Returns:
         the FMU's path.
@@ -68,10 +70,13 @@ def build_fmu(
         track=track,
         connected_temperature=temperature_input,
         events=events,
+        memory_as_states=memory_as_states,
     )
     file, target = opened(law).file, Path(path)
     if not events and kind == "python":
         raise UsageError("events=False is for kind='native'; a Python FMU has no model exchange")
+    if memory_as_states and kind == "python":
+        raise UsageError("memory_as_states=True is for kind='native'; a Python FMU has no model exchange")
     if _native(kind, fmi, platforms):
         build_native_clamp(file, target, fmi, platforms, start)
     else:

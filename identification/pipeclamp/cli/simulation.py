@@ -103,6 +103,10 @@ def build_fmu(
     no_events: Annotated[
         bool, typer.Option("--no-events", metavar="", help="Native: reversals are no events of model exchange.")
     ] = False,
+    memory_as_states: Annotated[
+        bool,
+        typer.Option("--memory-as-states", metavar="", help="Native: memory as continuous states of model exchange."),
+    ] = False,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
     from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model, passivity
@@ -115,12 +119,12 @@ def build_fmu(
         track=track,
         connected_temperature=temperature_input,
         events=not no_events,
+        memory_as_states=memory_as_states,
     )
     build_python, build_native = partial(build_clamp, told=start), partial(build_native_clamp, told=start)
-    if no_events and kind is not FmuKind.native:
-        raise typer.BadParameter(
-            "it is for --kind native: a Python FMU has no model exchange", param_hint="--no-events"
-        )
+    for asked, option in ((no_events, "--no-events"), (memory_as_states, "--memory-as-states")):
+        if asked and kind is not FmuKind.native:
+            raise typer.BadParameter("it is for --kind native: a Python FMU has no model exchange", param_hint=option)
     spare(law, outputs=(output,))
     with told("build-fmu"):
         file = opened_law(law)

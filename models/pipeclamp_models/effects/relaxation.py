@@ -1,6 +1,7 @@
 """Relaxation: a Maxwell arm, dq/dt = k_m v - q/tau, exact for a displacement that is linear over a step."""
 
 import sympy as sp
+from sympy.codegen.cfunctions import expm1
 
 from pipeclamp_models.equations.effect import Effect, Parameter, State
 from pipeclamp_models.equations.literature import BOGRAD, FERRY
@@ -8,7 +9,7 @@ from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance,
 
 k_m, tau, q = sp.symbols("k_m tau q", real=True)
 decay = sp.exp(-h / tau)
-ramp = sp.Piecewise((tau / h * (1 - decay), h > 0), (1, True))
+ramp = sp.Piecewise((-tau / h * expm1(-h / tau), h > 0), (1, True))
 slowest, fastest = 1 / (2 * sp.pi * f_lowest), 1 / (2 * sp.pi * f_highest)
 
 EFFECT = Effect(

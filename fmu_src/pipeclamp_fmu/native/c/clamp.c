@@ -7,11 +7,11 @@
 #include <string.h>
 
 #include "model.h"
-#include "no_states.c"
 
 enum { S, V, T_IN, A, F, T };
 enum { FORCE = FIRST_OUTPUT, A_USED, F_USED, T_USED, DISSIPATED, DEVIATION };
-enum { KEPT_S = FIRST_LOCAL, KEPT_V, KEPT_Z };
+enum { KEPT_S = FIRST_LOCAL + 2 * STATES, KEPT_V };
+enum { KEPT_Z = STATES > 0 ? (int)FIRST_LOCAL : KEPT_V + 1 }; /* continuous states come first among the locals */
 enum { USE_T_IN, TRACK, IN_RANGE };
 
 static const double MM = 1000.0; /* in a metre: the law is in mm, the FMU's boundary in m */
@@ -164,6 +164,9 @@ static const Place *now(const Memory *memory)
     return &memory->places[memory->now != 0];
 }
 
+/* Show what continuous states there are, and their derivatives. */
+static void show_states(Model *model);
+
 static void show_motion(Model *model, const Values *values)
 {
     const Place *place = now(&model->memory);
@@ -174,6 +177,7 @@ static void show_motion(Model *model, const Values *values)
     for (i = 0; i < LAW_STATES; i++)
         model->real[KEPT_Z + i] = place->z[i];
     model->flag[IN_RANGE] = model->memory.inside && fabs(place->y) <= values->range[0][1] * (1 + SLACK);
+    show_states(model);
 }
 
 static void model_reset(Model *model, const Values *values)
@@ -305,11 +309,7 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
     return move_anew(model, values, h, reason);
 }
 
-static int model_evaluate(Model *model, const Values *values, Scratch *scratch, double time, double h,
-                          char reason[TEXT])
-{
-    return model_step(model, values, scratch, time, h, reason);
-}
+#include STATES_SOURCE
 
 /* Derivatives of the tracked A (mm) and f (Hz) by y (mm) and v (mm/s) at the end of the step, where they aren't held. */
 static void tracker_slopes(const Memory *memory, const Values *values, double slope[2][2])

@@ -187,8 +187,11 @@ static Status instance_derivatives(Instance *instance, const unsigned unknowns[]
 {
     double direction[ROOM(COLUMNS)] = {0}, slopes[ROOM(ROWS)];
     Status status = STATUS_OK;
-    const Model *model = showing(instance, &status);
+    const Model *model;
     size_t row, column;
+    if (!EXCHANGE_SLOPES && !instance->co_simulation)
+        return instance_lacks(instance, "the derivatives' function");
+    model = showing(instance, &status);
     if (status != STATUS_OK)
         return status;
     for (row = 0; row < unknown_count; row++)
