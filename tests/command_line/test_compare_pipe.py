@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from banded import SPREAD
 from cantilever import cantilever, shaken
 
-from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of, read_law, write_law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
@@ -44,6 +46,25 @@ def test_the_answer_the_words_and_the_report(pipeclamp, bench):
     assert len(found["sines"]) == 5
     assert f"errs by {found['nrmse']:.2%}" in done.stdout
     assert "Response at midspan" in report.read_text(encoding="utf-8")
+
+
+def test_bands_are_told_drawn_and_refused(pipeclamp, refused, bench):
+    options = ["--bands", "95"]
+    told = refused("compare", bench / "system.toml", bench / "measured", *options)
+    assert "no clamp has a law that tells how sure it is" in told
+    text = (bench / "system.toml").read_text(encoding="utf-8").replace('"emwm2"', '"law.json"')
+    (bench / "system.toml").write_text(text, encoding="utf-8")
+    law = open_law("emwm2").model_copy(update={"spread": SPREAD})
+    write_law(law, bench / "law.json")
+    answer, report = bench / "compare.json", bench / "compare.html"
+    files = ["--json", answer, "--report", report]
+    done = pipeclamp("compare", bench / "system.toml", bench / "measured", *options, *files)
+    bands = json.loads(answer.read_text(encoding="utf-8"))["bands"]
+    assert bands["compared"] == 5
+    share = f"{bands['outside']} of 5 measured amplitudes ({bands['share_outside']:.0%}) lie outside the model's 95 %"
+    assert share in " ".join(done.stdout.split())
+    assert "95 % band" in report.read_text(encoding="utf-8")
+    assert "expected SYSTEM.toml and MEASURED" in refused("compare", "emwm2", "clamp_a", *options, status=2)
 
 
 def test_a_mistake_is_one_message(refused, bench):

@@ -18,14 +18,17 @@ from pipeclamp_models.law.file import write_law
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
+from pipeclamp_system.bands.described import refuse_unknown, unknown_of
 from pipeclamp_system.bands.marks import Moving
-from pipeclamp_system.bands.quantities import Unknown, normal_draws, unknown
+from pipeclamp_system.bands.quantities import Unknown, normal_draws
 from pipeclamp_system.bands.sensitivity import moves, with_laws
-from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
-from pipeclamp_system.cosim.building import law_in
+from pipeclamp_system.bands.varied import gaps
 from pipeclamp_system.description.system import SystemDescription, read_system
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, curve_of, label
+from pipeclamp_system.steady.states import SteadyState
 
 DRAWS = 400
 """Of what isn't known, that the bands of curves are made of."""
@@ -204,8 +207,7 @@ def refuse(path: Path, per_cent: float, limits: Mapping[str, float]) -> None:
     """
     steps_of(per_cent)
     description = read_system(path)
-    laws = [varied(law_in(path.parent, str(clamp.law))) for clamp in description.clamps if clamp.law is not None]
-    refuse_silent(laws, str(path))
+    refuse_unknown(description, path.parent, str(path))
     known = [clamp.at for clamp in description.clamps]
     if description.pipe.file is not None:
         known += [probe.name for probe in read_pipe(path.parent / description.pipe.file).probes]
@@ -226,9 +228,7 @@ def banded_system(path: Path, response: FrequencyResponse, *, by_clamp: bool = F
         UserError: the system can't be read.
     """
     description = read_system(path)
-    sources = [str(clamp.law) for clamp in description.clamps]
-    known = {name: varied(law_in(path.parent, name)) for name in dict.fromkeys(sources)}
-    what = unknown([known[name] for name in sources], response.clamp_names, solved=True)
+    what = unknown_of(description, path.parent)
     return BandedSystem(path, description, what.by_clamp() if by_clamp else what)
 
 
@@ -309,22 +309,7 @@ class BandedSystem:
             self.description, self.pipe, folder, curve.temperature, curve.level, self.table.harmonics, where
         )
         own = [one for _, one in steady_clamps(self.description, self.pipe, folder, curve.temperature, where)]
-        clamps = with_laws(own, self.unknown)
-        pieces = [[moves(system, clamps, state, self.unknown) for state in piece] for piece in curve.pieces]
-        points = len(amplitudes_of(curve.states[0]))
-        return [
-            [
-                Moving(
-                    np.array([state.frequency for state in piece]),
-                    np.array([amplitudes_of(state)[point] for state in piece]),
-                    np.stack([one.frequency for one in moved], axis=1),
-                    np.stack([one.amplitudes[:, point] for one in moved], axis=1),
-                    np.stack([one.turning for one in moved], axis=1),
-                )
-                for piece, moved in zip(curve.pieces, pieces, strict=True)
-            ]
-            for point in range(points)
-        ]
+        return moving_of(system, with_laws(own, self.unknown), curve.pieces, self.unknown)
 
     def solved(self, curve: Curve, amounts: Array) -> Curve:
         """Give the curve with laws that are off by amounts of what isn't known, (Q,); nothing is linear in that."""
@@ -346,6 +331,27 @@ class BandedSystem:
             return curve_of(system, self.table, curve.temperature, curve.level, where)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def moving_of(
+    system: SteadySystem, clamps: Sequence[SteadyClamp], pieces: Sequence[Sequence[SteadyState]], unknown: Unknown
+) -> list[list[Moving]]:
+    """Give, for each clamp and probe, the pieces of a curve with how they move; arguments as of `moves`."""
+    moved = [[moves(system, clamps, state, unknown) for state in piece] for piece in pieces]
+    points = len(amplitudes_of(pieces[0][0]))
+    return [
+        [
+            Moving(
+                np.array([state.frequency for state in piece]),
+                np.array([amplitudes_of(state)[point] for state in piece]),
+                np.stack([one.frequency for one in own], axis=1),
+                np.stack([one.amplitudes[:, point] for one in own], axis=1),
+                np.stack([one.turning for one in own], axis=1),
+            )
+            for piece, own in zip(pieces, moved, strict=True)
+        ]
+        for point in range(points)
+    ]
 
 
 def _peak_of(curve: Curve, point: int) -> float:

@@ -63,7 +63,20 @@ def moves(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyStat
     # at a turning point the balance can't answer a push along this
     unanswered = np.linalg.svd(by_unknowns)[0][:, -1]
     turning = packed(pushed) @ unanswered / (by_frequency @ unanswered)
-    return Moves(moved[:, -1], _of_half_range(motion, changes), turning)
+    return Moves(moved[:, -1], of_half_range(motion, changes), turning)
+
+
+def moves_at(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> Complex:
+    """Give how a state moves at its own frequency: harmonics of clamps and probes, mm, (Q, points, H + 1).
+
+    At turning points of its curve it moves without bound. Arguments as of `moves`.
+    """
+    unknowns = packed(state.clamps[None])[0]
+    forces = _disturbances(clamps, state, unknown)
+    pushed = packed(system.pushed(state.frequency, forces)[:, : len(clamps)])
+    _, by_unknowns, _ = system.over_frequency()(unknowns, state.frequency)
+    moved = np.asarray(np.linalg.solve(by_unknowns, pushed.T).T, dtype=np.float64)
+    return system.changed(unknowns, state.frequency, moved, np.zeros(len(moved)), forces)
 
 
 def _disturbances(clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Unknown) -> Complex:
@@ -91,7 +104,7 @@ def with_laws(clamps: Sequence[SteadyClamp], unknown: Unknown) -> tuple[SteadyCl
     return tuple(replace(clamp, law=law_of(law.file)) for clamp, law in zip(clamps, unknown.laws, strict=True))
 
 
-def _of_half_range(motion: Complex, changes: Complex) -> Array:
+def of_half_range(motion: Complex, changes: Complex) -> Array:
     """Give the change of half the peak-to-peak value: by that at the ends of the motion.
 
     Args:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -15,17 +16,26 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
+from pipeclamp_system.bands.band import band_of, steps_of
+from pipeclamp_system.bands.described import unknown_of
+from pipeclamp_system.bands.response import moving_of
+from pipeclamp_system.bands.sensitivity import moves_at, of_half_range, with_laws
 from pipeclamp_system.cosim.run import run_described
 from pipeclamp_system.description.excitation import require_kind
 from pipeclamp_system.description.system import PipeSource, SystemDescription
-from pipeclamp_system.steady.described import response_table, steady_system
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.described import response_table, steady_clamps, steady_system
 from pipeclamp_system.steady.response import amplitudes_of
+from pipeclamp_system.steady.states import SteadyState
 from pipeclamp_system.study.description import Study, Values
 
 Row = dict[str, Any]
 
 TRUSTED = "trusted"
 """Column that says whether a co-simulated case is to be trusted."""
+
+LOW, HIGH = ".s_low [mm]", ".s_high [mm]"
+"""How columns end that hold the ends of an amplitude's band."""
 
 IN_RANGE = ".inRange"
 """How columns end that say whether a clamp's law was used inside the range of its data."""
@@ -70,7 +80,7 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
     steady = steady_system(system, pipe, study.folder, None, 1.0, table.harmonics, where)
     if study.description.measure == "peak":
         followed = steady.followed(table.from_Hz, table.to_Hz)
-        states = list(followed.states)
+        states, pieces = list(followed.states), followed.pieces
         if states and not followed.whole:
             raise UserError(f"the response was {followed.reach()}; its peak isn't known: try other ends of [response]")
     else:
@@ -79,20 +89,45 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
             raise UserError(f"{where}: measure = 'steady' needs an excitation of kind 'sine'; use 'peak' or 'cosim'")
         state = steady.at(frequency)
         states = [] if state is None else [state]
+        pieces = ()
     if not states:
         raise UserError(f"{where}: no steady state was found")
     amplitudes = np.array([amplitudes_of(state) for state in states])
+    points = (*(clamp.at for clamp in system.clamps), *pipe.probe_names)
+    half = None if study.per_cent is None else _half_bands(study, system, pipe, steady, states[0], pieces)
     row: Row = {
         "stable": float(all(state.stable for state in states)),
         "pipe_stable": float(pipe.stability.kind == "stable"),
     }
-    for index, name in enumerate((*(clamp.at for clamp in system.clamps), *pipe.probe_names)):
+    for index, name in enumerate(points):
         highest = int(amplitudes[:, index].argmax())
         row[f"{name}.s [mm]"] = float(amplitudes[highest, index])
+        if half is not None:
+            row[f"{name}{LOW}"] = max(row[f"{name}.s [mm]"] - half[index], 0.0)
+            row[f"{name}{HIGH}"] = row[f"{name}.s [mm]"] + half[index]
         row[f"{name}.frequency [Hz]"] = states[highest].frequency
         if index < len(system.clamps):
             row[f"{name}{IN_RANGE}"] = not states[highest].beyond[index]
     return row
+
+
+def _half_bands(
+    study: Study, system: SystemDescription, pipe: ReducedPipe, steady: SteadySystem, state: SteadyState,
+    pieces: Sequence[Sequence[SteadyState]],
+) -> list[float]:  # fmt: skip
+    """Give half the band of the amplitude of each clamp and probe, mm, to first order: of the peak, or of one state."""
+    assert study.per_cent is not None
+    steps, what = steps_of(study.per_cent), unknown_of(system, study.folder)
+    found = steady_clamps(system, pipe, study.folder, None, study.description.name)
+    clamps = with_laws([clamp for _, clamp in found], what)
+    if pieces:
+        sizes = np.sqrt(np.diag(what.covariance))
+        tops = [max(own, key=lambda one: one.peak()[1]) for own in moving_of(steady, clamps, pieces, what)]
+        told = [(one.peak_moves(sizes)[1], one.peak_errors()[1]) for one in tops]
+    else:
+        motion = np.concatenate([state.clamps, state.probes])
+        told = [(one, 0.0) for one in of_half_range(motion, moves_at(steady, clamps, state, what)).T]
+    return [steps * band_of(0.0, slopes, what, steps, off).deviation for slopes, off in told]
 
 
 def _cosimulated(study: Study, pipe_table: PipeDescription, system: SystemDescription) -> Row:

@@ -15,9 +15,11 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeclamp_fmu.build import version
-from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.toml_file import Number, Table, read_table, read_toml, unknown, validated
 from pipeclamp_models.pipe.description import PipeDescription
+from pipeclamp_system.bands.band import steps_of
+from pipeclamp_system.bands.described import refuse_unknown
 from pipeclamp_system.description.system import SystemDescription, files_of_system
 
 MOST_CASES = 1_000_000
@@ -94,6 +96,7 @@ class Study:
         folder: of SYSTEM.toml, to which its paths are relative.
         pipe, system: the tables of PIPE.toml and SYSTEM.toml.
         fingerprint: of all files, and this program, that decide the results.
+        per_cent: that bands of the amplitudes hold; None: without bands.
     """
 
     description: StudyDescription
@@ -101,6 +104,7 @@ class Study:
     pipe: Mapping[str, Any]
     system: Mapping[str, Any]
     fingerprint: str
+    per_cent: float | None = None
 
     def cases(self) -> Iterator[tuple[int, dict[str, float]]]:
         """Give each case's number and values."""
@@ -190,13 +194,23 @@ def files_of_study(path: Path) -> list[Path]:
     return [system, *files_of_system(system)]
 
 
-def read_study(path: Path) -> Study:
+def read_study(path: Path, per_cent: float | None = None) -> Study:
     """Read a study with its system and its pipe, and check its first and its last case.
 
+    Args:
+        path: STUDY.toml.
+        per_cent: that bands of the amplitudes are to hold, such as 95; None for no bands.
+
     Raises:
-        UserError: a file can't be read, or a place isn't there; the message names it.
+        UserError: a file can't be read, or a place isn't there; the message names it; with bands: no law tells how sure
+            it is.
+        UsageError: the share can't be held by a band, or the cases are co-simulated.
     """
     description = read_table(path, StudyDescription)
+    if per_cent is not None:
+        steps_of(per_cent)
+        if description.measure == "cosim":
+            raise UsageError(f"--bands: {path} measures 'cosim', whose bands take an ensemble a case; use 'peak'")
     digest = hashlib.sha256(path.read_bytes())
     system_path = path.parent / description.system
     used = files_of_system(system_path)
@@ -210,7 +224,8 @@ def read_study(path: Path) -> Study:
     for one in (system_path, *used):
         digest.update(one.read_bytes())
     digest.update(version().encode())
-    study = Study(description, system_path.parent.resolve(), pipe, system, digest.hexdigest())
+    digest.update(b"" if per_cent is None else f"bands {per_cent!r}".encode())
+    study = Study(description, system_path.parent.resolve(), pipe, system, digest.hexdigest(), per_cent)
     for place in description.vary:
         if place != NUMBER and place.split(".")[0] not in ("pipe", "system"):
             raise UserError(f"{path}: vary.{place!r}: expected pipe.… or system.…, for example pipe.flow.velocity_m_s")
@@ -219,4 +234,7 @@ def read_study(path: Path) -> Study:
             study.described({place: values[pick] for place, values in description.axes.items()})
     except UserError as error:
         raise UserError(f"{path}: {error}") from error
+    if per_cent is not None:
+        whole = study.described({place: values[-1] for place, values in description.axes.items()})[1]
+        refuse_unknown(whole, study.folder, str(path))
     return study

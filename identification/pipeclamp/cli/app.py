@@ -25,6 +25,7 @@ from pipeclamp.cli import simulation as cli_simulation
 from pipeclamp.cli import studio as cli_studio
 from pipeclamp.cli.terminal import (
     MARKED,
+    BandsOption,
     CampaignFolder,
     DeclaredOption,
     EffectsOption,
@@ -274,6 +275,7 @@ def compare(
     ],
     json: JsonOption = None,
     report: ReportOption = None,
+    bands: BandsOption = None,
     strict: StrictOption = False,
 ) -> None:
     """Hold laws, or a pipe with its clamps, against measurements: how much each errs, and where."""
@@ -287,8 +289,10 @@ def compare(
 
         if len(laws) > 1:
             raise UsageError(f"compare: got {len(laws)} systems or laws with a .toml; expected one SYSTEM.toml")
-        compare_on_pipe(Path(laws[0]), campaign, json, report)
+        compare_on_pipe(Path(laws[0]), campaign, json, report, bands)
         return
+    if bands is not None:
+        raise UsageError("--bands: a law held against its own tests has none; expected SYSTEM.toml and MEASURED")
     from pipeclamp.show.views import comparison_view, laws_view
     from pipeclamp_identification.workflow.next_command import after_comparison
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from pipeclamp.cli.terminal import (
+    BandsOption,
     JobsOption,
     LawArgument,
     ReportOption,
@@ -61,10 +62,6 @@ PlatformsOption = Annotated[
 ]
 
 
-BandsOption = Annotated[
-    float | None,
-    typer.Option(metavar="PER_CENT", help="With bands that hold so many per cent, such as 95."),
-]
 LimitOption = Annotated[
     list[str] | None,
     typer.Option(metavar="POINT=MM", help="With --bands: how likely a clamp or probe moves farther than that."),
@@ -285,6 +282,7 @@ def sweep(
     jobs: JobsOption = -1,
     dask: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler that takes the cases.")] = None,
     report: ReportOption = None,
+    bands: BandsOption = None,
 ) -> None:
     """Vary a system over thousands of cases; after a kill the same command goes on."""
     from rich.progress import (
@@ -301,7 +299,7 @@ def sweep(
     from pipeclamp_system.study.run import run_study
 
     spare(study, outputs=(output, report))
-    read = read_study(study)
+    read = read_study(study, bands)
     columns = (TextColumn("sweep"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     with Progress(*columns, console=errors(), transient=True, disable=not errors().is_terminal) as shown:
         task = shown.add_task("sweep", total=read.description.count)

@@ -127,6 +127,10 @@ DeclaredOption = Annotated[
     list[Path] | None,
     typer.Option("--declared", metavar="F.toml", help="An effect of your own, by declaration; any number of times."),
 ]
+BandsOption = Annotated[
+    float | None,
+    typer.Option(metavar="PER_CENT", help="With bands that hold so many per cent, such as 95."),
+]
 LimitsOption = Annotated[
     str,
     typer.Option(

@@ -93,7 +93,7 @@ def attributed_view(found: Attributed) -> View:
     lines: list[str] = []
     if sines:
         tables.append(parts_table(sines.by_probe()))
-        lines += [*how_much(sines), *where_words(sines)]
+        lines += [*how_much(sines), *where_words(sines), *(found.bands.words() if found.bands else ())]
     if records:
         tables += [parts_table(parts) for parts in records.breakdowns()]
         lines += records_words(records)

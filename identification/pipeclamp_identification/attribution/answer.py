@@ -7,7 +7,13 @@ from pydantic import Field
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.next_test import Proposal
 from pipeclamp_identification.attribution.verdict import Attribution, Verdict
-from pipeclamp_identification.on_pipe.answer import OnPipeAnswer, records_answer, sines_answer, where_told
+from pipeclamp_identification.on_pipe.answer import (
+    BandsOnPipeAnswer,
+    OnPipeAnswer,
+    records_answer,
+    sines_answer,
+    where_told,
+)
 from pipeclamp_models.base.answer import AnswerModel
 
 
@@ -48,6 +54,7 @@ class SystemComparisonAnswer(OnPipeAnswer):
     """
 
     over_time: OnPipeAnswer | None = where_told("the records, where sines stand above")
+    bands: BandsOnPipeAnswer | None = where_told("with --bands")
     attribution: AttributionAnswer | None = Field(description="None where too little was measured to ask")
 
 
@@ -89,5 +96,6 @@ def system_comparison_answer(found: Attributed) -> SystemComparisonAnswer:
         records=first.records,
         where=first.where,
         over_time=records if sines else None,
+        bands=None if found.bands is None else found.bands.answer(),
         attribution=None if found.attribution is None else attribution_answer(found.attribution, found.proposal),
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pipeclamp_identification.attribution.compared import Compared
 from pipeclamp_identification.attribution.next_test import Proposal, propose
 from pipeclamp_identification.attribution.verdict import Attribution, attribute
+from pipeclamp_identification.on_pipe.bands import PipeBands
 from pipeclamp_models.base.progress import Progress
 
 
@@ -18,11 +19,13 @@ class Attributed:
         compared: the model against sines, records of any motion, or both.
         attribution: the verdict and its evidence; None where too little was measured to ask.
         proposal: the measurement that would tell rivals apart.
+        bands: how sure the model is at the sines, where that was asked.
     """
 
     compared: Compared
     attribution: Attribution | None
     proposal: Proposal | None
+    bands: PipeBands | None = None
 
 
 def attributed(compared: Compared, progress: Progress) -> Attributed:

@@ -62,6 +62,16 @@ class PipeWhereAnswer(AnswerModel):
     conditions: Mapping[str, tuple[PartAnswer, ...]]
 
 
+class BandsOnPipeAnswer(AnswerModel):
+    """How much of what was measured lies in the band of the model."""
+
+    per_cent: float = Field(description="that each band holds")
+    compared: int = Field(description="measured amplitudes")
+    outside: int = Field(description="of them, those outside their band")
+    share_outside: float
+    half_width: float = Field(description="median of half a band, as a share of the computed amplitude")
+
+
 class OnPipeAnswer(AnswerModel):
     """A coupled system against sines, or against records of any motion."""
 

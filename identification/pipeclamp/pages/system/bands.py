@@ -62,14 +62,18 @@ def run_bands_section(bands: RunBands) -> Section:
 
 
 def add_area(
-    figure: go.Figure, x: Array, low: Array, high: Array, name: str, colour: str = SERIES[1], opacity: float = DENSE
-) -> None:
-    """Fill what lies between two curves, behind all others; with a name it stands in the legend."""
+    figure: go.Figure, x: Array, low: Array, high: Array, name: str, colour: str = SERIES[1], opacity: float = DENSE,
+    **place: int,
+) -> None:  # fmt: skip
+    """Fill what lies between two curves, behind all others; with a name it stands in the legend.
+
+    Panels of a figure are placed by row and col.
+    """
     area = go.Scatter(
         x=np.concatenate([x, x[::-1]]), y=np.concatenate([low, high[::-1]]), mode="none", fill="toself",
         fillcolor=colour, opacity=opacity, name=name, showlegend=bool(name), hoverinfo="skip",
     )  # fmt: skip
-    figure.add_trace(area)
+    figure.add_trace(area, **place)
     figure.data = (figure.data[-1], *figure.data[:-1])
 
 

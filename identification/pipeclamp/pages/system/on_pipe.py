@@ -15,7 +15,7 @@ def attributed_sections(found: Attributed) -> list[Section]:
     named = found.attribution.named if found.attribution else ()
     corrected = named[0].refit.computed if named else None
     how, *others = [
-        *(pipe_comparison_sections(sines, corrected.sines if corrected else None) if sines else []),
+        *(pipe_comparison_sections(sines, corrected.sines if corrected else None, found.bands) if sines else []),
         *(records_sections(records, corrected.records if corrected else None) if records else []),
     ]
     return [how, attribution_section(found.attribution, found.proposal), *others]

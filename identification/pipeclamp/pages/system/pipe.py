@@ -13,7 +13,9 @@ from plotly.subplots import make_subplots
 
 from pipeclamp.pages.error_pictures import ConditionsMap, bars_of, conditions_picture, error_bars
 from pipeclamp.pages.page import MEASURED, MODEL, SERIES, Section, styled
+from pipeclamp.pages.system.bands import FAINT, add_area
 from pipeclamp.show.comparison import parts_table
+from pipeclamp_identification.on_pipe.bands import PipeBands
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES, ProbeTable
 from pipeclamp_identification.on_pipe.model import SAME_LEVEL, Prediction
 from pipeclamp_identification.on_pipe.series import Series, series_of
@@ -36,16 +38,19 @@ EVEN = (
 )
 
 
-def pipe_comparison_sections(comparison: PipeComparison, corrected: Prediction | None = None) -> list[Section]:
+def pipe_comparison_sections(
+    comparison: PipeComparison, corrected: Prediction | None = None, bands: PipeBands | None = None
+) -> list[Section]:
     """Give the report of a comparison: the numbers, the responses, the map, the breakdowns.
 
     Args:
         comparison: the model as it is stated, against the measurement.
         corrected: what the model says once what is found wrong is put right.
+        bands: how sure the model is, where that was asked.
     """
     series = series_of(comparison.measurement.steady)
     probes = comparison.measurement.description.probes
-    pictures = [response_picture(comparison, series, index, corrected) for index in range(len(probes))]
+    pictures = [response_picture(comparison, series, index, corrected, bands) for index in range(len(probes))]
     broken = [
         comparison.by_probe(),
         comparison.by_kind(),
@@ -53,7 +58,7 @@ def pipe_comparison_sections(comparison: PipeComparison, corrected: Prediction |
     ]
     bars = error_bars([bars_of("", parts.by, parts) for parts in broken], "Percent of the rms of what was measured")
     return [
-        Section("How much", [*how_much(comparison), *where_words(comparison)]),
+        Section("How much", [*how_much(comparison), *where_words(comparison), *(bands.words() if bands else ())]),
         Section("Measured and computed response", (), (), pictures),
         Section("Where", (), (), [map_picture(comparison, series)]),
         Section("By probe and condition", [EVEN], [parts_table(parts) for parts in broken], [bars]),
@@ -61,9 +66,10 @@ def pipe_comparison_sections(comparison: PipeComparison, corrected: Prediction |
 
 
 def response_picture(
-    comparison: PipeComparison, series: Sequence[Series], column: int, corrected: Prediction | None = None
-) -> go.Figure:
-    """Draw amplitude and phase over frequency at one probe, a panel a series of sines; a corrected model too."""
+    comparison: PipeComparison, series: Sequence[Series], column: int, corrected: Prediction | None = None,
+    bands: PipeBands | None = None,
+) -> go.Figure:  # fmt: skip
+    """Draw amplitude and phase over frequency at one probe, a panel a series of sines; a corrected model, bands too."""
     probe = comparison.measurement.description.probes[column]
     shown = _worst(comparison, series, column)
     figure = make_subplots(
@@ -96,6 +102,13 @@ def response_picture(
                 phase = np.degrees(np.unwrap(np.angle(values)))
                 phase -= 360 * np.round(np.nanmean(phase) / 360) if np.isfinite(phase).any() else 0.0
                 figure.add_trace(go.Scatter(y=phase, showlegend=False, **common), row=2, col=panel)
+        if bands is not None:
+            x = steady.frequency[one.rows]
+            low, high = (end[one.rows, column] * drive / probe.scale for end in (bands.low, bands.high))
+            there = np.flatnonzero(np.isfinite(low))
+            there = there[np.argsort(x[there], kind="stable")]
+            name = f"{bands.per_cent:g} % band" if panel == 1 else ""
+            add_area(figure, x[there], low[there], high[there], name, MODEL, FAINT, row=1, col=panel)
         figure.update_xaxes(title_text="f / Hz", row=2, col=panel)
     figure.update_yaxes(title_text=_axis(probe), row=1, col=1)
     figure.update_yaxes(rangemode="tozero", row=1)

@@ -7,10 +7,11 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Section, doubted
 from pipeclamp.pages.pictures import cells_picture, curves_picture
+from pipeclamp.pages.system.bands import FAINT, add_area
 from pipeclamp.show.table import Table
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.description.trust_mark import doubt
-from pipeclamp_system.study.case import IN_RANGE, TRUSTED
+from pipeclamp_system.study.case import HIGH, IN_RANGE, LOW, TRUSTED
 from pipeclamp_system.study.description import Study
 
 LEVEL = ".s [mm]"
@@ -47,6 +48,7 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
             lines.append(
                 f"{name}: its law is used beyond the range of its data in {(~inside).sum()} of {inside.len()} cases"
             )
+    lines += _bands_words(study, fine, points)
     figures = [_picture(fine, axes, name) for name in points if fine.height and fine[name].max()]
     if marks:
         for figure in figures:
@@ -55,6 +57,24 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
     tables = [Table(("case", *axes, "error"), rows, "cases without a result (the first 20)")] if rows else []
     note = "Over the first two of what is varied; the largest over the rest." if len(axes) > 1 else ""
     return [Section("What came out", lines), Section("Vibration level", (note,) if note else (), tables, figures)]
+
+
+def _bands_words(study: Study, fine: pl.DataFrame, points: list[str]) -> list[str]:
+    """Say where each amplitude's band is widest beside it."""
+    lines = []
+    for name in points:
+        low, high = (name.removesuffix(LEVEL) + end for end in (LOW, HIGH))
+        if low not in fine.columns:
+            continue
+        known = fine.filter(pl.col(low).is_not_null() & (pl.col(name) > 0))
+        if known.height:
+            widest = known.sort((pl.col(high) - pl.col(low)) / pl.col(name), descending=True).row(0, named=True)
+            where = ", ".join(f"{axis} = {widest[axis]:g}" for axis in study.description.axes)
+            lines.append(
+                f"{name.removesuffix(LEVEL)} is least sure at {where}: {widest[name]:.4g} mm ({study.per_cent:g} %: "
+                f"{widest[low]:.4g} to {widest[high]:.4g})"
+            )
+    return lines
 
 
 def _marks(fine: pl.DataFrame, axes: list[str]) -> list[str]:
@@ -78,7 +98,13 @@ def _picture(frame: pl.DataFrame, axes: list[str], name: str) -> go.Figure:
     if len(axes) == 1:
         line = frame.sort(axes[0])
         curve = (name, line[axes[0]].to_list(), line[name].to_list(), "lines+markers")
-        return curves_picture(axes[0], "amplitude / mm", [curve], title)
+        figure = curves_picture(axes[0], "amplitude / mm", [curve], title)
+        low, high = (name.removesuffix(LEVEL) + end for end in (LOW, HIGH))
+        if low in line.columns:
+            own = line.filter(pl.col(low).is_not_null())
+            x, below, above = (own[column].to_numpy() for column in (axes[0], low, high))
+            add_area(figure, x, below, above, "band", opacity=FAINT)
+        return figure
     largest = frame.group_by(axes[:2]).agg(pl.col(name).max())
     xs, ys = (np.unique(largest[axis].to_numpy()) for axis in axes[:2])
     level = np.full((ys.size, xs.size), np.nan)
