@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import importlib.metadata
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from pipeclamp_fmu.contents.clamp import USUAL, ClampModel, Entry, FurtherCondition, Start, clamp_content
+from pipeclamp_fmu.contents.behind import what_stands_behind
+from pipeclamp_fmu.contents.clamp import USUAL, ClampModel, Entry, FurtherCondition, Start, clamp_content, middle
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.continuous_memory import require_states
 from pipeclamp_fmu.contents.excitation import Samples, excitation_content
@@ -101,7 +103,7 @@ def python_clamp_content(file: LawFile, told: Start = USUAL) -> Content:
     """
     model = clamp_model(file, told)
     require_passive(model, file)
-    return clamp_content(model, version())
+    return clamp_content(_with_what_stands_behind(model, file), version())
 
 
 def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
@@ -118,7 +120,7 @@ def native_clamp_content(file: LawFile, told: Start = USUAL) -> NativeContent:
     states = [
         Entry(str(state.symbol), state.unit, state.meaning) for state in structure.equations_without_rig.composed.states
     ]
-    return native_clamp(model, c_source(structure), states, version())
+    return native_clamp(_with_what_stands_behind(model, file), c_source(structure), states, version())
 
 
 def passivity(model: ClampModel, file: LawFile) -> Proof:
@@ -265,6 +267,14 @@ def clamp_model(file: LawFile, told: Start = USUAL) -> ClampModel:
         fit=file.fit,
         told=told,
     )
+
+
+def _with_what_stands_behind(model: ClampModel, file: LawFile) -> ClampModel:
+    """Give the law with its parameter sets and its record, of the loop in the middle of its range."""
+    middles = (middle(model.range_A), middle(model.range_f), model.temperature)
+    further = tuple(entry.scale * entry.start for entry in model.further)
+    values = {entry.name: entry.value for entry in model.coefficients}
+    return replace(model, behind=what_stands_behind(file, model.source, values, (*middles, *further), version()))
 
 
 def _require_in_range(file: LawFile, told: Start) -> None:

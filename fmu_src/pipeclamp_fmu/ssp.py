@@ -6,20 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
-from xml.etree.ElementTree import Element, SubElement
 
-from pipeclamp_fmu.describe.model_description import identifier, xml_bytes
+from pipeclamp_fmu.describe.model_description import identifier
+from pipeclamp_fmu.describe.ssv import element, parameter_set, written
 from pipeclamp_fmu.python.packing import zipped
 from pipeclamp_models.base.archive import read_part
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
-
-NAMESPACES = {
-    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
-    "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
-    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
-    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
-}
 
 PARAMETER_SET = "parameters"
 """Name of every component's parameter set: masters that choose sets by name take one name for all components."""
@@ -72,33 +65,8 @@ def write_ssp(structure: SystemStructure, output: Path) -> None:
     for component in structure.components:
         files[f"resources/{component.name}.fmu"] = component.fmu.read_bytes()
         if component.parameters:
-            files[f"resources/{component.name}.ssv"] = parameter_set(component)
+            files[f"resources/{component.name}.ssv"] = parameter_set(PARAMETER_SET, component.parameters)
     write_whole(output, zipped(files))
-
-
-def _element(parent: Element | None, kind: str, attributes: Mapping[str, str]) -> Element:
-    prefix, name = kind.split(":")
-    tag = f"{{{NAMESPACES[prefix]}}}{name}"
-    return Element(tag, dict(attributes)) if parent is None else SubElement(parent, tag, dict(attributes))
-
-
-def _written(root: Element) -> bytes:
-    for prefix, address in NAMESPACES.items():
-        ElementTree.register_namespace(prefix, address)
-    return xml_bytes(root)
-
-
-def parameter_set(component: Component) -> bytes:
-    """Give a component's parameters as SSV."""
-    root = _element(None, "ssv:ParameterSet", {"version": "1.0", "name": PARAMETER_SET})
-    parameters = _element(root, "ssv:Parameters", {})
-    for name, value in component.parameters.items():
-        parameter = _element(parameters, "ssv:Parameter", {"name": name})
-        if isinstance(value, bool):
-            _element(parameter, "ssv:Boolean", {"value": str(value).lower()})
-        else:
-            _element(parameter, "ssv:Real", {"value": repr(float(value))})
-    return _written(root)
 
 
 @dataclass(frozen=True)
@@ -140,44 +108,44 @@ def _ports(fmu: Path) -> tuple[list[_Port], dict[str, Mapping[str, str]]]:
 
 def _description(structure: SystemStructure) -> bytes:
     named = {"name": identifier(structure.name), "description": structure.name}
-    root = _element(None, "ssd:SystemStructureDescription", {"version": "1.0", **named})
-    system = _element(root, "ssd:System", {"name": "system"})
+    root = element(None, "ssd:SystemStructureDescription", {"version": "1.0", **named})
+    system = element(root, "ssd:System", {"name": "system"})
     connected = {end for _, end in structure.connections}
-    elements = _element(system, "ssd:Elements", {})
+    elements = element(system, "ssd:Elements", {})
     units: dict[str, Mapping[str, str]] = {}
     for component in structure.components:
-        listed = _element(elements, "ssd:Component", {
+        listed = element(elements, "ssd:Component", {
             "name": component.name,
             "type": "application/x-fmu-sharedlibrary",
             "source": f"resources/{component.name}.fmu",
             "implementation": "CoSimulation",
         })  # fmt: skip
-        connectors = _element(listed, "ssd:Connectors", {})
+        connectors = element(listed, "ssd:Connectors", {})
         ports, defined = _ports(component.fmu)
         for port in ports:
             if port.causality == "input" and (component.name, port.name) not in connected:
                 continue  # a master would set an unconnected one to zero
-            connector = _element(connectors, "ssd:Connector", {"name": port.name, "kind": port.causality})
-            _element(connector, f"ssc:{port.kind}", {"unit": port.unit} if port.unit else {})
+            connector = element(connectors, "ssd:Connector", {"name": port.name, "kind": port.causality})
+            element(connector, f"ssc:{port.kind}", {"unit": port.unit} if port.unit else {})
             if port.unit:
                 units.setdefault(port.unit, defined[port.unit])
         if component.parameters:
-            bindings = _element(listed, "ssd:ParameterBindings", {})
-            _element(bindings, "ssd:ParameterBinding", {"source": f"resources/{component.name}.ssv"})
-    connections = _element(system, "ssd:Connections", {})
+            bindings = element(listed, "ssd:ParameterBindings", {})
+            element(bindings, "ssd:ParameterBinding", {"source": f"resources/{component.name}.ssv"})
+    connections = element(system, "ssd:Connections", {})
     for (start, output), (end, into) in structure.connections:
-        _element(connections, "ssd:Connection", {
+        element(connections, "ssd:Connection", {
             "startElement": start, "startConnector": output, "endElement": end, "endConnector": into,
         })  # fmt: skip
-    listed_units = _element(root, "ssd:Units", {}) if units else root
+    listed_units = element(root, "ssd:Units", {}) if units else root
     for name, base in sorted(units.items()):
-        _element(_element(listed_units, "ssc:Unit", {"name": name}), "ssc:BaseUnit", base)
+        element(element(listed_units, "ssc:Unit", {"name": name}), "ssc:BaseUnit", base)
     times = {"startTime": "0.0", "stopTime": repr(float(structure.stop_time))}
-    experiment = _element(root, "ssd:DefaultExperiment", times)
+    experiment = element(root, "ssd:DefaultExperiment", times)
     if structure.step is not None:
         # SSP 1.0 has no attribute for a step; libcosim reads this annotation.
-        annotations = _element(experiment, "ssd:Annotations", {})
-        annotation = _element(annotations, "ssc:Annotation", {"type": "com.opensimulationplatform"})
-        algorithm = _element(annotation, "osp:Algorithm", {})
-        _element(algorithm, "osp:FixedStepAlgorithm", {"baseStepSize": repr(float(structure.step))})
-    return _written(root)
+        annotations = element(experiment, "ssd:Annotations", {})
+        annotation = element(annotations, "ssc:Annotation", {"type": "com.opensimulationplatform"})
+        algorithm = element(annotation, "osp:Algorithm", {})
+        element(algorithm, "osp:FixedStepAlgorithm", {"baseStepSize": repr(float(structure.step))})
+    return written(root)

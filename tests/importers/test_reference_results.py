@@ -36,13 +36,14 @@ def test_fmpy_replays_them(request, name, interface):
     with zipfile.ZipFile(path) as archive:
         manifest = ElementTree.fromstring(archive.read(FOLDER + "fmi-ls-manifest.xml"))
         assert {FOLDER + entry.get("source") for entry in manifest.iter("Related")} <= set(archive.namelist())
-        said = archive.read(FOLDER + ("experiments_model_exchange.xml" if own else "experiments.xml"))
+        said = archive.read(FOLDER + ("experiments_model_exchange.exp" if own else "experiments.exp"))
         (experiment,) = ElementTree.fromstring(said)
-        stimuli, results = (table(archive, entry.get("source")) for entry in experiment)
+        times, *files = experiment
+        stimuli, results = (table(archive, entry.get("source")) for entry in files)
     outputs = list(results.dtype.names[1:])
     run = fmpy.simulate_fmu(
-        str(path), fmi_type=interface, input=stimuli, output=outputs, stop_time=float(experiment.get("stopTime")),
-        step_size=float(experiment.get("stepSize")), output_interval=float(experiment.get("stepSize")),
+        str(path), fmi_type=interface, input=stimuli, output=outputs, stop_time=float(times.get("stopTime")),
+        step_size=float(times.get("stepSize")), output_interval=float(times.get("stepSize")),
         relative_tolerance=float(experiment.get("tolerance")),
     )  # fmt: skip
     # In model exchange, fmpy ends steps at reversals too, and doesn't begin anew where a pipe's inputs jump.

@@ -23,7 +23,8 @@ from cantilever import cantilever
 from pipeclamp.pages.system.cosim import cosim_sections
 from pipeclamp_fmu.build import build_clamp, build_excitation, build_native_clamp, build_pipe
 from pipeclamp_fmu.contents.excitation import Samples
-from pipeclamp_fmu.ssp import NAMESPACES, Component, SystemStructure, write_ssp
+from pipeclamp_fmu.describe.ssv import NAMESPACES
+from pipeclamp_fmu.ssp import Component, SystemStructure, write_ssp
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.pipe.description import read_pipe

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from pipeclamp_fmu.contents.behind import Behind, behind_section, related
 from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.passivity import Interval, ScalarLaw, loaded
@@ -117,6 +118,7 @@ class ClampModel:
         further: conditions besides A, f and T, in the order in which the source takes them.
         history, fit: for the documentation: the error step by step, and how well the law fits.
         told: what the FMU starts with.
+        behind: what is known of the law's uncertainty and origin.
     """
 
     name: str
@@ -132,6 +134,7 @@ class ClampModel:
     history: Sequence[HistoryStep] = ()
     fit: FitQuality | None = None
     told: Start = USUAL
+    behind: Behind | None = None
 
     @property
     def ranges(self) -> tuple[Range, ...]:
@@ -322,7 +325,8 @@ def clamp_extras(model: ClampModel, variables: Variables, model_exchange: bool) 
         results={"flange.f": loop.force, "energyDissipated": loop.dissipated},
         at_once=True,
     )
-    return loop_icon(loop.s[-SAMPLES:], loop.force[-SAMPLES:]), reference_files(reference, model_exchange)
+    icon = loop_icon(loop.s[-SAMPLES:], loop.force[-SAMPLES:])
+    return icon, reference_files(reference, model_exchange, related(model.behind) if model.behind else ())
 
 
 def clamp_content(model: ClampModel, version: str) -> Content:
@@ -366,6 +370,7 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
             model.equations,
         ),
         *([history_section(model.history, model.fit)] if model.history or model.fit else ()),
+        *((behind_section(model.behind),) if model.behind else ()),
         Section("Parameters", (), (), ("symbol", "value", "standard error", "unit", "meaning"), model.parameters),
         Section(
             "Range",

@@ -349,7 +349,7 @@ def diagnose(
             settled = add_until_settled(
                 file, tests, command=command_called(), declared=declarations, limits=reach, jobs=jobs, progress=tell
             )
-            file, found, ladder, climbed = settled.file, settled.found, settled.ladder, settled.words()
+            file, found, ladder, climbed = settled.told(tests.name), settled.found, settled.ladder, settled.words()
         else:
             found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
             ladder, climbed = (), []

@@ -12,7 +12,7 @@ from pipeclamp_identification.workflow.change import Addition, add_effect, excha
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.file import LastDiagnosis, LawFile
 
 MOST_RUNGS = 12
 STILL_AS_GOOD = 1.025
@@ -49,6 +49,11 @@ class Settled:
     found: Diagnosed
     ladder: tuple[Rung, ...]
     in_vain: Addition | None = None
+
+    def told(self, tests: str) -> LawFile:
+        """Give the law with the last diagnosis in its file, on tests of this name."""
+        last = {"verdict": self.found.verdict, "effects": self.found.effects, "tests": tests}
+        return self.file.model_copy(update={"diagnosis": LastDiagnosis.model_validate(last)})
 
     def words(self) -> list[str]:
         """Say what each rung did to the error on left-out conditions, and what to mind of it."""

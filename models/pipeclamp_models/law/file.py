@@ -189,12 +189,21 @@ class HistoryStep(Part):
     stage: Stage | None = None
 
 
+class LastDiagnosis(Part):
+    """What the last diagnosis of the law as it stands found: its verdict, what it named, and on which tests."""
+
+    verdict: Literal["complete", "missing", "ambiguous", "unknown"]
+    effects: tuple[str, ...] = ()
+    tests: str
+
+
 class LawFile(Part):
     """A law with its parameters, their uncertainty, its range and where it comes from.
 
     `declared` holds the declarations of a user's own effects. `smoothing` holds v_r (mm/s) and y_r (mm), below which
     sgn v and sgn y are smooth. `range` is keyed by A (mm), f (Hz) and, where they are known, T (K) and further
-    conditions. `date` is the one line that `--reproducible` leaves out.
+    conditions. `diagnosis` is there where `diagnose --auto` wrote the law. `date` is the one line that `--reproducible`
+    leaves out.
     """
 
     schema_name: Literal["pipeclamp-law-1"] = Field(alias="schema")
@@ -213,6 +222,7 @@ class LawFile(Part):
     fit: FitQuality | None = None
     groups: tuple[GroupEntry, ...] | None = None
     history: tuple[HistoryStep, ...] = ()
+    diagnosis: LastDiagnosis | None = None
     software: str
     command: str
     date: str | None = None
