@@ -7,6 +7,7 @@ comparison stands on, only says how long that takes and, where a law follows the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from hashlib import sha256
 from itertools import pairwise
 from math import ceil, log, pi
 from pathlib import Path
@@ -35,12 +36,40 @@ ACCURACY = 1e-5
 
 @dataclass(frozen=True)
 class Sensor:
-    """A sensor: name, position in m, unit, and the factor by which it is out of calibration."""
+    """A sensor.
+
+    Attributes:
+        name: of the sensor.
+        position: stated, m.
+        unit: stated.
+        gain: factor by which it is out of calibration, below 0 for a wrong sign.
+        phase: by which it is ahead, degrees.
+        delay: by which it is late, s.
+        moved: m from the stated position at which it sits.
+    """
 
     name: str
     position: float
     unit: Unit
     gain: float = 1.0
+    phase: float = 0.0
+    delay: float = 0.0
+    moved: float = 0.0
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What is wrong with the recorded excitation and its time axis.
+
+    Attributes:
+        gain: stated over true excitation.
+        delay: by which it is recorded late, s.
+        rate: true over stated frequencies.
+    """
+
+    gain: float = 1.0
+    delay: float = 0.0
+    rate: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -53,8 +82,9 @@ class Sine:
 
 
 def measure(
-    system: Path, sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], folder: Path, noise: float, seed: int
-) -> str:
+    system: Path, sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], folder: Path, noise: float, seed: int,
+    drive: Drive | None = None, kept: Path | None = None,
+) -> str:  # fmt: skip
     """Measure the sines on a described system, write them, a file a temperature, and give what to describe of them.
 
     Args:
@@ -65,13 +95,19 @@ def measure(
         noise: rms of what is added to real and imaginary part each, as a share of the value; a tenth of it, of the
             sensor's largest value at that level, is there always.
         seed: of the noise.
+        drive: what is wrong with the excitation as it is recorded.
+        kept: folder in which exact motions are kept for further measurements of the same ones.
     """
+    drive = drive or Drive()
     rng = np.random.default_rng(seed)
     pipe = read_pipe(system.parent / str(read_system(system).pipe.file))
     pipe = pipe.model_copy(
-        update={"probes": tuple(Place(name=sensor.name, position_m=sensor.position) for sensor in sensors)}
+        update={
+            "probes": tuple(Place(name=sensor.name, position_m=sensor.position + sensor.moved) for sensor in sensors)
+        }
     )
-    exact = np.array([response(system, pipe, sensors, sine) for sine in sines])
+    true = tuple(Sine(drive.rate * sine.frequency, sine.drive / drive.gain, sine.temperature) for sine in sines)
+    exact = _motions(system, pipe, sensors, true, kept) * _recorded(sensors, true, drive)
     of_level = [[sine.drive == other.drive for other in sines] for sine in sines]
     highest = np.array([np.abs(exact[rows]).max(axis=0) for rows in of_level])
     size = noise * (np.abs(exact) + 0.1 * highest)
@@ -89,6 +125,31 @@ def measure(
         lines += ["[[responses]]", f'file = "sines_{number}.csv"']
         lines += [] if temperature is None else [f"temperature_C = {temperature}"]
     return "".join(f"{line}\n" for line in lines)
+
+
+def _recorded(sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], drive: Drive) -> np.ndarray:
+    """Give recorded over true phasors, (sines, sensors)."""
+    omega = 2 * pi * np.array([sine.frequency for sine in sines])[:, None]
+    gain, phase, delay = (
+        np.array([getattr(sensor, name) for sensor in sensors]) for name in ("gain", "phase", "delay")
+    )
+    return gain * np.exp(1j * (np.radians(phase) - omega * (delay - drive.delay)))
+
+
+def _motions(
+    system: Path, pipe: PipeDescription, sensors: tuple[Sensor, ...], sines: tuple[Sine, ...], kept: Path | None
+) -> np.ndarray:
+    """Give the true motions of `response`, (sines, sensors); those that are kept already aren't integrated again."""
+    if kept is None:
+        return np.array([response(system, pipe, sensors, sine) for sine in sines])
+    laws = "".join(path.read_text(encoding="utf-8") for path in sorted(system.parent.glob("*.json")))
+    units = [sensor.unit for sensor in sensors]
+    key = sha256(f"{pipe!r}{laws}{system.read_text(encoding='utf-8')}{units}{sines}".encode()).hexdigest()[:16]
+    file = kept / f"{key}.npy"
+    if not file.is_file():
+        kept.mkdir(parents=True, exist_ok=True)
+        np.save(file, np.array([response(system, pipe, sensors, sine) for sine in sines]))
+    return np.load(file)
 
 
 def describe(folder: Path, sensors: tuple[Sensor, ...], files: str) -> None:
@@ -127,5 +188,5 @@ def response(system: Path, pipe: PipeDescription, sensors: tuple[Sensor, ...], s
         order, scale = UNITS[sensor.unit]
         # The base's acceleration is drive sin(omega t), its displacement the opposite over omega^2.
         base = -sine.drive / omega**2 if order == 2 and pipe.excitation.kind == "base" else 0.0
-        seen.append(sensor.gain * (displacement + base) * (1j * omega) ** order / scale)
+        seen.append((displacement + base) * (1j * omega) ** order / scale)
     return np.array(seen)

@@ -15,7 +15,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import joblib
-from designs import DESIGNS, RECORD_TRIALS, TRIALS, Trial
+from designs import RECORD_TRIALS, TRIALS, Trial
+from measuring_trials import DESIGNS_AND_LINES, MEASURING_TRIALS
 from pipe_rig import describe, measure
 from record_rig import measure_motions
 
@@ -26,17 +27,18 @@ from pipeclamp_identification.on_pipe.measurement import FILE_NAME
 
 def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:
     """Make a trial's test where it isn't there yet; give the stated system and the measurement."""
-    design, own = DESIGNS[trial.design], folder / f"{number:02d}"
+    design, own = DESIGNS_AND_LINES[trial.design], folder / f"{number:02d}"
     stated = design.write(own, {}, {})
     test = own / "measured"
     if not (test / FILE_NAME).is_file():
         sensors = design.sensors
         if trial.gains:
             sensors = tuple(replace(sensor, gain=gain) for sensor, gain in zip(sensors, trial.gains, strict=True))
+        sensors = tuple(replace(sensor, **trial.sensors.get(sensor.name, {})) for sensor in sensors)
         true = design.write(own / "true", trial.fields, trial.laws)
         files = ""
         if "sines" in trial.measured:
-            files += measure(true, sensors, design.sines, test, trial.noise, seed=number)
+            files += measure(true, sensors, design.sines, test, trial.noise, number, trial.drive, folder / "exact")
         motions = tuple(motion for kind in trial.measured for motion in design.motions.get(kind, ()))
         files += measure_motions(true, sensors, motions, test, trial.noise, seed=number)
         describe(test, sensors, files)
@@ -46,8 +48,6 @@ def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:
 def outcome(trial: Trial, found: Attribution) -> str:
     """Judge an answer."""
     named = {suspect.id for suspect in found.suspects}
-    if trial.truth is None:
-        return "confidently wrong" if found.verdict == "wrong" else "right"
     if found.verdict == "complete":
         return "right" if not trial.truth else "missed"
     if found.verdict == "unknown":
@@ -69,8 +69,8 @@ def tried(number: int, trial: Trial, folder: Path) -> str:
     result = outcome(trial, found)
     names = ", ".join(entry.id for entry in found.named)
     print(
-        f"{number:2d} {trial.design:10s} {'+'.join(trial.measured):12s} {trial.hidden:44s} {comparison.nrmse:6.1%} "
-        f"{took:5.1f} s  {result:26s} {found.verdict}: {names} (left {found.left:.2f})",
+        f"{number:2d} {trial.design:10s} {'+'.join(trial.measured):12s} {trial.hidden:44s} {trial.noise:3.0%} "
+        f"{comparison.nrmse:6.1%} {took:5.1f} s  {result:26s} {found.verdict}: {names} (left {found.left:.2f})",
         flush=True,
     )
     return result
@@ -85,8 +85,9 @@ def main() -> None:
     asked = parser.parse_args()
     chosen = [
         (number, trial)
-        for number, trial in enumerate((*TRIALS, *RECORD_TRIALS))
-        if asked.only in f"{number:02d} {trial.design} {'+'.join(trial.measured)} {trial.hidden}"
+        for number, trial in enumerate((*TRIALS, *RECORD_TRIALS, *MEASURING_TRIALS))
+        if asked.only
+        in f"{number:02d} {trial.design} {'+'.join(trial.measured)} {trial.hidden}, {trial.noise:.0%} noise"
     ]
     outcomes = joblib.Parallel(n_jobs=asked.jobs)(
         joblib.delayed(tried)(number, trial, asked.output) for number, trial in chosen

@@ -37,3 +37,20 @@ def test_what_is_hidden_is_named(hidden, tmp_path):
         assert set(trial.truth) <= named
     else:
         assert found.verdict == "complete"
+
+
+def test_sensors_out_of_calibration_are_named_and_no_part_of_the_pipe(tmp_path):
+    from designs import sines
+    from measuring_trials import MEASURING_DESIGNS
+    from pipe_rig import describe, measure
+
+    design = replace(MEASURING_DESIGNS["line strong"], sines=sines(13.0, 21.0, 9, (2.0,)))
+    stated = design.write(tmp_path, {}, {})
+    wrong = tuple(replace(sensor, gain=1.1) for sensor in design.sensors)
+    files = measure(stated, wrong, design.sines, tmp_path / "measured", 0.01, seed=5)
+    describe(tmp_path / "measured", design.sensors, files)
+    found = attribute(compare_measured(stated, tmp_path / "measured"))
+    assert found is not None
+    assert found.verdict in ("wrong", "ambiguous")
+    assert {suspect.side for suspect in found.suspects} == {"measurement"}
+    assert "sensors.gain" in {suspect.id for suspect in found.suspects}

@@ -1,4 +1,4 @@
-"""A comparison on the pipe told: how much the model errs, where, and what of pipe and clamps may be wrong."""
+"""A comparison on the pipe told: how much the model errs, where, and what of it or of the measurement is wrong."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _headline(found: Attribution) -> str:
     names = [entry.words for entry in found.named]
     match found.verdict:
         case "complete":
-            return "complete: no parameter of pipe or clamps is found wrong; what is left is the sensors' noise."
+            return "complete: nothing is found wrong with pipe, clamps or measurement; what is left is noise."
         case "wrong":
             return f"wrong: {names[0]}."
         case "ambiguous":
@@ -57,7 +57,7 @@ def _headline(found: Attribution) -> str:
         case "unknown" if found.branch_unknown:
             return "unknown: no parameter errs where it is known which of the model's motions was measured."
         case "unknown":
-            return "unknown: something is wrong that no one or two parameters of pipe and clamps explain."
+            return "unknown: something is wrong that no one or two parameters of pipe, clamps and measurement explain."
 
 
 def _left(entry: Candidate, found: Attribution) -> str:

@@ -35,12 +35,12 @@ class CandidateAnswer(AnswerModel):
 
 
 class AttributionAnswer(AnswerModel):
-    """Which parameter of pipe or clamps is wrong."""
+    """What of pipe, clamps or measurement is wrong."""
 
     verdict: Verdict
     parameters: tuple[str, ...] = Field(description="all that the verdict names")
     alternatives: tuple[tuple[str, ...], ...] = Field(description="one of these is wrong, best first")
-    sides: tuple[str, ...] = Field(description="pipe, clamp or both")
+    sides: tuple[str, ...] = Field(description="pipe, clamp, measurement: those of what the verdict names")
     left_in_noise: float = Field(description="rms of what the best refit leaves, in units of the noise")
     nrmse: RefitErrors
     candidates: tuple[CandidateAnswer, ...] = Field(description="all that were tried, best first")

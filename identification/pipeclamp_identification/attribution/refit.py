@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.attribution.lockstep import Evaluated, LeastSquares, fit_together
-from pipeclamp_identification.attribution.suspects import Suspect, Values
+from pipeclamp_identification.attribution.suspect import Suspect, Values
 from pipeclamp_identification.attribution.task import Computed, Family, Task
 from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_models.base.arrays import Array

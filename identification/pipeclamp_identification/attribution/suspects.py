@@ -1,4 +1,4 @@
-"""What of a coupled model may be wrong: the pipe's supports, damping and mass, the clamps' stiffness and damping."""
+"""What of a coupled model may be wrong: the pipe's supports, damping, mass and modulus, and the clamps."""
 
 from __future__ import annotations
 
@@ -6,8 +6,21 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from math import exp
-from typing import Literal
 
+from pipeclamp_identification.attribution.measuring_suspects import measuring_suspects
+from pipeclamp_identification.attribution.misstated import misstated
+from pipeclamp_identification.attribution.suspect import (
+    A_FACTOR,
+    FACTORS,
+    MOST,
+    Change,
+    Search,
+    Suspect,
+    Values,
+    amount_words,
+    factor_words,
+)
+from pipeclamp_identification.on_pipe.measurement import MeasurementDescription
 from pipeclamp_identification.on_pipe.model import CoupledModel
 from pipeclamp_models.effects.cubic_stiffness import k3
 from pipeclamp_models.law.declaration import Declaration
@@ -17,16 +30,8 @@ from pipeclamp_models.pipe.modes import RIGID as RIGIDLY_HELD
 from pipeclamp_models.pipe.section import beam_of
 from pipeclamp_system.steady.clamp import SteadyClamp
 
-Side = Literal["pipe", "clamp"]
-Values = tuple[float, ...]
-Change = Callable[[CoupledModel, Values], CoupledModel]
-
-FACTORS = (-1.2, -0.4, 0.4, 1.2)
-"""Logarithms of factors at which a search begins: a quarter to four times what is stated."""
 SMALL_FACTOR = 0.1
 """Logarithm, likewise, of a factor that only corrects another one."""
-MOST = 5.0
-"""Logarithm of the largest factor."""
 SHARES = (0.01, 0.05, 0.2)
 """Shares, likewise, of what has no size of its own."""
 PLACES = 6
@@ -62,54 +67,12 @@ MOUNT = Declaration.model_validate(
 """Scales a law by the roles of its coefficients; the slip force of elastic-slip elements is counted as damping."""
 
 
-@dataclass(frozen=True)
-class Suspect:
-    """Something that may be wrong in a model.
-
-    Attributes:
-        id: its name in answers.
-        side: whose it is.
-        kind: what it is, in words; suspects of one kind differ by their place.
-        words: the same with its place.
-        change: gives the model with values of its parameters in place; all 0 change nothing.
-        told: says values and their standard errors in the engineer's units.
-        starts: values at which a search begins besides 0.
-        lower, upper: bounds of each parameter.
-    """
-
-    id: str
-    side: Side
-    kind: str
-    words: str
-    change: Change
-    told: Callable[[Values, Values], str]
-    starts: tuple[Values, ...]
-    lower: Values
-    upper: Values
-
-    @property
-    def neutral(self) -> Values:
-        """Values that change nothing: 0, and for what then is without effect the middle of its bounds."""
-        first, *others = zip(self.lower, self.upper, strict=True)
-        return (max(0.0, first[0]), *((low + high) / 2 for low, high in others))
-
-
-@dataclass(frozen=True)
-class Search:
-    """Where a search for values begins, and within which bounds; as of `Suspect`."""
-
-    starts: tuple[Values, ...]
-    lower: Values
-    upper: Values
-
-
-A_FACTOR = Search(tuple((value,) for value in FACTORS), (-MOST,), (MOST,))
-"""Of a factor by its logarithm."""
-
-
-def suspects_of(model: CoupledModel) -> tuple[Suspect, ...]:
-    """Give all that may be wrong in a model."""
-    return (*_held(model.pipe), _damping(model.pipe), *_masses(model.pipe), *_clamps(model))
+def suspects_of(model: CoupledModel, measurement: MeasurementDescription) -> tuple[Suspect, ...]:
+    """Give all that may be wrong in a model, and in what was measured with its probes."""
+    return (
+        *_held(model.pipe), _damping(model.pipe), *_masses(model.pipe), *_clamps(model), *misstated(model),
+        *measuring_suspects(model, measurement),
+    )  # fmt: skip
 
 
 def with_mounts(model: CoupledModel) -> CoupledModel:
@@ -149,7 +112,7 @@ def _clamps(model: CoupledModel) -> Iterator[Suspect]:
 
 
 def _clamp_words(values: Values, errors: Values) -> str:
-    whole = _factor_words("its law's", 1.0, "", values, errors)
+    whole = factor_words("its law's", 1.0, "", values, errors)
     if len(values) == 1:
         return whole
     cubic = sum(values)
@@ -168,14 +131,6 @@ def _scaled_clamp(which: int, parameters: tuple[str, ...], model: CoupledModel, 
         for temperature, at_temperature in model.clamps.items()
     }
     return replace(model, clamps=clamps)
-
-
-def _factor_words(whose: str, size: float, unit: str, values: Values, errors: Values) -> str:
-    """Say a factor: as such, or as the size that it makes of a stated one."""
-    factor = exp(values[0])
-    if unit:
-        return f"{factor * size:.4g} ± {factor * size * errors[0]:.1g} {unit} instead of {size:.4g} {unit}"
-    return f"{factor:.3g} ± {factor * errors[0]:.1g} times {whose}"
 
 
 def _held(pipe: PipeDescription) -> Iterator[Suspect]:
@@ -232,12 +187,12 @@ def _holding(condition: Condition, name: str, own: Springs, unit: str) -> _Holdi
         stated = float(getattr(condition, name))
         if not stated:
             return None
-        return _Holding(lambda value: stated * exp(value), partial(_factor_words, "", stated, unit), A_FACTOR)
+        return _Holding(lambda value: stated * exp(value), partial(factor_words, "", stated, unit), A_FACTOR)
     shares = Search(tuple((share,) for share in SHARES), (0.0,), (100.0,))
     if getattr(_springs(condition, own), name):
         return _Holding(lambda value: size / max(value, 1 / RIGID), partial(_compliance_words, size, unit), shares)
     if condition == "pinned":
-        return _Holding(lambda value: size * value, partial(_amount_words, size, unit, "instead of none"), shares)
+        return _Holding(lambda value: size * value, partial(amount_words, size, unit, "instead of none"), shares)
     return None
 
 
@@ -274,10 +229,6 @@ def _compliance_words(size: float, unit: str, values: Values, errors: Values) ->
     return f"{size / values[0]:.3g} {unit} (± {errors[0] / values[0]:.0%}) instead of rigid"
 
 
-def _amount_words(size: float, unit: str, instead: str, values: Values, errors: Values) -> str:
-    return f"{size * values[0]:.3g} ± {size * errors[0]:.1g} {unit} {instead}"
-
-
 def _share_words(size: float, unit: str, values: Values, errors: Values) -> str:
     return f"{size * (1 + values[0]):.4g} ± {size * errors[0]:.1g} {unit} instead of {size:.4g} {unit}"
 
@@ -295,12 +246,12 @@ def _damping(pipe: PipeDescription) -> Suspect:
         return replace(model, pipe=model.pipe.model_copy(update={"damping": ratio}))
 
     change: Change = damped
-    told, search = partial(_factor_words, "what is stated", 1.0, ""), A_FACTOR
+    told, search = partial(factor_words, "what is stated", 1.0, ""), A_FACTOR
     if stated.ratio:
-        told = partial(_factor_words, "", 100 * stated.ratio, "% of critical")
+        told = partial(factor_words, "", 100 * stated.ratio, "% of critical")
     if not any(value for value in stated.model_dump().values()):
         change, search = damped_at_all, Search(((0.3,), (1.0,), (3.0,)), (0.0,), (50.0,))
-        told = partial(_amount_words, 100 * SMALL_RATIO, "% of critical", "instead of none")
+        told = partial(amount_words, 100 * SMALL_RATIO, "% of critical", "instead of none")
     return Suspect(
         id="damping",
         side="pipe",

@@ -26,7 +26,8 @@ from pipeclamp_identification.attribution.refit import (
     searched,
 )
 from pipeclamp_identification.attribution.sine_evidence import SineEvidence
-from pipeclamp_identification.attribution.suspects import Suspect, suspects_of, with_mounts
+from pipeclamp_identification.attribution.suspect import Suspect
+from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.task import Task, task_of
 from pipeclamp_identification.on_pipe.model import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison
@@ -145,7 +146,7 @@ def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribu
     task = _task(compared)
     if as_stated(task).residual.size < FEWEST:
         return None
-    suspects = suspects_of(compared.model)
+    suspects = suspects_of(compared.model, compared.description)
     tell("refit each parameter alone")
     refits = sorted(refit(task, searched(task, suspects)), key=lambda one: one.squared)
     if compared.sines:

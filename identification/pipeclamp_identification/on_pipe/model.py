@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeclamp_identification.on_pipe.instrument import Instrument
 from pipeclamp_identification.on_pipe.measurement import MeasurementDescription, PipeMeasurement, SteadyMeasurement
 from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import Array
@@ -54,6 +55,7 @@ class CoupledModel:
         clamp_names: of those, in their order.
         harmonics: up to which their motion is balanced; None: as many as each motion asks for.
         stated: the pipe as it is stated, in modes; `pipe` may differ from it a little.
+        instrument: what the measuring chain makes of its motion.
     """
 
     pipe: PipeDescription
@@ -61,6 +63,7 @@ class CoupledModel:
     clamp_names: tuple[str, ...]
     harmonics: int | None
     stated: ReducedPipe
+    instrument: Instrument = field(default_factory=Instrument)
 
     @property
     def reduced(self) -> ReducedPipe:
@@ -226,7 +229,8 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
     begun, branches = _begun(model, measurement) if near is None else (near.groups, near.branches)
     groups = []
     for group in begun:
-        rows, operation = group.rows, Operation(measured.frequency[group.rows], measured.drive[group.rows])
+        rows = group.rows
+        operation = true_operation(model, measurement, rows)
         system = model.system(group.temperature, lambda frequency: 1.0, group.harmonics)
         solved = balance(system, operation, group.solved.unknowns, None if near is None else group.solved.slopes)
         if near is not None and not solved.found.all():
@@ -234,9 +238,28 @@ def predict(model: CoupledModel, measurement: PipeMeasurement, near: Prediction 
         moved = fundamentals(system, operation, solved)
         count = len(model.clamp_names)
         clamps[rows] = 1e3 * operation.drive[:, None] * moved[:, :count]
-        response[rows] = as_measured(moved[:, count:], operation.frequency, measurement, model.pipe)
+        response[rows] = as_recorded(moved[:, count:], operation.frequency, measurement, model)
         groups.append(replace(group, solved=solved))
     return Prediction(response, clamps, tuple(groups), branches)
+
+
+def true_operation(model: CoupledModel, measurement: PipeMeasurement, rows: Rows | slice = slice(None)) -> Operation:
+    """Give the sines that a model's measuring chain takes the stated ones for, some of its rows."""
+    measured = measurement.steady
+    drive = model.instrument.true_drive(from_displacement(measured)) * measured.drive[rows]
+    return Operation(model.instrument.frequency * measured.frequency[rows], drive)
+
+
+def from_displacement(measured: SteadyMeasurement) -> bool:
+    """Tell whether the base's acceleration was made from its displacement by the stated frequency."""
+    return measured.drive_unit == "displacement_mm"
+
+
+def as_recorded(moved: Complex, frequency: Array, measurement: PipeMeasurement, model: CoupledModel) -> Complex:
+    """Turn displacements relative to the base over the excitation into what is recorded of the probes, (P, probes)."""
+    seen = as_measured(moved, frequency, measurement, model.pipe)
+    names = [probe.name for probe in model.pipe.probes]
+    return model.instrument.recorded(names, seen, frequency, from_displacement(measurement.steady))
 
 
 def as_measured(moved: Complex, frequency: Array, measurement: PipeMeasurement, pipe: PipeDescription) -> Complex:
@@ -288,16 +311,17 @@ def _first_states(
     The response is followed from both ends: where it bends, each meets branches that the other doesn't.
     """
     measured = measurement.steady
+    true = true_operation(model, measurement)
     chosen: list[SteadyState | None] = [None] * rows.size
     branches = np.ones(rows.size, dtype=np.intp)
     for level in number_levels(measured.level[rows], relative=SAME_LEVEL):
         own = rows[level.rows]
-        frequency, inverse = np.unique(measured.frequency[own], return_inverse=True)
-        drive = np.bincount(inverse, measured.drive[own]) / np.bincount(inverse)
+        frequency, inverse = np.unique(true.frequency[own], return_inverse=True)
+        drive = np.bincount(inverse, true.drive[own]) / np.bincount(inverse)
         system = model.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
         upwards, downwards = _paths(system, float(frequency[0]), float(frequency[-1]))
         for place, row in zip(level.rows, own, strict=True):
-            f, sweep = float(measured.frequency[row]), measured.sweep[row]
+            f, sweep = float(true.frequency[row]), measured.sweep[row]
             paths = (upwards, downwards) if sweep >= 0 else (downwards, upwards)
             everywhere = _apart([state for path in paths for state in system.crossings(path, f)])
             found = [state for state in everywhere if state.stable]
@@ -307,7 +331,7 @@ def _first_states(
                 continue
             chosen[place] = found[0]
             if len(found) > 1 and sweep == 0:
-                seen = [_seen(state.probes[:, 1], int(row), measurement, model.pipe) for state in found]
+                seen = [_seen(state.probes[:, 1], int(row), measurement, model) for state in found]
                 off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
                 chosen[place] = found[int(np.argmin(off))]
     return chosen, branches
@@ -332,11 +356,12 @@ def _again_from_rest(system: SteadySystem, operation: Operation, solved: Balance
     return Balanced(unknowns, slopes, found, solved.responses)
 
 
-def _seen(probes: Complex, row: int, measurement: PipeMeasurement, pipe: PipeDescription) -> Complex:
-    """Give what the probes measure of displacements in mm at one sine, (probes,)."""
+def _seen(probes: Complex, row: int, measurement: PipeMeasurement, model: CoupledModel) -> Complex:
+    """Give what is recorded of the probes' displacements in mm at one sine, (probes,)."""
     measured = measurement.steady
-    moved = 1e-3 * probes[None] / (-1j * measured.drive[row])
-    seen = as_measured(moved, measured.frequency[row : row + 1], measurement, pipe)[0]
+    true = true_operation(model, measurement, slice(row, row + 1))
+    moved = 1e-3 * probes[None] / (-1j * true.drive[0])
+    seen = as_recorded(moved, true.frequency, measurement, model)[0]
     return np.asarray(np.where(measured.phased[row], seen, np.abs(seen)), dtype=np.complex128)
 
 

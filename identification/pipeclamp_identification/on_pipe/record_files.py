@@ -55,11 +55,11 @@ class MotionRecord:
         """Give the excitation at `every` times as many samples, smooth between those recorded."""
         return np.asarray(self._smooth(np.arange(every * (self.time.size - 1) + 1) / every), dtype=np.float64)
 
-    def absolute(self, relative: Array) -> Array:
-        """Turn what probes do relative to the base into what they measure, SI, (n, probes)."""
+    def absolute(self, relative: Array, level: float = 1.0) -> Array:
+        """Turn what probes do relative to the base, at so many times the stated drive, into what they measure, SI."""
         shaken = DRIVES[self.drive_unit].shakes == "base"
         moves = np.array([probe.absolute and probe.order == 2 for probe in self.probes])
-        return relative + self.drive[:, None] * moves if shaken else relative
+        return relative + level * self.drive[:, None] * moves if shaken else relative
 
 
 def read_motion_records(folder: Path, description: MeasurementDescription) -> tuple[MotionRecord, ...]:

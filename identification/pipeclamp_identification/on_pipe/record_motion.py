@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -72,18 +72,41 @@ def _predicted(
     waiting = list(range(len(coupled)))
     drive = record.finer_drive(every)
     orders = [probe.order for probe in record.probes]
+    names = [probe.name for probe in record.probes]
     for _ in range(PASSES):
-        for begin in range(0, len(waiting), AT_ONCE):
-            chosen = waiting[begin : begin + AT_ONCE]
-            variants = [Variant(coupled[index][0], _held(laws[index], taken[index])) for index in chosen]
-            moved = march(variants, drive, record.step / every, every, orders)
-            for row, index in enumerate(chosen):
-                found[index] = RecordPrediction(record.absolute(moved.probes[row]), taken[index])
-                taken[index] = _conditions(laws[index], taken[index], moved, row)
+        for (level, rate), alike in _moving_alike([model for _, model, _ in coupled], taken, waiting):
+            variants = [Variant(coupled[index][0], _held(laws[index], taken[index])) for index, *_ in alike]
+            moved = march(variants, level * drive, record.step / rate / every, every, orders)
+            for row, indices in enumerate(alike):
+                true = record.absolute(moved.probes[row], level)
+                after = _conditions(laws[indices[0]], taken[indices[0]], moved, row)
+                for index in indices:
+                    seen = coupled[index][1].instrument.recorded_motion(names, true, record.step)
+                    found[index] = RecordPrediction(seen, taken[index])
+                    taken[index] = after
         waiting = [index for index in waiting if _changed(found[index].conditions, taken[index])]
         if not waiting:
             break
     return [found[index] for index in range(len(coupled))]
+
+
+def _moving_alike(
+    models: Sequence[CoupledModel], taken: Sequence[Conditions], waiting: Sequence[int]
+) -> Iterator[tuple[tuple[float, float], list[list[int]]]]:
+    """Give models by the true level and rate of what is stated, `AT_ONCE` at once, those that differ in sensors as one.
+
+    They are alike in pipe and clamps by identity: a change of the measuring chain leaves both in place.
+    """
+    marched: dict[tuple[float, float], dict[tuple[int, int, Conditions], list[int]]] = {}
+    for index in waiting:
+        model = models[index]
+        stretched = model.instrument.true_drive(False), model.instrument.frequency
+        motion = id(model.pipe), id(model.clamps), taken[index]
+        marched.setdefault(stretched, {}).setdefault(motion, []).append(index)
+    for stretched, motions in marched.items():
+        alike = list(motions.values())
+        for begin in range(0, len(alike), AT_ONCE):
+            yield stretched, alike[begin : begin + AT_ONCE]
 
 
 def steps_between(model: CoupledModel, record: MotionRecord) -> tuple[int, RecordPrediction]:

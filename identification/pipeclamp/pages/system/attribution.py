@@ -1,4 +1,4 @@
-"""What of pipe and clamps is wrong: in sentences, as a table, for --json."""
+"""What of pipe, clamps and measurement is wrong: in sentences, as a table, for --json."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ METHOD = (
     "stiffness follows the amplitude as its law does, a support's doesn't: several levels tell them apart."
 )
 NOT_COVERED = (
-    "Not tried: the pipe's bending stiffness, positions, flow and axial force, sensors out of calibration, and laws of "
-    "another form (pipeclamp diagnose, on loops of the clamp)."
+    "Not tried: the excitation's and the supports' positions, flow and axial force, and laws of another form "
+    "(pipeclamp diagnose, on loops of the clamp)."
 )
 
 
