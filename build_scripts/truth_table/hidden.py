@@ -1,5 +1,7 @@
 """What can be hidden in a truth: every effect in the catalogue's form (clean) and in another (rough).
 
+`slip_speed` is hidden in devices alone (`devices/`), for it needs another effect, whose slip force it changes.
+
 Each function takes the motion, the base law, the form, the size and the drawn shape, and gives the effect's Part.
 """
 
@@ -18,6 +20,7 @@ from truth import (
     behind_clearance,
     bouc_wen,
     first_order,
+    flag,
     iwan,
     jenkins,
     jenkins_of_two_limits,
@@ -116,6 +119,17 @@ def displacement_friction(motion: Motion, base: BaseLaw, rough: bool, size: floa
     pressed = np.abs(motion.y) + (0.05 * shape["stop"] if rough else 0.0)
     slides = np.tanh(motion.v / (0.03 * shape["speed"])) if rough else np.sign(motion.v)
     return Part(force=size * base.k10 * pressed * slides)
+
+
+def self_centring(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A flag on each side; rough: several that give way early and late, so that its corners are round."""
+    limits = shape["limit"] * (np.linspace(0.6, 1.4, 5) if rough else np.ones(1))
+    back = 1 - (0.3 + 0.4 * shape["any"])
+
+    def flags() -> Array:
+        return np.mean([flag(motion, limit, back * limit) for limit in limits], axis=0)
+
+    return Part(force=size * base.k10 * motion.remember(("self_centring", rough), flags))
 
 
 def stribeck(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -332,6 +346,7 @@ EFFECTS: dict[str, Kind] = {
     "oil_damper": Kind(oil_damper, most=0.3),
     "stribeck": Kind(stribeck, most=0.3),
     "displacement_friction": Kind(displacement_friction, most=0.3),
+    "self_centring": Kind(self_centring, most=0.8),
     "exponential_stiffening": Kind(exponential_stiffening, most=1.0),
     "gas_spring": Kind(gas_spring, most=3.0),
 }

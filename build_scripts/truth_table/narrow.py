@@ -21,6 +21,7 @@ IMITATIONS = {
     ("exponential_stiffening", "hardening"): STROKE, ("exponential_stiffening", "end_stop"): STROKE,
     ("gas_spring", "asymmetry"): STROKE, ("stribeck", "coulomb"): ANY,
     ("displacement_friction", "memory"): STROKE, ("displacement_friction", "coulomb"): ("one amplitude",),
+    ("self_centring", "memory"): ("one amplitude",), ("self_centring", "displacement_friction"): ("one amplitude",),
     ("coulomb", "viscous"): ANY, ("coulomb", "memory"): ANY, ("viscous", "quadratic_damping"): ANY,
     ("viscous", "delay"): ANY, ("asymmetry", "offset"): ANY, ("asymmetry", "directional_damping"): ANY,
     ("damping_temperature", "loosening"): ("two temperatures",), ("contact_growth", "loosening"): ("two temperatures",),

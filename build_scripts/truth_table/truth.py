@@ -203,6 +203,22 @@ def jenkins_of_two_limits(motion: Motion, up: float, down: float) -> Array:
     return result.T
 
 
+def flag(motion: Motion, out: float, back: float) -> Array:
+    """An element of unit stiffness on each side that gives way at `out`, comes back at `back`, mm, (R, n).
+
+    Phase changes one way from `out` and the other way from `back`, by what it takes to stay between them.
+    """
+    result = np.empty_like(motion.y.T)
+    changed = np.zeros(len(motion.y))
+    for step, place in enumerate(motion.y.T):
+        side = np.where(changed != 0, np.sign(changed), np.sign(place))
+        stretch = side * (place - changed)
+        moved = np.maximum(stretch - out, 0.0) - np.minimum(np.maximum(back - stretch, 0.0), np.abs(changed))
+        changed = changed + side * moved
+        result[step] = place - changed
+    return result.T
+
+
 def iwan(motion: Motion, limit: float, chi: float, peak: float, count: int) -> Array:
     """Slip displacements spread as phi^chi up to `limit`, and a share at it, of unit stiffness, mm, (R, n).
 

@@ -32,7 +32,12 @@ WITH_DECLARED = Structure(declared=DECLARED)
 NAMES = [*(ARGUMENTS.get(name, name) for name in entries()), *(declaration.id for declaration in DECLARED)]
 FURTHER = {"rho": 2.5, "N": 40.0, "u_current_A": 0.6}
 ON_A_BASE = [name for name in NAMES if WITH_DECLARED.effect(name).part != "base"]
-STRUCTURES = [Structure(base) for base in BASES] + [replace(WITH_DECLARED, effects=(name,)) for name in ON_A_BASE]
+ON_MEMORY = {"slip_speed": "memory"}
+"""The base law of what has nothing to scale in the power law."""
+STRUCTURES = [
+    *(Structure(base) for base in BASES),
+    *(replace(WITH_DECLARED, base=ON_MEMORY.get(name, "power"), effects=(name,)) for name in ON_A_BASE),
+]
 COPIES = [declaration.id for declaration in DECLARED if declaration.id.endswith("_copy")]
 PUBLICATIONS = [text for name, text in vars(literature).items() if name.isupper()]
 SMOOTHING = (0.0126, 0.002)
@@ -272,7 +277,7 @@ def test_derivatives_are_exact(structure):
 @pytest.mark.parametrize("name", [name for name in ON_A_BASE if name != "play"])
 def test_derivatives_have_values_behind_a_play(name):
     """Where a clearance stands open, the clamp behind it stands still."""
-    structure = replace(WITH_DECLARED, effects=(name, "play"))
+    structure = replace(WITH_DECLARED, base=ON_MEMORY.get(name, "power"), effects=(name, "play"))
     values = sound_values(structure)
     vector = [values[name] for name in structure.equations.names]
     motion = sines([0.02, 0.5, 1.0], [0.2, 3.0, 5.0], [300.0, 450.0, 570.0], samples=64)

@@ -22,6 +22,8 @@ CONTRACT = [
     "coulomb",
     "stribeck",
     "displacement_friction",
+    "self_centring",
+    "slip_speed",
     "viscous",
     "quadratic_damping",
     "directional_damping",

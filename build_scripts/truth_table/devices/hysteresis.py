@@ -265,6 +265,20 @@ def draw_friction_pendulum(random: np.random.Generator, x: float, F: float, w: f
     return {"mu": mu, "radius": radius, "W": F / (mu + x / radius), "limit": x * random.uniform(0.01, 0.04)}
 
 
+def sliding_bearing(drive: Drive, p: Parameters) -> Array:
+    """Teflon on steel on a dish: friction that grows with the sliding speed."""
+    y, v, _ = drive.whole
+    stretch = slipping(y, np.array([[p["limit"]]]))[:, 0]
+    mu = p["mu"] * (1 - (1 - p["slow"]) * np.exp(-np.abs(v) / p["v_a"]))
+    return p["W"] * (y / p["radius"] + mu * stretch / p["limit"])
+
+
+def draw_sliding_bearing(random: np.random.Generator, x: float, F: float, w: float) -> dict[str, float]:
+    """Friction next to rest 20 to 60 % of that at speed."""
+    values = draw_friction_pendulum(random, x, F, w)
+    return {**values, "slow": random.uniform(0.2, 0.6), "v_a": random.uniform(0.1, 0.4) * x * w}
+
+
 def ring_spring(drive: Drive, p: Parameters) -> Array:
     """Stack of rings with conical faces: elastic force with friction in proportion to it, which sticks at first."""
     y, _, _ = drive.whole

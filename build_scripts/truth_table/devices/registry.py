@@ -75,6 +75,12 @@ DEVICES: dict[str, Device] = {
         hysteresis.friction_pendulum, hysteresis.draw_friction_pendulum, ("damper", "bench"),
         frozenset({"memory", "coulomb"}),
     ),
+    "sliding_bearing": Device(
+        "F = W y/R + mu(v) W z, elastic before it slides, mu = f_max - (f_max - f_min) exp(-a |v|)",
+        "Constantinou, Mokha and Reinhorn 1990, J. Struct. Eng. 116(2)",
+        hysteresis.sliding_bearing, hysteresis.draw_sliding_bearing, ("damper", "bench"),
+        frozenset({"memory", "slip_speed"}),
+    ),
     "drag": Device(
         "F = k y (1 + k3 y^2 + k5 y^4) + c v + c2 v |v|",
         "Ruzicka and Derby 1971, Influence of Damping in Vibration Isolation, SVM-7",
@@ -138,6 +144,7 @@ DEVICES: dict[str, Device] = {
         "F = k y + s0 z + s1 dz/dt + s2 v, dz/dt = v - s0 |v| z/g(v), g falling with |v|",
         "Canudas de Wit, Olsson, Astroem and Lischinsky 1995, IEEE Trans. Autom. Control 40(3)",
         hysteresis.lugre, hysteresis.draw_lugre, ("bench", "mount", "damper"),
+        frozenset({"memory", "slip_speed", "viscous"}),
     ),
     "ring_spring": Device(
         "F = k y (1 + mu sgn(y v)): friction that grows with the displacement",

@@ -24,7 +24,6 @@ from pipeclamp_models.realise.text import symbols_of
 
 CLAMP = "emwm2"
 """The bundled law whose base law stands for the clamp."""
-BARE = Structure("power")
 AMPLITUDE, FREQUENCY, TEMPERATURE = 0.8, 3.0, 20.0 + CELSIUS
 AMPLITUDES, FREQUENCIES = (0.3, 0.6, 1.0), (1.0, 5.0, 20.0)
 TEMPERATURES = tuple(value + CELSIUS for value in (20.0, 250.0, 300.0))
@@ -59,18 +58,18 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
         effect: the effect.
         declared: a user's own effects, of which it may be one.
     """
-    bare = replace(BARE, declared=tuple(declared))
+    bare = Structure(_base_of(effect), declared=tuple(declared))
     labels, motion = _motions(effect)
     known = law_of(open_law(CLAMP))
     slow = {name: float(values[-1, 0]) for name, values in motion.slow.items() if name not in ("A", "f", "T")}
-    sizes = law_sizes(replace(known, structure=BARE), AMPLITUDES, FREQUENCIES[:2], TEMPERATURES, slow)
-    structure = Structure(_base_of(effect)) if effect.part == "base" else with_effect(bare, effect.name)
+    sizes = law_sizes(replace(known, structure=Structure()), AMPLITUDES, FREQUENCIES[:2], TEMPERATURES, slow)
+    structure = bare if effect.part == "base" else with_effect(bare, effect.name)
     own = {} if effect.part == "base" else {one.name: number_of(one.size, sizes) for one in effect.parameters}
     values = {one.name: number_of(one.size, sizes) for one in structure.equations.composed.parameters}
     values |= {name: value for name, value in known.values.items() if name in values} | own
     others = values | {one.name: 0.0 for one in effect.parameters if effect.part == "base" and _is_force(one)}
     with_it = _force(replace(known, structure=structure, values=values), motion)
-    without = _force(replace(known, structure=structure if effect.part == "base" else BARE, values=others), motion)
+    without = _force(replace(known, structure=bare, values=others), motion)
     difference = with_it - without
     share = float(np.max(np.abs(difference)) / np.max(np.abs(with_it)))
     times = next((times for times in MAGNIFICATIONS if times * share > SEEN), MAGNIFICATIONS[-1])
@@ -78,8 +77,15 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
 
 
 def _base_of(effect: Effect) -> str:
-    """Give a base law that a term belongs to."""
-    return next(name for name, base in BASES.items() if effect.id in base.terms)
+    """Give the first base law that a term belongs to, or that has what an effect scales."""
+    if effect.part == "base":
+        return next(name for name, base in BASES.items() if effect.id in base.terms)
+    return next((name for name in BASES if not effect.scales or _scales(effect, name)), next(iter(BASES)))
+
+
+def _scales(effect: Effect, base: str) -> bool:
+    coefficients = Structure(base).equations.composed.coefficients
+    return any({entry.role, str(entry.symbol)} & effect.scales.keys() for entry in coefficients)
 
 
 def _is_force(parameter: Parameter) -> bool:
