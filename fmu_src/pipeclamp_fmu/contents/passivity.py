@@ -27,7 +27,7 @@ SOUGHT = 25
 """Generations in which a cycle that feeds energy in is sought."""
 
 CLEAR = 1e-2
-"""Dissipation, as a share of the energy moved, that needs no second look."""
+"""Dissipation, as a share of the energy moved, that needs no second look; fed in, it needs no worse cycle."""
 
 FINER = 4
 """Times the fine samples: what a step of force costs the quadrature falls with it, what a law feeds in stays."""
@@ -178,6 +178,8 @@ def require_dissipation(
         result = _accounted(name, law, cycle, where)
         if worst is None or result.share < worst[0]:
             worst = (result.share, cycle, where, result)
+        if result.share < -CLEAR:
+            break
     if worst is not None and worst[0] >= -RESOLVED and not proved:
         cycle, where = _sought(law, (range_A, range_f, range_T, *further))
         result = _accounted(name, law, cycle, where)
