@@ -1,7 +1,7 @@
 """Self-centring: an elastic element that gives way at F_u, comes back at (1 - beta_c) F_u, and returns to zero: a flag.
 
-Half a flag for each side: z = k_c y on the way out, no more than F_u; on the way back no less than (1 - beta_c) F_u, until
-it is k_c y again. What it gave way by is taken back before y = 0, so that it centres the clamp.
+Half a flag for each side: z = k_c y on the way out, no more than F_u; on the way back no less than (1 - beta_c) F_u,
+until it is k_c y again. What it gave way by is taken back before y = 0, so that it centres the clamp.
 """
 
 import sympy as sp

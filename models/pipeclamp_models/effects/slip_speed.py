@@ -19,11 +19,11 @@ EFFECT = Effect(
     part="clamp",
     does="slip forces rise or fall with the speed of sliding",
     source=f"{CONSTANTINOU}, f_max/f_min = 1 + s_v; {OLSSON}: friction that falls with the speed",
-    looks_like="where the element slips, the force bulges (or sags) towards the middle of the loop, where the motion is "
-    "fastest, and more so the faster the cycle, up to a limit",
+    looks_like="where the element slips, the force bulges (or sags) towards the middle of the loop, where the motion "
+    "is fastest, and more so the faster the cycle, up to a limit",
     imitated_by=("stribeck", "power_damping", "viscous"),
-    told_apart_by="one amplitude from very slow to fast: the loop's width levels off at both ends, and its corners at the "
-    "reversals stay as they are",
+    told_apart_by="one amplitude from very slow to fast: the loop's width levels off at both ends, and its corners at "
+    "the reversals stay as they are",
     parameters=(
         Parameter(
             s_v, "-", "slip force at speed over that next to rest, less 1", (0.3, -0.3, 0.3, -0.3), lower=-0.95,

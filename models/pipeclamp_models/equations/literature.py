@@ -112,14 +112,14 @@ HILL = (
     "Christchurch (1995)"
 )
 CONSTANTINOU = (
-    "Constantinou, Mokha and Reinhorn: Teflon Bearings in Base Isolation II: Modeling, Journal of Structural Engineering "
-    "116(2), 455-474 (1990)"
+    "Constantinou, Mokha and Reinhorn: Teflon Bearings in Base Isolation II: Modeling, Journal of Structural "
+    "Engineering 116(2), 455-474 (1990)"
 )
 CHRISTOPOULOS = (
     "Christopoulos, Filiatrault and Folz: Seismic Response of Self-Centring Hysteretic SDOF Systems, Earthquake "
     "Engineering and Structural Dynamics 31(5), 1131-1150 (2002)"
 )
 AURICCHIO = (
-    "Auricchio and Sacco: A One-Dimensional Model for Superelastic Shape-Memory Alloys with Different Elastic Properties "
-    "between Austenite and Martensite, International Journal of Non-Linear Mechanics 32(6), 1101-1114 (1997)"
+    "Auricchio and Sacco: A One-Dimensional Model for Superelastic Shape-Memory Alloys with Different Elastic "
+    "Properties between Austenite and Martensite, International Journal of Non-Linear Mechanics 32(6), 1101-1114 (1997)"
 )
