@@ -5,12 +5,14 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
+import polars as pl
 import pytest
 from banded import PIPE
 
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import write_law
-from pipeclamp_system.cosim.beating import swing_of
+from pipeclamp_system.cosim.beating import Beats, Swing, swing_of
+from pipeclamp_system.cosim.result import _about_beats, write_result
 from pipeclamp_system.cosim.run import run_system
 
 TIME = np.linspace(0.0, 10.0, 20001)
@@ -34,6 +36,9 @@ def test_a_swing_is_told_from_what_dies_out_and_from_what_settles():
     assert swinging.period == pytest.approx(0.8, abs=0.03)
     assert swing_of(TIME, sine(1 + np.exp(-TIME / 2) * np.sin(2 * pi * 1.25 * TIME)), 8.0) is None
     assert swing_of(TIME, sine(1.0), 8.0) is None
+    assert swing_of(TIME, sine(1 + 0.05 * TIME), 8.0) is None  # a drift
+    slow = swing_of(TIME, sine(1 + 0.3 * np.sin(2 * pi * TIME / 6)), 8.0)  # of more than two fifths of the run
+    assert (slow.low, slow.high) == pytest.approx((0.7, 1.3), abs=0.06)
     assert swing_of(TIME, sine(0.0), 8.0) is None
     assert swing_of(TIME[:2001], sine(1 + 0.3 * np.sin(2 * pi * 1.25 * TIME))[:2001], 8.0) is None  # too short to tell
 
@@ -57,7 +62,31 @@ def test_a_law_that_hangs_on_its_tracker_is_said_to_beat(tmp_path, steep, beats)
     assert ("swings between" in said) == beats
     if beats:
         assert result.beats.swing.high > 1.5 * result.beats.swing.low
-        assert result.beats.swing.low < result.beats.settles_at < result.beats.swing.high
+        assert result.beats.solved
+        # Self-consistent: harmonic balance of the same system gives 1.50 mm.
+        assert result.beats.settles_at == pytest.approx(1.505e-3, rel=0.01)
+        assert result.beats.held_at == pytest.approx(result.beats.settles_at, rel=0.02)
+        assert result.step_error is None
+        assert "is still changing" not in said
+        write_result(result, tmp_path / "result.csv")
+        written = pl.read_csv(tmp_path / "result.csv")
+        (settled,) = (name for name in written.columns if name.startswith("settled"))
+        assert written[settled].unique().to_list() == [0.0]
+        assert any("swings between" in mark for mark in result.marks())
         assert not result.trusted
         assert "solve = true in place of track = true" in said
         assert "use a larger stop_s" not in said
+
+
+@pytest.mark.parametrize(
+    ("beats", "words"),
+    [
+        (Beats("clamp1", Swing(1e-3, 2e-3, 0.5), 1.5e-3, None), "an amplitude swings too"),
+        (Beats("clamp1", Swing(1e-3, 2e-3, 0.5), 1.5e-3, None, failed="it diverges"), "the run fails (it diverges)"),
+        (Beats("clamp1", Swing(1e-3, 2e-3, None), 1.5e-3, 1.4e-3), "(not solved) it comes to 1.4 mm"),
+    ],
+)
+def test_a_swing_is_said_whatever_the_held_run_shows(beats, words):
+    what, rest = _about_beats(beats)
+    assert "swings between 1 and 2 mm" in what
+    assert words in rest

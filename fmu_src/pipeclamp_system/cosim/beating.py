@@ -14,9 +14,9 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array
 
 SWINGS = 0.02
-"""Share of its mean by which an amplitude must go to and fro in the last fifth of a run to be looked at."""
+"""Share of its mean by which an amplitude must go to and fro in the last fifth (or two fifths) of a run to count."""
 LASTS = 0.8
-"""Of the swing in the fifth before, that must be left in the last one: less is a transient that dies out."""
+"""Of the swing in as long a part before, that must be left in the last one: less is a transient that dies out."""
 FEWEST_CYCLES = 5
 """Of the excitation in a fifth of the run, that show a swing."""
 
@@ -26,7 +26,7 @@ class Swing:
     """How an amplitude goes to and fro.
 
     Attributes:
-        low, high: amplitude in single cycles over the last two fifths of a run, in the signal's unit.
+        low, high: amplitude in single cycles over the last two fifths, or four fifths, of a run, in the signal's unit.
         period: s, from high to high; None where it isn't told.
     """
 
@@ -37,19 +37,23 @@ class Swing:
 
 @dataclass(frozen=True)
 class Beats:
-    """A swing that is a tracker's doing and not the clamp's.
+    """A swing of a clamp whose law is tracked, and whether it is the tracker's doing.
 
     Attributes:
         name: of the clamp that swings most.
         swing: its displacement's, m.
-        held_at: amplitude at which its law was held in another run, m.
-        settles_at: amplitude that the clamp then comes to, m.
+        held_at: amplitude at which its law was held in the last of further runs, m.
+        settles_at: amplitude that the clamp then comes to, m; None where it swings then too, or that run fails.
+        solved: whether that is the amplitude that the law was held at.
+        failed: why the run with A held gave nothing; None where it gave a motion.
     """
 
     name: str
     swing: Swing
     held_at: float
-    settles_at: float
+    settles_at: float | None
+    solved: bool = False
+    failed: str | None = None
 
 
 def swing_of(time: Array, signal: Array, frequency: float) -> Swing | None:
@@ -60,7 +64,20 @@ def swing_of(time: Array, signal: Array, frequency: float) -> Swing | None:
         signal: (n,).
         frequency: of the excitation, Hz.
     """
-    cycles = int(0.2 * time[-1] * frequency)
+    for share in (0.2, 0.4):
+        found = _swing_in(time, signal, frequency, int(share * time[-1] * frequency))
+        if found is not None:
+            return found
+    return None
+
+
+def is_judged(duration: float, frequency: float) -> bool:
+    """Tell whether a run, s, under a sine, Hz, is long enough to show a swing."""
+    return int(0.2 * duration * frequency) >= FEWEST_CYCLES
+
+
+def _swing_in(time: Array, signal: Array, frequency: float, cycles: int) -> Swing | None:
+    """Give a swing in the last cycles of a run and as many before them; what only rises or falls is none."""
     if cycles < FEWEST_CYCLES:
         return None
     ends = time[-1] - np.arange(2 * cycles, -1, -1) / frequency
@@ -71,6 +88,8 @@ def swing_of(time: Array, signal: Array, frequency: float) -> Swing | None:
     if share < SWINGS or np.ptp(last) < LASTS * np.ptp(before):
         return None
     above = amplitude > (amplitude.min() + amplitude.max()) / 2
+    if np.count_nonzero(above[1:] != above[:-1]) < 2:
+        return None
     rises = np.flatnonzero(~above[:-1] & above[1:])
     period = float(np.diff(rises).mean() / frequency) if len(rises) > 1 else None
     return Swing(float(amplitude.min()), float(amplitude.max()), period)

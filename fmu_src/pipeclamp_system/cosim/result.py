@@ -13,7 +13,7 @@ from pipeclamp_fmu.slaves.own_motion import LIMIT
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.tables import pl
-from pipeclamp_system.cosim.beating import Beats, Swing, swing_of
+from pipeclamp_system.cosim.beating import FEWEST_CYCLES, Beats, Swing, is_judged, swing_of
 from pipeclamp_system.cosim.energy import EnergyBalance
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_system.description.system import ClampSource, SystemDescription
@@ -52,7 +52,7 @@ class CosimResult:
         unsolved: by which share they still changed in the last run, where they were not solved.
         step_error: of the displacement, owed to the macro step, as a share of it; infinite where no other step could
             tell, None where none was asked.
-        beats: a swing of its amplitude that is a tracker's doing; None where there is none.
+        beats: a swing of the amplitude of a clamp whose law is tracked; None where there is none.
     """
 
     system: SystemDescription
@@ -211,6 +211,9 @@ class CosimResult:
             for name, change in self.unsettled.items()
             if self.beats is None
         ]
+        lines += self._about_short_run()
+        if self.beats is not None:
+            lines.append("the displacement's error for its steps isn't told: two runs of a swing drift apart")
         if self.step_error is not None and self.step_error <= self.trusted_share:
             lines.append(
                 f"the displacement errs by {self.step_error:.2%} in amplitude and phase for its steps, "
@@ -243,7 +246,20 @@ class CosimResult:
             return "A and f are not solved"
         if clamp.mode == "solved" or clamp.at in self.out_of_range:
             return "the range of its data ends there"
+        if self.beats is not None:
+            return "its amplitude swings"
         return "its motion is no steady sine, or is still changing"
+
+    def _about_short_run(self) -> list[str]:
+        """Say where a run is too short to show whether a tracked amplitude swings."""
+        frequency = self.system.excitation.frequency_Hz
+        tracked = any(clamp.mode == "tracked" for clamp in self.system.clamps)
+        if not tracked or not self.settles or frequency is None or is_judged(float(self.time[-1]), frequency):
+            return []
+        return [
+            f"whether the amplitude swings for its tracker isn't judged: a fifth of the run has "
+            f"{0.2 * self.time[-1] * frequency:.2g} cycles, expected at least {FEWEST_CYCLES}; use a larger stop_s"
+        ]
 
     def _step_text(self) -> str:
         """Give the macro steps' lengths."""
@@ -268,14 +284,21 @@ class CosimResult:
 
 
 def _about_beats(beats: Beats) -> tuple[str, str]:
-    """Say that an amplitude swings for its tracker alone, and what the clamp does."""
+    """Say that an amplitude swings, whether for its tracker alone, and what the clamp does."""
     swing = beats.swing
-    period = "" if swing.period is None else f", once in {swing.period:.3g} s,"
+    period = "" if swing.period is None else f", once in {swing.period:.3g} s"
+    what = f"the amplitude at {beats.name} swings between {1e3 * swing.low:.4g} and {1e3 * swing.high:.4g} mm{period}"
+    held = f"with the law held at A = {1e3 * beats.held_at:.4g} mm"
+    if beats.failed is not None:
+        return what, f"and whether for its tracker alone isn't known: {held} the run fails ({beats.failed})"
+    if beats.settles_at is None:
+        remedy = "a larger stop_s tells whether it dies down; a law with memory needs no A"
+        return what, f"and not for its tracker alone: {held} an amplitude swings too; {remedy}"
+    comes = f"{held}, solved, it comes to" if beats.solved else f"{held} (not solved) it comes to"
     return (
-        f"the amplitude at {beats.name} swings between {1e3 * swing.low:.4g} and {1e3 * swing.high:.4g} mm{period} "
-        "for its law follows it with a delay",
-        f"with the law held at A = {1e3 * beats.held_at:.4g} mm it comes to {1e3 * beats.settles_at:.4g} mm; use "
-        "solve = true in place of track = true, or a law with memory, whose stiffness doesn't hang on A",
+        f"{what}, for its law follows it with a delay",
+        f"{comes} {1e3 * beats.settles_at:.4g} mm; use solve = true in place of track = true, or a law with memory, "
+        "whose stiffness doesn't hang on A",
     )
 
 

@@ -71,17 +71,28 @@ def run_described(
     """
     tell, tell_check = _shared(progress, 1 - CHECK_SHARE if checked else 1.0)
     with finished(description, folder) as ready:
-        solving = Solving.of(ready, folder)
-        for runs in range(1, solving.most_runs + 1):
-            result = _once(ready, folder, where, tell)
-            nearer, off = solving.nearer(ready, result, runs)
-            if off <= SOLVED:
-                break
-            ready = nearer
-        result = replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0)
+        result, ready = _solved(ready, folder, where, tell)
         if not checked:
             return result
-        return _checked(replace(result, beats=_beats(result, ready, folder, where)), ready, folder, where, tell_check)
+        beats = _beats(result, ready, folder, where)
+        if beats is not None:
+            # Two runs of a swing drift apart: what they differ by is no error of their steps.
+            return replace(result, beats=beats)
+        return _checked(result, ready, folder, where, tell_check)
+
+
+def _solved(
+    ready: SystemDescription, folder: Path, where: str, progress: ShareDone | None
+) -> tuple[CosimResult, SystemDescription]:
+    """Run a description whose FMUs are finished until A and f are solved; give it with those of the last run, too."""
+    solving = Solving.of(ready, folder)
+    for runs in range(1, solving.most_runs + 1):
+        result = _once(ready, folder, where, progress)
+        nearer, off = solving.nearer(ready, result, runs)
+        if off <= SOLVED:
+            break
+        ready = nearer
+    return replace(result, runs=runs, unsolved=off if off > SOLVED else 0.0), ready
 
 
 def _shared(progress: ShareDone | None, share: float) -> tuple[ShareDone | None, ShareDone | None]:
@@ -111,9 +122,10 @@ def _checked(
 
 
 def _beats(result: CosimResult, ready: SystemDescription, folder: Path, where: str) -> Beats | None:
-    """Tell whether an amplitude swings for a tracker alone: another run, in which all laws' A and f stand still, tells.
+    """Tell whether an amplitude swings, and for a tracker alone: further runs, in which A and f stand still, tell.
 
-    They are held at their means over the last two fifths of the run.
+    They begin at the means over the last two fifths of the run, and are solved: the amplitude that the clamp comes to
+    is then that of its law.
     """
     tracked = {clamp.at for clamp in ready.clamps if clamp.mode == "tracked"}
     swings = {name: swing for name in tracked if (swing := result.swing(name)) is not None}
@@ -125,20 +137,24 @@ def _beats(result: CosimResult, ready: SystemDescription, folder: Path, where: s
     }
     held = [
         clamp.model_copy(
-            update={"track": False, "amplitude_mm": 1e3 * means[clamp.at][0], "frequency_Hz": means[clamp.at][1]}
+            update={
+                "track": False, "solve": True, "amplitude_mm": 1e3 * means[clamp.at][0],
+                "frequency_Hz": means[clamp.at][1],
+            }
         )
         if clamp.at in tracked
         else clamp
         for clamp in ready.clamps
-    ]
-    try:
-        still = _once(ready.model_copy(update={"clamps": tuple(held)}), folder, where, None)
-    except UserError:
-        return None
+    ]  # fmt: skip
     name = max(swings, key=lambda one: swings[one].high - swings[one].low)
+    try:
+        still, _ = _solved(ready.model_copy(update={"clamps": tuple(held)}), folder, where, None)
+    except UserError as error:
+        return Beats(name, swings[name], means[name][0], None, failed=str(error))
+    held_at = float(still.columns[f"{name}.A_used"][-1])
     if any(still.swing(one) is not None for one in swings):
-        return None
-    return Beats(name, swings[name], means[name][0], still.amplitude(f"{name}.s"))
+        return Beats(name, swings[name], held_at, None)
+    return Beats(name, swings[name], held_at, still.amplitude(f"{name}.s"), solved=not still.unsolved)
 
 
 def _in_steps(description: SystemDescription, factor: float) -> SystemDescription:
