@@ -36,8 +36,11 @@ MOUNTING = (0.003, 0.006)
 PER_CENT = 95.0
 SPREAD, PLACES = 0.12, 41
 """Of the frequencies round the peak at which the truth is integrated: share to either side, and how many."""
-SETTLE, PER_CYCLE, STIFFEST = 130, 240, 0.25
-"""Of the integration: cycles, steps of one at least, and of a step times the fastest mode's rad/s, over 2 pi."""
+SETTLE, SETTLED, PER_CYCLE, STIFFEST = 130, 500, 240, 0.25
+"""Of the integration: cycles while the peak is sought and once it is found, steps of a cycle at least, and of a step
+times the fastest mode's rad/s, over 2 pi."""
+CLOSE, CLOSELY = 3e-4, 9
+"""Of the frequencies at the peak itself: share from one to the next, and how many; a quartic goes through them."""
 NEARLY, MOST_MORE = 0.3, 4.0
 """Share by which the amplitude may miss the wanted one, and how much more is tried at a time."""
 SEED = 1
@@ -129,17 +132,25 @@ def truth(device: Device, pipe: ReducedPipe, kelvin: float, acceleration: float,
     zeta = np.array(pipe.damping) / (2 * omega)
     participation, shape = np.array(pipe.excitation_participation), np.array(pipe.clamp_shapes[0])
     frequencies = near * np.linspace(1 - SPREAD, 1 + SPREAD, PLACES)
-    for _ in range(2):  # once more about the highest
+
+    def amplitudes(at: Array, cycles: int) -> Array:
         found = []
-        for frequency in frequencies.tolist():
+        for frequency in at.tolist():
             per_cycle = max(PER_CYCLE, int(fastest / (frequency * STIFFEST)))
-            one = on_pipe(frequency, acceleration, SETTLE, per_cycle, omega, zeta, participation, shape, numbers)
+            one = on_pipe(frequency, acceleration, cycles, per_cycle, omega, zeta, participation, shape, numbers)
             found.append(float(one))
+        return np.array(found)
+
+    for _ in range(2):  # once more about the highest
+        found = amplitudes(frequencies, SETTLE)
         top = int(np.clip(np.argmax(found), 1, len(found) - 2))
-        peak = frequencies[top - 1 : top + 2], found[top - 1 : top + 2]
-        frequencies = np.linspace(peak[0][0], peak[0][2], 9)
-    bend, slope, height = np.polyfit(peak[0] - near, peak[1], 2)
-    return float(near - slope / (2 * bend)), float(height - slope**2 / (4 * bend))
+        peak = float(frequencies[top])
+        frequencies = np.linspace(frequencies[top - 1], frequencies[top + 1], 9)
+    steps = np.arange(CLOSELY) - CLOSELY // 2
+    curve = np.polyfit(steps, amplitudes(peak * (1 + CLOSE * steps), SETTLED), 4)
+    fine = np.linspace(steps[0], steps[-1], 8001)
+    top = int(np.argmax(np.polyval(curve, fine)))
+    return peak * float(1 + CLOSE * fine[top]), float(np.polyval(curve, fine[top]))
 
 
 def case(number: int, rough: bool, samples: int) -> Case:

@@ -38,6 +38,7 @@ class Band:
     Attributes:
         value: the number.
         low, high: ends of its band.
+        middle: of it: the number, or where what tests near there show of the law moves it.
         deviation: standard deviation.
         shares: of the variance, by kind.
         leading: quantities with the largest shares of it, by name, largest first; negative where they go against it.
@@ -46,19 +47,22 @@ class Band:
     value: float
     low: float
     high: float
+    middle: float
     deviation: float
     shares: Mapping[str, float]
     leading: tuple[tuple[str, float], ...]
 
     def beyond(self, limit: float, steps: float) -> float:
         """Give the probability that the number is above a limit; the band reaches so many standard deviations."""
-        side = self.high - self.value if limit > self.value else self.value - self.low
+        side = self.high - self.middle if limit > self.middle else self.middle - self.low
         if side <= 0:
-            return float(self.value > limit)
-        return float(ndtr((self.value - limit) / (side / steps)))
+            return float(self.middle > limit)
+        return float(ndtr((self.middle - limit) / (side / steps)))
 
 
-def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, solution: float = 0.0) -> Band:
+def band_of(
+    value: float, by_quantity: Array, unknown: Unknown, steps: float, solution: float = 0.0, moved: float | None = None
+) -> Band:
     """Give a number's band, to first order.
 
     Args:
@@ -67,7 +71,9 @@ def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, so
         unknown: that, with its covariance.
         steps: standard deviations to either side.
         solution: standard deviation of what the solver leaves out besides.
+        moved: by how much the band lies beside the number; None for what its derivatives tell.
     """
+    middle = value + (float(by_quantity @ unknown.means) if moved is None else moved)
     parts = by_quantity * (unknown.covariance @ by_quantity)
     variance = float(parts.sum()) + solution**2
     whole = variance if variance > 0 else 1.0
@@ -77,8 +83,9 @@ def band_of(value: float, by_quantity: Array, unknown: Unknown, steps: float, so
     deviation = float(np.sqrt(variance))
     return Band(
         value,
-        value - steps * deviation,
-        value + steps * deviation,
+        middle - steps * deviation,
+        middle + steps * deviation,
+        middle,
         deviation,
         shares,
         tuple((unknown.quantities[place].name, float(parts[place]) / whole) for place in largest),

@@ -118,15 +118,17 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     drawn = even_normal(max(FEWEST, 2 * roots.shape[1]), roots.shape[1])
     points = [*result.clamp_names, *result.probe_names]
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
-    beyond = [_beyond(result, what, index, places[index]) for index in range(len(places))]
+    at = [_conditions(result, places[index]) for index in range(len(places))]
+    beyond = [_beyond(what, index, at[index]) for index in range(len(places))]
+    inside = [_inside(what, index, at[index]) for index in range(len(places))]
     folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
     try:
         jobs = []
-        for number, row in enumerate(drawn @ roots.T):
+        for number, row in enumerate(drawn @ roots.T + what.means):
             clamps = list(description.clamps)
             for index, place in enumerate(places):
                 file = folder / f"law_{number}_{index}.json"
-                write_law(what.laws[index].with_changes(what.changes(index, beyond[index], row)), file)
+                write_law(what.laws[index].with_changes(what.changes(index, beyond[index], inside[index], row)), file)
                 clamps[place] = clamps[place].model_copy(update={"law": str(file)})
             changed = description.model_copy(update={"clamps": tuple(clamps)})
             jobs.append(_Member(changed, path.parent, str(path), columns, result.time))
@@ -141,7 +143,7 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
         first = next(run for run in found if isinstance(run, str))
         raise UserError(f"{len(found) - len(good)} of the band's {len(found)} runs failed, the first one so: {first}")
     histories = np.stack([run for run in found if not isinstance(run, str)])
-    banded = _with_bands(result, columns, histories, steps)
+    banded = _with_bands(result, columns, histories, steps, moved=bool(what.means.any()))
     told = _told(result, columns, histories, drawn[good], roots, what, steps)
     return RunBands(banded, per_cent, told, len(found), len(found) - len(good), gaps(what.laws))
 
@@ -180,29 +182,46 @@ def _run(member: _Member) -> Array | str:
     return np.stack([np.interp(member.time, result.time, result.columns[name]) for name in member.columns])
 
 
-def _beyond(result: CosimResult, what: Unknown, index: int, place: int) -> dict[str, float]:
-    """Give the conditions of a clamp's run that lie beyond its law's data, by name."""
+def _conditions(result: CosimResult, place: int) -> dict[str, float]:
+    """Give the conditions of a clamp's run: A (mm), f (Hz), T (K)."""
     source = result.system.clamps[place]
     values = {
         "A": MM * float(np.ptp(result.columns[f"{source.at}.s"])) / 2,
         "f": float(result.columns[f"{source.at}.f_used"][-1]),
         "T": source.temperature_C + CELSIUS,
     }
+    return {name: value for name, value in values.items() if isfinite(value)}
+
+
+def _beyond(what: Unknown, index: int, at: Mapping[str, float]) -> dict[str, float]:
+    """Give those conditions that lie beyond the data of a clamp's law, by name."""
     ranges = what.laws[index].file.range
     return {
         name: value
-        for name, value in values.items()
-        if name in ranges and isfinite(value) and not ranges[name].minimum <= value <= ranges[name].maximum
+        for name, value in at.items()
+        if name in ranges and not ranges[name].minimum <= value <= ranges[name].maximum
     }
 
 
-def _with_bands(result: CosimResult, columns: Sequence[str], histories: Array, steps: float) -> CosimResult:
-    """Give the run with the ends of the bands as further columns."""
+def _inside(what: Unknown, index: int, at: Mapping[str, float]) -> dict[str, float]:
+    """Give the conditions, held inside the data of a clamp's law."""
+    ranges = what.laws[index].file.range
+    return {
+        name: min(max(value, ranges[name].minimum), ranges[name].maximum) if name in ranges else value
+        for name, value in at.items()
+    }
+
+
+def _with_bands(
+    result: CosimResult, columns: Sequence[str], histories: Array, steps: float, *, moved: bool
+) -> CosimResult:
+    """Give the run with the ends of the bands as further columns; about the ensemble's mean where tests move it."""
     ends: dict[str, Array] = {}
     units: dict[str, str] = {}
     for place, name in enumerate(columns):
         half = steps * np.std(histories[:, place], axis=0, ddof=1)
-        for end, values in (("low", result.columns[name] - half), ("high", result.columns[name] + half)):
+        middle = np.mean(histories[:, place], axis=0) if moved else result.columns[name]
+        for end, values in (("low", middle - half), ("high", middle + half)):
             ends[f"{name}_{end}"], units[f"{name}_{end}"] = values, result.units[name]
     return replace(result, columns={**result.columns, **ends}, units={**result.units, **units})
 
@@ -218,14 +237,15 @@ def _told(
     for place, column in enumerate(columns):
         name, kind = column[:-2], column[-2:]
         values = np.array([_read(result, column, one[place]) for one in histories]) * sizes[kind]
-        slopes = np.linalg.lstsq(design, values, rcond=None)[0][1:]
+        begin, *slopes = np.linalg.lstsq(design, values, rcond=None)[0]
         free = len(values) - design.shape[1]
         rest = float(np.sum((values - design @ np.linalg.lstsq(design, values, rcond=None)[0]) ** 2)) / max(free, 1)
         value = _read(result, column, result.columns[column]) * sizes[kind]
         error = result.step_error
         solution = value * error if kind == ".s" and error is not None and isfinite(error) else 0.0
-        by_quantity = np.linalg.pinv(roots.T) @ slopes
-        band = band_of(value, by_quantity, what, steps, float(np.hypot(solution, np.sqrt(rest))))
+        by_quantity = np.linalg.pinv(roots.T) @ np.array(slopes)
+        moved = float(begin) - value if what.means.any() else 0.0
+        band = band_of(value, by_quantity, what, steps, float(np.hypot(solution, np.sqrt(rest))), moved)
         bent = rest / band.deviation**2 if band.deviation > 0 else 0.0
         words, unit = (name, "mm") if kind == ".s" else (f"force of {name}", "N")
         told.append(Told(words, unit, band, bent))

@@ -37,12 +37,14 @@ class Quantity:
         name: of the law and its parameter, or of the clamp and the share.
         parameter: of the varied law, that it changes.
         clamps: which of the system's clamps it changes.
+        lean: whether it is what tests near there show of the law's form: known, and no part of what isn't.
     """
 
     kind: Kind
     name: str
     parameter: str
     clamps: tuple[int, ...]
+    lean: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,20 +78,33 @@ class Unknown:
         places = [place for place, _ in told]
         return Unknown(self.laws, tuple(one for _, one in told), self.covariance[np.ix_(places, places)])
 
+    @property
+    def means(self) -> Array:
+        """Their expected values, shape (Q,): what tests show is there, all else as likely up as down."""
+        return np.array([float(quantity.lean) for quantity in self.quantities])
+
+    @property
+    def scales(self) -> Array:
+        """By how much each is moved to see what follows it, shape (Q,): its standard deviation, or what it is."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)) + self.means)
+
     def of_kind(self, kind: Kind) -> Array:
         """Tell which quantities are of a kind, shape (Q,)."""
         return np.array([quantity.kind == kind for quantity in self.quantities])
 
-    def sizes(self, clamp: int, beyond: Mapping[str, float], truncated: float = 0.0) -> Array:
+    def sizes(
+        self, clamp: int, beyond: Mapping[str, float], at: Mapping[str, float] | None = None, truncated: float = 0.0
+    ) -> Array:
         """Give by how much each quantity, of size one, changes its parameter at a clamp, shape (Q,).
 
         Args:
             clamp: which.
             beyond: its conditions that lie beyond the data of its law, by name.
+            at: all its law's conditions, held inside these data; None where they aren't known.
             truncated: share of the motion in harmonics that the solver leaves out: the force may be off by as much.
         """
         law = self.laws[clamp]
-        form = law.form(beyond)
+        form, lean = law.form(beyond, at), law.lean(at) if at is not None else dict.fromkeys(SHARES.values(), 0.0)
         shares = {
             "form": form,
             "runs": law.file.spread.runs if law.file.spread else form,
@@ -101,14 +116,18 @@ class Unknown:
                 continue
             if quantity.kind == "parameters":
                 sizes[place] = 1.0
+            elif quantity.lean:
+                sizes[place] = lean[SHARES[quantity.parameter]]
             else:
                 sizes[place] = getattr(shares[quantity.kind], SHARES[quantity.parameter])
         return sizes
 
-    def changes(self, clamp: int, beyond: Mapping[str, float], amounts: Array) -> dict[str, float]:
+    def changes(
+        self, clamp: int, beyond: Mapping[str, float], at: Mapping[str, float], amounts: Array
+    ) -> dict[str, float]:
         """Give the changes of a clamp's parameters, by name, that amounts of the quantities, shape (Q,), make."""
         made: dict[str, float] = {}
-        for quantity, size, amount in zip(self.quantities, self.sizes(clamp, beyond), amounts, strict=True):
+        for quantity, size, amount in zip(self.quantities, self.sizes(clamp, beyond, at), amounts, strict=True):
             made[quantity.parameter] = made.get(quantity.parameter, 0.0) + float(size * amount)
         return made
 
@@ -140,6 +159,11 @@ def unknown(laws: Sequence[VariedLaw], clamps: Sequence[str], *, solved: bool) -
                 further += [Quantity("solution", *each) for each in of_clamps]
         quantities += further
         blocks.append(np.eye(len(further)))
+        if law.file.spread is not None and law.file.spread.local is not None:
+            shown = "as tests near there show"
+            known = [Quantity("form", f"{name}: {share}, {shown}", one, own, True) for one, share in SHARES.items()]
+            quantities += known
+            blocks.append(np.zeros((len(known), len(known))))
     return Unknown(laws, tuple(quantities), block_diag(*blocks) if blocks else np.zeros((0, 0)))
 
 

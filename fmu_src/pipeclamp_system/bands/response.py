@@ -21,7 +21,7 @@ from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words,
 from pipeclamp_system.bands.described import refuse_unknown, unknown_of
 from pipeclamp_system.bands.marks import Moving
 from pipeclamp_system.bands.quantities import Unknown, normal_draws
-from pipeclamp_system.bands.sensitivity import moves, with_laws
+from pipeclamp_system.bands.sensitivity import conditions_at, moves, with_laws
 from pipeclamp_system.bands.varied import gaps
 from pipeclamp_system.description.system import SystemDescription, read_system
 from pipeclamp_system.steady.balance import SteadySystem
@@ -244,7 +244,7 @@ class BandedSystem:
         """Give the bands of a curve."""
         steps = steps_of(per_cent)
         moving = self.moving(curve)
-        sizes = np.sqrt(np.diag(self.unknown.covariance))
+        sizes = self.unknown.scales
         peaks, slopes = [], []
         for of_point in moving:
             # of all pieces that with the highest state
@@ -264,12 +264,17 @@ class BandedSystem:
             band_of(piece.turn(at), piece.turn_moves(at), self.unknown, steps)
             for piece in moving[0] for at in piece.turns()
         )  # fmt: skip
-        deviation = float(np.sqrt(slopes[0] @ self.unknown.covariance @ slopes[0]))
-        towards = self.unknown.covariance @ slopes[0] / max(deviation, 1e-300)
-        ends = [self._end(curve, side * steps * towards) for side in (-1, 1)]
+        # what the solver leaves out is no law's: no law at an end of the band has it
+        told = np.where(self.unknown.of_kind("solution"), 0.0, slopes[0])
+        deviation = float(np.sqrt(told @ self.unknown.covariance @ told))
+        towards = self.unknown.covariance @ told / max(deviation, 1e-300)
+        means = self.unknown.means
+        ends = [self._end(curve, means + side * steps * towards) for side in (-1, 1)]
+        middle = self._end(curve, means) if means.any() else curve
         followed = tuple(
             _followed(
                 peak,
+                None if middle is None else _peak_of(middle, place) if means.any() else peak.amplitude.value,
                 [None if end is None else _peak_of(end, place) for end in ends],
                 [side * steps * float(slopes[place] @ towards) for side in (-1, 1)],
             )
@@ -298,9 +303,10 @@ class BandedSystem:
     ) -> PieceBand:
         """Give the band of a piece, whose peak moves so much in each draw, (N,): bent as that of the peak is."""
         straight, own = peak.amplitude, bent.amplitude
-        up = (own.high - own.value) / max(straight.high - straight.value, 1e-300)
-        down = (own.value - own.low) / max(straight.value - straight.low, 1e-300)
-        return PieceBand(*piece.band(draws * np.where(moved > 0, up, down)[:, None], per_cent))
+        up = (own.high - own.middle) / max(straight.high - straight.middle, 1e-300)
+        down = (own.middle - own.low) / max(straight.middle - straight.low, 1e-300)
+        bent_draws = self.unknown.means + draws * np.where(moved > 0, up, down)[:, None]
+        return PieceBand(*piece.band(bent_draws, per_cent))
 
     def moving(self, curve: Curve) -> list[list[Moving]]:
         """Give, for each clamp and probe, the pieces of a curve with how they move."""
@@ -314,12 +320,14 @@ class BandedSystem:
     def solved(self, curve: Curve, amounts: Array) -> Curve:
         """Give the curve with laws that are off by amounts of what isn't known, (Q,); nothing is linear in that."""
         highest = max(curve.states, key=lambda state: amplitudes_of(state)[0])
+        found = steady_clamps(self.description, self.pipe, self.path.parent, curve.temperature, str(self.path))
+        at = [conditions_at(clamp, highest, place) for place, (_, clamp) in enumerate(found)]
         folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
         try:
             clamps = []
             for place, source in enumerate(self.description.clamps):
                 file = self.unknown.laws[place].with_changes(
-                    self.unknown.changes(place, highest.beyond[place], amounts)
+                    self.unknown.changes(place, highest.beyond[place], at[place], amounts)
                 )
                 write_law(file, folder / f"law_{place}.json")
                 clamps.append(source.model_copy(update={"law": str(folder / f"law_{place}.json")}))
@@ -364,21 +372,25 @@ def _peak_of(curve: Curve, point: int) -> float:
     return max(tops)
 
 
-def _followed(peak: PeakBand, ends: Sequence[float | None], foretold: Sequence[float]) -> PeakBand:
+def _followed(
+    peak: PeakBand, middle: float | None, ends: Sequence[float | None], foretold: Sequence[float]
+) -> PeakBand:
     """Bend the band of a peak as the peaks that were solved at both ends bend.
 
     Args:
         peak: to first order.
+        middle: amplitude as solved in the middle of the band; None where none was found.
         ends: amplitude as solved at the low and the high end of the first point's band; None where none was found.
-        foretold: steps of the amplitude to there, to first order.
+        foretold: steps of the amplitude from the middle to there, to first order.
     """
     amplitude = peak.amplitude
     sides = []
     for solved, step, end in zip(ends, foretold, (amplitude.low, amplitude.high), strict=True):
         # a point that hardly moves there tells nothing of its own band
-        told = solved is not None and abs(step) >= TELLS * abs(end - amplitude.value) > 0
-        bend = (solved - amplitude.value) / step if solved is not None and told else 1.0
+        told = solved is not None and abs(step) >= TELLS * abs(end - amplitude.middle) > 0
+        bend = (solved - middle) / step if solved is not None and middle is not None and told else 1.0
         sides.append(bend if bend > 0 else 1.0)
-    low = amplitude.value + sides[0] * (amplitude.low - amplitude.value)
-    high = amplitude.value + sides[1] * (amplitude.high - amplitude.value)
-    return replace(peak, amplitude=replace(amplitude, low=low, high=high))
+    at = amplitude.middle if middle is None else middle
+    low = at + sides[0] * (amplitude.low - amplitude.middle)
+    high = at + sides[1] * (amplitude.high - amplitude.middle)
+    return replace(peak, amplitude=replace(amplitude, low=low, high=high, middle=at))

@@ -90,13 +90,27 @@ def _disturbances(clamps: Sequence[SteadyClamp], state: SteadyState, unknown: Un
         cycle = clamp.cycle(state.clamps[place][None], at)
         values, smoothing = law.vector(equations), (law.v_r, law.y_r)
         force = force_of_equations(equations, values, smoothing, cycle, derivatives=True)
-        sizes = unknown.sizes(place, state.beyond[place], state.truncated)
+        sizes = unknown.sizes(place, state.beyond[place], conditions_at(clamp, state, place), state.truncated)
         own = np.flatnonzero(sizes)
         names = [unknown.quantities[index].parameter for index in own]
         parameters = np.array([equations.names.index(name) for name in names], dtype=np.intp)
         courses = known_jacobian(force).of(parameters)[:, 0]
         found[own, place] = sizes[own, None] * harmonics_of(courses, count)
     return found
+
+
+def conditions_at(clamp: SteadyClamp, state: SteadyState, place: int) -> dict[str, float]:
+    """Give the conditions that a clamp's law is taken for: A (mm), f (Hz), T (K) and further ones, by name.
+
+    Those of which the law's data tell the range are held inside it.
+    """
+    A, f = state.conditions[place].tolist()
+    values = {"A": A, "f": f, "T": clamp.temperature, **clamp.further}
+    ranges = {"A": clamp.range_A, "f": clamp.range_f, **clamp.ranges}
+    return {
+        name: min(max(value, ranges[name][0]), ranges[name][1]) if name in ranges else value
+        for name, value in values.items()
+    }
 
 
 def with_laws(clamps: Sequence[SteadyClamp], unknown: Unknown) -> tuple[SteadyClamp, ...]:

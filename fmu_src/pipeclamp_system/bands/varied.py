@@ -12,6 +12,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import CoefficientEntry, LawFile, Shares, structure_of
+from pipeclamp_models.law.local_form import foretold
 
 OFF_BY = Declaration.model_validate(
     {
@@ -57,19 +58,31 @@ class VariedLaw:
         }
         return self.file.model_copy(update={"coefficients": coefficients})
 
-    def form(self, beyond: Mapping[str, float]) -> Shares:
+    def lean(self, at: Mapping[str, float]) -> dict[str, float]:
+        """Give the shares by which its tests near conditions (A mm, f Hz, T K and so on) lie beside it."""
+        local = self.file.spread.local if self.file.spread else None
+        if local is None:
+            return dict.fromkeys(SHARES.values(), 0.0)
+        return {name: foretold(local, getattr(local, name), at)[0] for name in SHARES.values()}
+
+    def form(self, beyond: Mapping[str, float], at: Mapping[str, float] | None = None) -> Shares:
         """Give by how much the law's form may be off, in standard deviations.
 
-        Beyond the range of its data that grows as it grew in the tests, from one level to the one that was left out:
-        with the distance in such steps, of A and f that of their logarithms.
+        Inside the range, near tests, it is known from these, where the law's file tells them. Beyond the range of its
+        data that grows as it grew in the tests, from one level to the one that was left out: with the distance in such
+        steps, of A and f that of their logarithms.
 
         Args:
             beyond: conditions that lie beyond the range, by name, in the range's units.
+            at: the law's conditions, held inside its range, likewise; None for any of them.
         """
         spread = self.file.spread
         if spread is None:
             return Shares(stiffness=0.0, damping=0.0)
-        squares = np.array([spread.form.stiffness, spread.form.damping]) ** 2
+        inside = [spread.form.stiffness, spread.form.damping]
+        if at is not None and spread.local is not None:
+            inside = [foretold(spread.local, getattr(spread.local, name), at)[1] for name in SHARES.values()]
+        squares = np.array(inside) ** 2
         for name, value in beyond.items():
             told, interval = spread.beyond.get(name), self.file.range.get(name)
             if told is None or interval is None:

@@ -16,7 +16,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
-from pipeclamp_system.bands.band import band_of, steps_of
+from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.described import unknown_of
 from pipeclamp_system.bands.response import moving_of
 from pipeclamp_system.bands.sensitivity import moves_at, of_half_range, with_laws
@@ -94,7 +94,7 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
         raise UserError(f"{where}: no steady state was found")
     amplitudes = np.array([amplitudes_of(state) for state in states])
     points = (*(clamp.at for clamp in system.clamps), *pipe.probe_names)
-    half = None if study.per_cent is None else _half_bands(study, system, pipe, steady, states[0], pieces)
+    bands = None if study.per_cent is None else _bands(study, system, pipe, steady, states[0], pieces)
     row: Row = {
         "stable": float(all(state.stable for state in states)),
         "pipe_stable": float(pipe.stability.kind == "stable"),
@@ -102,32 +102,32 @@ def _measured(study: Study, pipe_table: PipeDescription, system: SystemDescripti
     for index, name in enumerate(points):
         highest = int(amplitudes[:, index].argmax())
         row[f"{name}.s [mm]"] = float(amplitudes[highest, index])
-        if half is not None:
-            row[f"{name}{LOW}"] = max(row[f"{name}.s [mm]"] - half[index], 0.0)
-            row[f"{name}{HIGH}"] = row[f"{name}.s [mm]"] + half[index]
+        if bands is not None:
+            row[f"{name}{LOW}"] = max(row[f"{name}.s [mm]"] + bands[index].low, 0.0)
+            row[f"{name}{HIGH}"] = row[f"{name}.s [mm]"] + bands[index].high
         row[f"{name}.frequency [Hz]"] = states[highest].frequency
         if index < len(system.clamps):
             row[f"{name}{IN_RANGE}"] = not states[highest].beyond[index]
     return row
 
 
-def _half_bands(
+def _bands(
     study: Study, system: SystemDescription, pipe: ReducedPipe, steady: SteadySystem, state: SteadyState,
     pieces: Sequence[Sequence[SteadyState]],
-) -> list[float]:  # fmt: skip
-    """Give half the band of the amplitude of each clamp and probe, mm, to first order: of the peak, or of one state."""
+) -> list[Band]:  # fmt: skip
+    """Give the band beside the amplitude of each clamp and probe, mm, to first order: of the peak, or of one state."""
     assert study.per_cent is not None
     steps, what = steps_of(study.per_cent), unknown_of(system, study.folder)
     found = steady_clamps(system, pipe, study.folder, None, study.description.name)
     clamps = with_laws([clamp for _, clamp in found], what)
     if pieces:
-        sizes = np.sqrt(np.diag(what.covariance))
+        sizes = what.scales
         tops = [max(own, key=lambda one: one.peak()[1]) for own in moving_of(steady, clamps, pieces, what)]
         told = [(one.peak_moves(sizes)[1], one.peak_errors()[1]) for one in tops]
     else:
         motion = np.concatenate([state.clamps, state.probes])
         told = [(one, 0.0) for one in of_half_range(motion, moves_at(steady, clamps, state, what)).T]
-    return [steps * band_of(0.0, slopes, what, steps, off).deviation for slopes, off in told]
+    return [band_of(0.0, slopes, what, steps, off) for slopes, off in told]
 
 
 def _cosimulated(study: Study, pipe_table: PipeDescription, system: SystemDescription) -> Row:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.fitting.least_squares import Fit
+from pipeclamp_identification.fitting.local_form import local_form
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows, loop_observations
 from pipeclamp_identification.fitting.smooth_trends import smooth_basis
 from pipeclamp_identification.loops.loops import Loops, per_cycle
@@ -69,7 +70,8 @@ def spread_of(fit: Fit, loops: Loops, observations: LoopObservations) -> Spread 
         known = number >= 0
         at_ends = np.mean((outside**2 - with_all.noise)[:, known], axis=1) - runs
         beyond[name] = Foretold(step=rounded(step), error=_deviations(np.maximum(at_ends, form)))
-    return Spread(runs=_deviations(runs), form=_deviations(form), beyond=beyond)
+    local = local_form(loops, np.sqrt(fitted_away) * with_all.shares, with_all.noise + runs[:, None], np.sqrt(form))
+    return Spread(runs=_deviations(runs), form=_deviations(form), beyond=beyond, local=local)
 
 
 class _LeftOut:

@@ -113,14 +113,15 @@ def pipe_bands(path: Path, comparison: PipeComparison, per_cent: float) -> PipeB
     steps = steps_of(per_cent)
     unknown = unknown_of(comparison.system, path.parent)
     shape = comparison.measurement.steady.response.shape
-    variance = np.full(shape, np.nan)
+    variance, moved = np.full(shape, np.nan), np.zeros(shape)
     for group in comparison.prediction.groups:
         for place, row in enumerate(group.rows.tolist()):
             if group.solved.found[place]:
                 slopes = _slopes(comparison, group, place, row, unknown)
+                moved[row] = unknown.means @ slopes
                 variance[row] = np.einsum("qp,qr,rp->p", slopes, unknown.covariance, slopes)
     variance += np.nan_to_num(scatter_of(comparison.measurement)) ** 2
-    half, size = steps * np.sqrt(variance), np.abs(comparison.prediction.response)
+    half, size = steps * np.sqrt(variance), np.abs(comparison.prediction.response) + moved
     return PipeBands(comparison, per_cent, np.maximum(size - half, 0.0), size + half, gaps(unknown.laws))
 
 

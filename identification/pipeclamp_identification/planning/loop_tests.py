@@ -139,7 +139,7 @@ def _foretold(
     runs = law.file.spread.runs if law.file.spread else None
     for row in range(len(error)):
         there = {name: float(values[row]) for name, values in grid.items()}
-        form = law.form(beyond(law.file, there))
+        form = law.form(beyond(law.file, there), there)
         for share, direction in zip(SHARES.values(), every[count:, row], strict=True):
             scatter = getattr(runs, share) ** 2 / REPEATS if runs else 0.0
             error[row] += (scatter + getattr(form, share) ** 2) * np.outer(direction, direction)

@@ -24,6 +24,7 @@ from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.bands.response import BandedSystem, PeakBand, banded_system
 from pipeclamp_system.bands.response import refuse as refuse_bands
+from pipeclamp_system.bands.sensitivity import conditions_at
 from pipeclamp_system.bands.varied import SHARES, VariedLaw, gaps
 from pipeclamp_system.steady.described import steady_clamps
 from pipeclamp_system.steady.response import Curve, amplitudes_of, label, run_response
@@ -189,7 +190,7 @@ class _Wanted:
 
 
 def _wanted(system: BandedSystem, curve: Curve, point: int) -> _Wanted:
-    sizes = np.sqrt(np.diag(system.unknown.covariance))
+    sizes = system.unknown.scales
     piece = max(system.moving(curve)[point], key=lambda one: one.peak()[1])
     by_frequency, by_amplitude = piece.peak_moves(sizes)
     return _Wanted(curve, point, piece.peak()[1], by_amplitude, by_frequency, piece.peak_errors())
@@ -222,6 +223,7 @@ class _Search:
         temperature = wanted.curve.temperature
         found = steady_clamps(system.description, system.pipe, path.parent, temperature, str(path))
         self._clamps = [clamp for _, clamp in found]
+        self._at = [conditions_at(clamp, self._state, place) for place, clamp in enumerate(self._clamps)]
         self._now = _Known(self._unknown.covariance, {law: law.file for law in dict.fromkeys(self._unknown.laws)})
 
     def tests_of(self, law: VariedLaw, limits: Limits | None, noise_N: float | None) -> tuple[LoopTests, str]:
@@ -333,11 +335,11 @@ class _Search:
         factors = np.ones(len(covariance))
         for place, quantity in enumerate(self._unknown.quantities):
             clamp = quantity.clamps[0]
-            if quantity.kind != "form" or self._unknown.laws[clamp] is not law:
+            if quantity.kind != "form" or quantity.lean or self._unknown.laws[clamp] is not law:
                 continue
             share = SHARES[quantity.parameter]
             then, now = (
-                getattr(replace(law, file=one).form(beyond(one, self._state.beyond[clamp])), share)
+                getattr(replace(law, file=one).form(beyond(one, self._state.beyond[clamp]), self._at[clamp]), share)
                 for one in (before or law.file, file)
             )
             factors[place] = now / then if then > 0 else 1.0
@@ -353,8 +355,8 @@ class _Search:
     def _bent(self, before: Band, slopes: Array, covariance: Array, off: float) -> Band:
         band = band_of(before.value, slopes, replace(self._unknown, covariance=covariance), self._steps, off)
         share = band.deviation / before.deviation if before.deviation > 0 else 1.0
-        low, high = (before.value + share * (end - before.value) for end in (before.low, before.high))
-        return replace(band, low=low, high=high)
+        low, high = (before.middle + share * (end - before.middle) for end in (before.low, before.high))
+        return replace(band, low=low, high=high, middle=before.middle)
 
     def _told(self, field: LoopTests, row: int, known: _Known) -> NextLoopTest:
         conditions, file = field.conditions(row), field.law.file

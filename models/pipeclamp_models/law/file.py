@@ -159,16 +159,53 @@ class Foretold(Part):
     error: Shares
 
 
+class KrigedShare(Part):
+    """How the share by which a law's force is off follows the conditions.
+
+    `shares` at the conditions of `at`, `variances` of what scatters in them; between them it has the standard deviation
+    `deviation`, and stays alike over the `lengths`: of A and f natural logarithms, else in the condition's own unit.
+    """
+
+    deviation: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+    lengths: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]]
+    shares: tuple[Finite, ...]
+    variances: tuple[Annotated[float, Field(ge=0, allow_inf_nan=False)], ...]
+
+
+class LocalForm(Part):
+    """Where a law's form is off, and how: at the tested conditions `at`, A in mm, f in Hz, T in K and further ones."""
+
+    at: dict[str, tuple[Finite, ...]]
+    stiffness: KrigedShare
+    damping: KrigedShare
+
+    @model_validator(mode="after")
+    def _fits(self) -> LocalForm:
+        counts = {len(values) for values in self.at.values()}
+        for share in (self.stiffness, self.damping):
+            counts |= {len(share.shares), len(share.variances)}
+            if set(share.lengths) != set(self.at):
+                raise ValueError(f"lengths are of {sorted(share.lengths)}; expected {sorted(self.at)}, as in at")
+        if len(counts) != 1 or 0 in counts:
+            raise ValueError("at, shares and variances must be equally long, and not empty")
+        for name in {"A", "f"} & set(self.at):
+            if min(self.at[name]) <= 0:
+                raise ValueError(f"at.{name}: {min(self.at[name]):g} isn't above 0")
+        return self
+
+
 class Spread(Part):
     """What tests scatter about their law beside the parameters' covariance, as shares of its force.
 
     `runs`: between runs (mountings, specimens) at the same conditions; `form`: what the law leaves over on left-out
-    conditions besides, inside its range; `beyond`: that at the ends of the range of A, f, T and further conditions.
+    conditions besides, inside its range; `local`: how that follows the conditions, where enough were tested; `beyond`:
+    that at the ends of the range of A, f, T and further conditions.
     """
 
     runs: Shares
     form: Shares
     beyond: dict[str, Foretold] = {}
+    local: LocalForm | None = None
 
 
 class Stage(Part):

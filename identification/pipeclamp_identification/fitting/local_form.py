@@ -1,0 +1,101 @@
+"""How what a law's form is off follows the conditions of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import minimize
+
+from pipeclamp_identification.fitting.least_squares import varies
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.file import KrigedShare, LocalForm
+from pipeclamp_models.law.local_form import coordinate, likeness
+from pipeclamp_models.law.range import rounded
+
+FEWEST = 8
+"""Runs, to see how far one tells of another."""
+MOST = 400
+"""Runs beyond which that takes too long."""
+NEAR, FAR = 0.6, 1.7
+"""Lengths, in standard deviations of the tested conditions, from which the likeliest ones are sought."""
+FARTHEST = 4.0
+"""Of the logarithms of lengths and deviation, from where they are likely beforehand."""
+EASY = 1e-8
+"""Share of the variance that is added for the numbers' sake."""
+
+
+def local_form(loops: Loops, shares: Array, variances: Array, whole: Array) -> LocalForm | None:
+    """Give how shares follow the conditions; None where there are too few runs, too many, or nothing varies.
+
+    Args:
+        loops: the tests, R of them.
+        shares: by which stiffness and damping of each are off, (2, R).
+        variances: of what scatters in them, (2, R).
+        whole: standard deviation of the law's form over all conditions, (2,); 0 where it isn't off.
+    """
+    known = {"A": loops.amplitude_mm, "f": loops.frequency_Hz, "T": loops.temperature_K}
+    further = {"rho": loops.density_g_cm3, **loops.conditions}
+    at = {
+        name: values
+        for name, values in {**known, **further}.items()
+        if np.all(np.isfinite(values)) and varies(name, values)
+    }
+    if not FEWEST <= len(loops.run) <= MOST or not at:
+        return None
+    tested = np.column_stack([coordinate(name, values) for name, values in at.items()])
+    spread = tested.std(axis=0)
+    stiffness, damping = (
+        _kriged(list(at), _likeliest(tested / spread, *of_both), spread)
+        for of_both in zip(shares, variances, whole.tolist(), strict=True)
+    )
+    return LocalForm(
+        at={name: tuple(map(rounded, values.tolist())) for name, values in at.items()},
+        stiffness=stiffness,
+        damping=damping,
+    )
+
+
+_Found = tuple[float, Array, Array, Array]
+"""Deviation, lengths in standard deviations of the conditions, shares and their variances."""
+
+
+def _kriged(names: Sequence[str], found: _Found, spread: Array) -> KrigedShare:
+    deviation, lengths, shares, variances = found
+    return KrigedShare(
+        deviation=rounded(deviation),
+        lengths={name: rounded(float(length)) for name, length in zip(names, lengths * spread, strict=True)},
+        shares=tuple(map(rounded, shares.tolist())),
+        variances=tuple(map(rounded, variances.tolist())),
+    )
+
+
+def _likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
+    """Give the likeliest deviation and lengths; that a length is as the tests are spread is likely beforehand."""
+    count = tested.shape[1]
+    if whole == 0.0:
+        return 0.0, np.ones(count), shares, variances
+
+    def unlikely(logarithms: Array) -> float:
+        variance = float(np.exp(2 * logarithms[-1]))
+        among = variance * likeness(tested, tested, np.exp(logarithms[:-1]))
+        among += np.diag(variances + EASY * variance)
+        try:
+            root = cho_factor(among, lower=True)
+        except np.linalg.LinAlgError:
+            return 1e12
+        fits = 0.5 * float(shares @ cho_solve(root, shares)) + float(np.log(np.diag(root[0])).sum())
+        beforehand = float(np.sum(logarithms[:-1] ** 2)) + (logarithms[-1] - np.log(whole)) ** 2
+        return float(fits + 0.5 * beforehand)
+
+    middle = np.append(np.zeros(count), np.log(whole))
+    starts = [np.append(np.full(count, np.log(length)), np.log(whole)) for length in (NEAR, FAR)]
+    tried = [
+        minimize(unlikely, start, method="L-BFGS-B", bounds=[(at - FARTHEST, at + FARTHEST) for at in middle])
+        for start in starts
+    ]
+    best = min(tried, key=lambda one: float(one.fun)).x
+    deviation = float(np.exp(best[-1]))
+    return deviation, np.exp(best[:-1]), shares, variances + EASY * deviation**2

@@ -1,0 +1,68 @@
+"""What tests show of a law's form between them: kriging, and bands that lie where they show."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from banded import SPREAD, banded
+
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import KrigedShare, LocalForm, read_law, write_law
+from pipeclamp_models.law.local_form import foretold
+from pipeclamp_system.bands.response import response_bands
+from pipeclamp_system.bands.varied import varied
+from pipeclamp_system.steady.response import amplitudes_of, run_response
+
+AT = {"A": (0.1, 0.2, 0.4, 0.8), "f": (2.0, 8.0, 2.0, 8.0)}
+
+
+def share(*values, variance=1e-8, deviation=0.05, lengths=(0.5, 1.0)):
+    return KrigedShare(
+        deviation=deviation, lengths=dict(zip(AT, lengths, strict=True)), shares=values, variances=(variance,) * 4
+    )
+
+
+def local(stiffness, damping):
+    return LocalForm(at=AT, stiffness=stiffness, damping=damping)
+
+
+def test_at_tests_it_is_what_they_show_and_far_away_nothing_is_known():
+    one = share(0.03, -0.02, 0.04, 0.01)
+    form = local(one, one)
+    for place, value in enumerate(one.shares):
+        mean, left = foretold(form, one, {name: AT[name][place] for name in AT})
+        assert mean == pytest.approx(value, abs=1e-6)
+        assert left < 2e-4
+    mean, left = foretold(form, one, {"A": 1e4, "f": 1e4})
+    assert (mean, left) == pytest.approx((0.0, 0.05))
+    between = foretold(form, one, {"A": 0.15, "f": 4.0})[1]
+    assert 2e-4 < between < 0.05
+
+
+def test_a_law_is_surer_near_its_tests():
+    spread = SPREAD.model_copy(update={"local": local(share(0.0, 0.0, 0.0, 0.0), share(0.1, 0.1, 0.1, 0.1))})
+    law = varied(open_law("emwm2").model_copy(update={"spread": spread}))
+    near, far = (law.form({}, {"A": A, "f": f}) for A, f in ((0.2, 8.0), (0.2, 1e3)))
+    assert near.damping < 0.1 * far.damping
+    assert law.lean({"A": 0.2, "f": 8.0}) == pytest.approx({"stiffness": 0.0, "damping": 0.1}, abs=1e-5)
+    assert law.form({}) == SPREAD.form
+
+
+def test_a_band_lies_where_tests_show(tmp_path):
+    """Tests that all show 5 % more damping: the band is about the peak of a law with so much more."""
+    path = banded(tmp_path, 1.0)
+    law = read_law(tmp_path / "law.json")
+    alike = {"lengths": (1e3, 1e3), "variance": 1e-12}
+    form = local(share(*[0.0] * 4, **alike), share(*[0.05] * 4, **alike))
+    write_law(
+        law.model_copy(update={"spread": SPREAD.model_copy(update={"local": form, "beyond": {}})}),
+        path.parent / "law.json",
+    )
+    peak = response_bands(path, run_response(path), 95.0).curves[0].peaks[0].amplitude
+    entry = law.coefficients["c0"]
+    more = entry.model_copy(update={"value": entry.value * float(np.exp(0.05))})
+    write_law(law.model_copy(update={"coefficients": {**law.coefficients, "c0": more}}), tmp_path / "law.json")
+    states = run_response(path).curves[0].states
+    assert peak.middle == pytest.approx(max(amplitudes_of(state)[0] for state in states), rel=2e-3)
+    assert peak.middle < peak.value
+    assert peak.low < peak.middle < peak.high
