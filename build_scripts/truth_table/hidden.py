@@ -42,7 +42,8 @@ class Kind:
         start: a small size to begin the search for its strength with.
         most: largest reasonable size.
         needs: "" or what the campaign must vary for it: "density", "condition", "cycles".
-        rough_is: another effect that its rough form is as much as its own: two relaxation times are a spread of them.
+        rough_is: another effect that its rough form is as much as its own: two relaxation times are a spread of them,
+            and so are fourteen slip forces.
     """
 
     part: Callable[[Motion, BaseLaw, bool, float, Shape], Part]
@@ -319,7 +320,7 @@ def delay(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape)
 
 
 EFFECTS: dict[str, Kind] = {
-    "memory": Kind(memory, most=0.8),
+    "memory": Kind(memory, most=0.8, rough_is="slip_spread"),
     "directional_slip": Kind(directional_slip, most=0.8),
     "slip_spread": Kind(slip_spread, most=0.8),
     "bouc_wen": Kind(bouc_wen_pinched, most=0.8),
