@@ -63,7 +63,7 @@ def test_a_law_that_hangs_on_its_tracker_is_said_to_beat(tmp_path, steep, beats)
     if beats:
         assert result.beats.swing.high > 1.5 * result.beats.swing.low
         assert result.beats.solved
-        # Self-consistent: harmonic balance of the same system gives 1.50 mm.
+        # A is solved for: with A held where the swing has its mean it would be 1.40 mm.
         assert result.beats.settles_at == pytest.approx(1.505e-3, rel=0.01)
         assert result.beats.held_at == pytest.approx(result.beats.settles_at, rel=0.02)
         assert result.step_error is None

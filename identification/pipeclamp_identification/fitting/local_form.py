@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
-from scipy.optimize import minimize
 
 from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops
@@ -74,6 +72,10 @@ def _kriged(names: Sequence[str], found: _Found, spread: Array) -> KrigedShare:
 
 def _likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
     """Give the likeliest deviation and lengths; that a length is as the tests are spread is likely beforehand."""
+    # fits alone need it, not every command that reads a law
+    from scipy.linalg import cho_factor, cho_solve
+    from scipy.optimize import minimize
+
     count = tested.shape[1]
     if whole == 0.0:
         return 0.0, np.ones(count), shares, variances
