@@ -427,10 +427,12 @@ def _minimise(
             max_nfev=MOST_EVALUATIONS,
         )
 
-    result = minimise("trf", x0)
-    if result.status == 0:
-        # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
-        result = minimise("dogbox", result.x)
+    # A step that goes too far may give what no number holds; it counts as huge, and is taken back.
+    with np.errstate(over="ignore", invalid="ignore"):
+        result = minimise("trf", x0)
+        if result.status == 0:
+            # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
+            result = minimise("dogbox", result.x)
     values = begin.copy()
     values[free] = result.x
     return float(result.cost), values
