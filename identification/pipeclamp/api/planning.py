@@ -100,6 +100,9 @@ def plan_campaign(
 
     Raises:
         UserError: there is no such law, nothing can be driven within the limits, or nothing fits into the hours.
+
+    >>> plan_campaign(hours=0.2)
+    <campaign of 20 runs in 0.197 h>
     """
     reach = parse_limits(limits) if limits else None
     asked = campaign.Asked(hours, force_noise, scatter)
@@ -122,6 +125,9 @@ def plan(
 
     Raises:
         UserError: the system can't be read or solved, or no law tells how sure it is.
+
+    >>> plan("system.toml", limits="A=0.1..1,f=1..10,T=20..200")  # doctest: +SKIP
+    <loop tests for cantilever: 2>
     """
     reach = parse_limits(limits) if limits else None
     path = Path(path_of(system, "the description of a system"))
