@@ -174,7 +174,9 @@ def test_public_names_are_documented_with_examples_that_run():
             assert "Raises:" in inspect.getdoc(public), name
 
 
-@pytest.mark.parametrize("module", ["comparison", "diagnosis", "fmu", "importing", "law", "laws", "planning", "system", "tests"])
+@pytest.mark.parametrize(
+    "module", ["comparison", "diagnosis", "fmu", "importing", "law", "laws", "planning", "system", "tests"]
+)
 def test_examples_run(module):
     ran = doctest.testmod(import_module(f"pipeclamp.api.{module}"))
     assert ran.attempted > 0
