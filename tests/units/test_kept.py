@@ -68,7 +68,8 @@ def test_an_outline_comes_back_whole(structure):
 @pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.name)
 def test_starts_and_bounds_are_those_that_the_effect_states(effect):
     term = next((base for base in BASES if effect.id in {name.split(":")[0] for name in BASES[base].terms}), None)
-    structure = Structure(term) if term else Structure("power", (effect.name,))
+    with_slip = "memory" if effect.scales.keys() == {"slip"} else "power"
+    structure = Structure(term) if term else Structure(with_slip, (effect.name,))
     outlined = {parameter.name: parameter for parameter in structure.equations.parameters}
     for parameter in structure.equations.composed.parameters:
         found = outlined[parameter.name]

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 import sympy as sp
+from sympy.codegen.cfunctions import expm1
 from sympy.printing.str import StrPrinter
 
 from pipeclamp_models.base.signals import CONDITION
@@ -110,6 +111,7 @@ def _stiff(compliance: sp.Expr) -> sp.Expr:
 
 
 def _latex(expression: sp.Expr) -> str:
+    expression = expression.replace(expm1, lambda argument: sp.exp(argument) - 1)
     names = {symbols.y_previous: r"y_\mathrm{prev}"}
     for symbol in expression.free_symbols:
         word = re.fullmatch(r"([a-z]{3,})(\d*)", str(symbol))
@@ -137,6 +139,9 @@ class _Words(StrPrinter):  # type: ignore[misc]
 
     def _print_Abs(self, expression: sp.Abs) -> str:
         return f"|{self._print(expression.args[0])}|"
+
+    def _print_expm1(self, expression: sp.Expr) -> str:
+        return f"(exp({self._print(expression.args[0])}) - 1)"
 
     def _print_Equality(self, expression: sp.Eq) -> str:
         return f"{self._print(expression.lhs)} is {self._print(expression.rhs)}"
