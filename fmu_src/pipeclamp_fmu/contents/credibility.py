@@ -42,7 +42,7 @@ def credibility(file: LawFile, sets: ParameterSets, software: str) -> bytes:
     told = file.model_dump(by_alias=True, exclude_none=True, mode="json")
     record = {
         "schema": SCHEMA,
-        "law": {key: told[key] for key in ("name", "base", "effects", "software", "command")},
+        "law": {key: told[key] for key in ("name", "base", "effects", "software")},
         "software": software,
         "data": told["data"],
         "range": told["range"],
