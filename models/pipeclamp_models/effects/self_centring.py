@@ -28,9 +28,12 @@ EFFECT = Effect(
         Parameter(
             k_c, "N/mm", "stiffness before it gives way",
             tuple(force * F_typical / (limit * A_typical) for force, limit in ((0.3, 0.1), (0.3, 0.3), (0.3, 0.8))),
-            lower=0.0, upper=200 * F_typical / A_typical,
+            lower=0.0, upper=200 * F_typical / A_typical, typical=0.4 * F_typical / A_typical,
         ),
-        Parameter(F_u, "N", "force at which it gives way", (0.3 * F_typical,) * 3, lower=0.0, upper=10 * F_typical),
+        Parameter(
+            F_u, "N", "force at which it gives way", (0.3 * F_typical,) * 3, lower=0.0, upper=10 * F_typical,
+            typical=0.1 * F_typical,
+        ),
         Parameter(
             beta_c, "-", "share of it by which it comes back lower", (0.5,) * 3, lower=0.0, upper=1.0,
         ),
