@@ -9,7 +9,7 @@ FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
 LAWS = (
     "bouc_wen", "dahl", "iwan", "power_law", "friction_pendulum", "drag", "zener_slip", "loose_hanger", "baber_noori",
     "slip_lock", "play_and_slip", "relief_damper", "rubber", "mr_damper", "memory_alloy", "wire_rope", "lugre",
-    "air_spring", "hydraulic_mount", "ring_spring", "eddy_current",
+    "air_spring", "hydraulic_mount", "ring_spring", "eddy_current", "sliding_bearing",
 )  # fmt: skip
 MOST_STEP_ERROR = 3e-4
 """Rms by which the force may depend on the step, as a share of its rms: a tenth of the least sensor noise."""

@@ -144,7 +144,6 @@ DEVICES: dict[str, Device] = {
         "F = k y + s0 z + s1 dz/dt + s2 v, dz/dt = v - s0 |v| z/g(v), g falling with |v|",
         "Canudas de Wit, Olsson, Astroem and Lischinsky 1995, IEEE Trans. Autom. Control 40(3)",
         hysteresis.lugre, hysteresis.draw_lugre, ("bench", "mount", "damper"),
-        frozenset({"memory", "slip_speed", "viscous"}),
     ),
     "ring_spring": Device(
         "F = k y (1 + mu sgn(y v)): friction that grows with the displacement",
