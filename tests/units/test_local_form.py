@@ -8,7 +8,7 @@ from banded import SPREAD, banded
 
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import KrigedShare, LocalForm, read_law, write_law
-from pipeclamp_models.law.local_form import foretold
+from pipeclamp_models.law.local_form import Kriged
 from pipeclamp_system.bands.response import response_bands
 from pipeclamp_system.bands.varied import varied
 from pipeclamp_system.steady.response import amplitudes_of, run_response
@@ -30,12 +30,12 @@ def test_at_tests_it_is_what_they_show_and_far_away_nothing_is_known():
     one = share(0.03, -0.02, 0.04, 0.01)
     form = local(one, one)
     for place, value in enumerate(one.shares):
-        mean, left = foretold(form, one, {name: AT[name][place] for name in AT})
+        mean, left = Kriged.of(form, one).at({name: AT[name][place] for name in AT})
         assert mean == pytest.approx(value, abs=1e-6)
         assert left < 2e-4
-    mean, left = foretold(form, one, {"A": 1e4, "f": 1e4})
+    mean, left = Kriged.of(form, one).at({"A": 1e4, "f": 1e4})
     assert (mean, left) == pytest.approx((0.0, 0.05))
-    between = foretold(form, one, {"A": 0.15, "f": 4.0})[1]
+    between = Kriged.of(form, one).at({"A": 0.15, "f": 4.0})[1]
     assert 2e-4 < between < 0.05
 
 

@@ -10,7 +10,7 @@ import pytest
 from pipeclamp_identification.fitting.identify import identify
 from pipeclamp_identification.fitting.spread import spread_of
 from pipeclamp_identification.loops.loops import loops_of
-from pipeclamp_models.law.local_form import foretold
+from pipeclamp_models.law.local_form import Kriged
 
 LEVELS = tuple(itertools.product((0.2, 0.4, 0.7, 1.0), (1.0, 3.0, 6.0, 10.0), (20.0, 100.0, 180.0)))
 
@@ -61,7 +61,7 @@ def test_a_lack_that_follows_the_conditions_is_foretold_between_the_tests(spread
     found = spread(0.0, 0.003, lack=0.2)
     off = []
     for A in (0.25, 0.3, 0.5, 0.6, 0.85):
-        mean, left = foretold(found.local, found.local.damping, {"A": A, "f": 4.0, "T": 373.15})
+        mean, left = Kriged.of(found.local, found.local.damping).at({"A": A, "f": 4.0, "T": 373.15})
         assert left < found.local.damping.deviation
         off.append((mean, left))
     assert np.ptp([mean for mean, _ in off]) > found.form.damping

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import log
 
 import numpy as np
@@ -12,7 +13,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import CoefficientEntry, LawFile, Shares, structure_of
-from pipeclamp_models.law.local_form import foretold
+from pipeclamp_models.law.local_form import Kriged
 
 OFF_BY = Declaration.model_validate(
     {
@@ -58,12 +59,15 @@ class VariedLaw:
         }
         return self.file.model_copy(update={"coefficients": coefficients})
 
+    @cached_property
+    def _near(self) -> dict[str, Kriged]:
+        """What its tests tell of conditions near theirs, by share; empty where its file doesn't."""
+        local = self.file.spread.local if self.file.spread else None
+        return {name: Kriged.of(local, getattr(local, name)) for name in SHARES.values()} if local else {}
+
     def lean(self, at: Mapping[str, float]) -> dict[str, float]:
         """Give the shares by which its tests near conditions (A mm, f Hz, T K and so on) lie beside it."""
-        local = self.file.spread.local if self.file.spread else None
-        if local is None:
-            return dict.fromkeys(SHARES.values(), 0.0)
-        return {name: foretold(local, getattr(local, name), at)[0] for name in SHARES.values()}
+        return dict.fromkeys(SHARES.values(), 0.0) | {name: one.at(at)[0] for name, one in self._near.items()}
 
     def form(self, beyond: Mapping[str, float], at: Mapping[str, float] | None = None) -> Shares:
         """Give by how much the law's form may be off, in standard deviations.
@@ -80,8 +84,8 @@ class VariedLaw:
         if spread is None:
             return Shares(stiffness=0.0, damping=0.0)
         inside = [spread.form.stiffness, spread.form.damping]
-        if at is not None and spread.local is not None:
-            inside = [foretold(spread.local, getattr(spread.local, name), at)[1] for name in SHARES.values()]
+        if at is not None and self._near:
+            inside = [self._near[name].at(at)[1] for name in SHARES.values()]
         squares = np.array(inside) ** 2
         for name, value in beyond.items():
             told, interval = spread.beyond.get(name), self.file.range.get(name)

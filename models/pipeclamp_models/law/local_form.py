@@ -8,6 +8,7 @@ C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 200
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,29 +30,47 @@ def likeness(one: Array, other: Array, lengths: Array) -> Array:
     return np.asarray(np.exp(-0.5 * np.sum(apart**2, axis=2)))
 
 
-def foretold(local: LocalForm, share: KrigedShare, conditions: Mapping[str, float]) -> tuple[float, float]:
-    """Give the share by which a law's force is off at conditions, and its standard deviation.
+@dataclass(frozen=True, eq=False)
+class Kriged:
+    """A share that is known at n tests of c conditions, ready to be foretold elsewhere.
 
-    Args:
-        local: of the law's file; share: that of its stiffness, or of its damping.
-        conditions: A (mm), f (Hz), T (K) and so on; one that isn't named is taken as in the middle of the tests.
+    Attributes:
+        names: of the conditions.
+        tested: their coordinates in the tests, shape (n, c).
+        lengths: over which the share stays alike, shape (c,).
+        variance: of it, far from all tests.
+        inverse: of the tests' covariance, shape (n, n).
+        known: that times the shares, shape (n,).
     """
-    if share.deviation == 0.0:
-        return 0.0, 0.0
-    names = list(local.at)
-    tested = np.column_stack([coordinate(name, np.array(local.at[name])) for name in names])
-    middle = np.median(tested, axis=0)
-    here = np.array(
-        [
-            coordinate(name, np.array(conditions[name])) if name in conditions else middle[place]
-            for place, name in enumerate(names)
-        ],
-        dtype=np.float64,
-    )
-    lengths = np.array([share.lengths[name] for name in names])
-    variance = share.deviation**2
-    among = variance * likeness(tested, tested, lengths) + np.diag(share.variances)
-    with_tests = variance * likeness(here[None], tested, lengths)[0]
-    known = np.linalg.solve(among, np.column_stack([np.array(share.shares), with_tests]))
-    left = variance - float(with_tests @ known[:, 1])
-    return float(with_tests @ known[:, 0]), float(np.sqrt(max(left, 0.0)))
+
+    names: tuple[str, ...]
+    tested: Array
+    lengths: Array
+    variance: float
+    inverse: Array
+    known: Array
+
+    @classmethod
+    def of(cls, local: LocalForm, share: KrigedShare) -> Kriged:
+        """Prepare a law's share: that of its stiffness, or of its damping."""
+        names, variance = tuple(local.at), share.deviation**2
+        tested = np.column_stack([coordinate(name, np.array(local.at[name])) for name in names])
+        lengths = np.array([share.lengths[name] for name in names])
+        inverse = np.zeros((len(tested),) * 2)
+        if variance > 0:  # else the law isn't off in it
+            inverse = np.linalg.inv(variance * likeness(tested, tested, lengths) + np.diag(share.variances))
+        return cls(names, tested, lengths, variance, inverse, inverse @ np.array(share.shares))
+
+    def at(self, conditions: Mapping[str, float]) -> tuple[float, float]:
+        """Give the share by which a law's force is off at conditions, and its standard deviation.
+
+        Args:
+            conditions: A (mm), f (Hz), T (K) and so on; one that isn't named is taken as in the middle of the tests.
+        """
+        here = np.median(self.tested, axis=0)
+        for place, name in enumerate(self.names):
+            if name in conditions:
+                here[place] = coordinate(name, np.array(conditions[name]))
+        with_tests = self.variance * likeness(here[None], self.tested, self.lengths)[0]
+        left = self.variance - float(with_tests @ self.inverse @ with_tests)
+        return float(with_tests @ self.known), float(np.sqrt(max(left, 0.0)))
