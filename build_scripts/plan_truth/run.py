@@ -60,9 +60,9 @@ def main() -> None:
     told = parser.parse_args()
     told.output.mkdir(parents=True, exist_ok=True)
     plan = plan_campaign(open_law(LAW), parse_limits(told.limits), Asked(hours=told.hours, scatter=0.0))
-    least, names = plan.power.from_newtons(), np.array(plan.power.scene.effects)
+    least, names = plan.power.from_newtons, np.array(plan.power.scene.effects)
     print(f"{len(plan.runs)} runs, {plan.hours:.3g} h, {least:.3g} N", flush=True)
-    known = np.flatnonzero(plan.power.told())
+    known = np.flatnonzero(plan.power.told)
     chosen = np.random.default_rng(told.seed).permutation(known)[: math.ceil(told.share * len(known))]
     rows = []
     for place in sorted(chosen.tolist()):

@@ -50,12 +50,12 @@ def test_heating_and_cycles_are_counted():
 def test_more_runs_tell_more(seen):
     once, thrice = (power(seen, np.full(len(seen.grid["A"]), count)) for count in (1.0, 3.0))
     assert thrice.apart == pytest.approx(np.sqrt(3) * once.apart)
-    assert np.all(thrice.sizes() <= 1.001 * once.sizes())
-    assert thrice.from_newtons() <= once.from_newtons()
-    for place, newtons in enumerate(once.sizes()):
+    assert np.all(thrice.sizes <= 1.001 * once.sizes)
+    assert thrice.from_newtons <= once.from_newtons
+    for place, newtons in enumerate(once.sizes):
         if np.isfinite(newtons):
             assert once.chance(1.001 * newtons)[place] >= NAMED - 1e-3
-    assert np.mean(once.chance(once.from_newtons())[once.told()]) == pytest.approx(NAMED, abs=0.05)
+    assert np.mean(once.chance(once.from_newtons)[once.told]) == pytest.approx(NAMED, abs=0.05)
 
 
 def test_what_follows_temperature_is_told_at_several_alone(seen):
@@ -64,8 +64,8 @@ def test_what_follows_temperature_is_told_at_several_alone(seen):
     several = power(seen, np.full(len(cold), 2.0))
     one = power(seen, 2.0 * cold)
     place = int(np.flatnonzero(names == "damping_temperature")[0])
-    assert several.told()[place]
-    assert not one.told()[place]
+    assert several.told[place]
+    assert not one.told[place]
     assert {"density", "condition", "loosening"} <= set(seen.not_reckoned)
 
 
@@ -87,7 +87,7 @@ def test_a_plan_keeps_its_hours_and_its_limits():
     assert plan.hours <= 0.5
     assert all(2 * np.pi * run.amplitude_mm * run.frequency_Hz <= 25 for run in plan.runs)
     assert len(plan.stages) == 1
-    assert plan.stages[-1].newtons == pytest.approx(plan.power.from_newtons())
+    assert plan.stages[-1].newtons == pytest.approx(plan.power.from_newtons)
     with pytest.raises(UsageError, match="no campaign fits into that; the shortest takes"):
         plan_campaign(open_law("emwm2"), limits, Asked(hours=0.01))
 

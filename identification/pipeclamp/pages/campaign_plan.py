@@ -38,7 +38,7 @@ def campaign_plan_page(plan: CampaignPlan) -> tuple[str, str, list[Section]]:
 def hours_picture(plan: CampaignPlan) -> go.Figure:
     """Draw what each plan that was tried names, over its hours, and the chosen one."""
     figure = go.Figure()
-    most = int(plan.power.told().sum())
+    most = int(plan.power.told.sum())
     for name, own, symbol in (
         (f"tells {most} effects or more", [one for one in plan.tried if one.told >= most], "circle"),
         ("tells fewer", [one for one in plan.tried if one.told < most], "circle-open"),
@@ -50,9 +50,9 @@ def hours_picture(plan: CampaignPlan) -> go.Figure:
                 marker={"size": 6, "color": SERIES[0], "symbol": symbol}, customdata=[one.runs for one in known],
                 hovertemplate="%{x:.3g} h, %{customdata} runs: %{y:.3g} N<extra></extra>",
             )  # fmt: skip
-    if math.isfinite(plan.power.from_newtons()):
+    if math.isfinite(plan.power.from_newtons):
         figure.add_scatter(
-            x=[plan.hours], y=[plan.power.from_newtons()], mode="markers", name="this plan",
+            x=[plan.hours], y=[plan.power.from_newtons], mode="markers", name="this plan",
             marker={"size": 13, "color": MODEL, "symbol": "diamond"},
         )  # fmt: skip
     figure.update_xaxes(title_text="rig hours")
@@ -62,8 +62,8 @@ def hours_picture(plan: CampaignPlan) -> go.Figure:
 
 def effects_picture(plan: CampaignPlan) -> go.Figure:
     """Draw the chance that each effect is named over its size."""
-    scene, told = plan.power.scene, plan.power.told()
-    sizes = plan.power.sizes()[told]
+    scene, told = plan.power.scene, plan.power.told
+    sizes = plan.power.sizes[told]
     if not len(sizes):
         return styled(go.Figure(), "No effect is named")
     newtons = np.geomspace(sizes.min() / 4, sizes.max() * 2, 60)

@@ -30,7 +30,7 @@ def stages_table(plan: CampaignPlan) -> Table:
 
 def effects_table(plan: CampaignPlan) -> Table:
     """Give from which size on each effect is named, the largest of these first."""
-    scene, sizes, told = plan.power.scene, plan.power.sizes(), plan.power.told()
+    scene, sizes, told = plan.power.scene, plan.power.sizes, plan.power.told
     order = sorted(range(len(sizes)), key=lambda place: -sizes[place])
     rows = [
         (
@@ -47,7 +47,7 @@ def effects_table(plan: CampaignPlan) -> Table:
 def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[str]:
     """Say what a campaign names in how many hours, when to stop, and what was reckoned with."""
     scene = plan.power.scene
-    newtons, told = plan.power.from_newtons(), plan.power.told()
+    newtons, told = plan.power.from_newtons, plan.power.told
     count, among = int(told.sum()), len(scene.effects)
     if math.isfinite(newtons):
         first = (
@@ -98,8 +98,8 @@ def stopping_words(plan: CampaignPlan) -> list[str]:
         "reference run of a block's end differs from that of its beginning by more than three times the scatter, the "
         "clamp or the rig drifts: repeat the block before heating on."
     ]
-    longer = [one for one in plan.tried if one.hours > plan.hours and one.told >= int(plan.power.told().sum())]
-    now = plan.power.from_newtons()
+    longer = [one for one in plan.tried if one.hours > plan.hours and one.told >= int(plan.power.told.sum())]
+    now = plan.power.from_newtons
     best = min(longer, key=lambda one: one.newtons, default=None)
     if best is not None and best.newtons < now:
         lines.append(f"The best plan that takes longer: {best.newtons:.3g} N in {best.hours:.3g} h.")

@@ -159,7 +159,7 @@ def plan_campaign(
             if hours > LONGER * asked.hours:
                 break
             found = power(view, levels.counted(runs))
-            one = Tried(hours, len(runs), found.from_newtons(), int(found.told().sum()))
+            one = Tried(hours, len(runs), found.from_newtons, int(found.told.sum()))
             tried.append(one)
             if hours <= asked.hours:
                 fitting.append((one, repeats, runs, found))
@@ -231,8 +231,8 @@ def _stages(runs: Sequence[ScheduledRun], levels: _Levels, view: Scene, asked: A
     for block in range(1, runs[-1].block + 1):
         so_far = [run for run in runs if run.block <= block]
         found = power(view, levels.counted(so_far))
-        newtons = found.from_newtons()
+        newtons = found.from_newtons
         yield Stage(
             so_far[-1].temperature_C, hours_of(so_far, asked.times), newtons if math.isfinite(newtons) else None,
-            int(found.told().sum()),
+            int(found.told.sum()),
         )  # fmt: skip

@@ -61,7 +61,7 @@ class CampaignPlanAnswer(AnswerModel):
 def campaign_plan_answer(plan: CampaignPlan) -> CampaignPlanAnswer:
     """Give what a campaign would tell."""
     scene = plan.power.scene
-    sizes, told = plan.power.sizes(), plan.power.told()
+    sizes, told = plan.power.sizes, plan.power.told
     return CampaignPlanAnswer(
         law=plan.law,
         limits=limits_words(plan.limits),
@@ -72,7 +72,7 @@ def campaign_plan_answer(plan: CampaignPlan) -> CampaignPlanAnswer:
         temperatures_C=tuple(sorted({run.temperature_C for run in plan.runs})),
         repeats=plan.repeats,
         named=NAMED,
-        newtons=known(plan.power.from_newtons()),
+        newtons=known(plan.power.from_newtons),
         force_noise_N=plan.asked.noise_N,
         scatter=plan.asked.scatter,
         effects=tuple(

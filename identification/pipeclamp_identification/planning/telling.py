@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -127,7 +128,8 @@ def scene(
     scales = np.sqrt(np.maximum(np.mean(stacked**2, axis=(1, 2), keepdims=True), 1e-300))
     scales[-len(does) :] = 1.0
     stacked = stacked / scales
-    plain = stacked * np.sqrt(_mean_square_weights(force.shape[1]))
+    weights = _mean_square_weights(force.shape[1])
+    plain = stacked * np.sqrt(weights)
     covariance = sensor_noise(noise_N, rate, motion, force.shape[1])
     for part in (slice(1, None, 2), slice(2, None, 2)):
         direction = np.zeros_like(force)
@@ -135,7 +137,6 @@ def scene(
         covariance = covariance + direction[:, :, None] * direction[:, None, :]
     roots = np.linalg.cholesky(covariance)
     white = np.linalg.solve(roots, np.moveaxis(stacked, 0, -1))
-    weights = _mean_square_weights(force.shape[1])
     return Scene(
         grid, tuple(effects), np.sqrt(np.mean(np.sum(np.stack(does) ** 2 * weights, axis=2), axis=1)),
         float(np.sqrt(np.mean(np.sum(force**2 * weights, axis=1)))),
@@ -239,6 +240,7 @@ class Power:
         least = max(MATERIAL_NOISE_SHARE * self.scene.noise, MATERIAL_FORCE_SHARE * self.scene.force)
         return np.asarray(np.where(size * self.unimitated >= least, seen * told, 0.0))
 
+    @cached_property
     def sizes(self) -> Array:
         """Give the rms force, N, from which on each effect is named with a chance of `NAMED`; inf: in no size."""
         found = np.full(len(self.scene.effects), np.inf)
@@ -252,18 +254,19 @@ class Power:
                 found[place] = typical * np.exp(brentq(short, np.log(ends[0]), np.log(ends[1]), xtol=1e-4))
         return found
 
+    @cached_property
     def told(self) -> npt.NDArray[np.bool_]:
         """Tell which effects can be named at all: in a size that is no larger than the law's own force, shape (E,)."""
-        return np.asarray(self.sizes() <= self.scene.force)
+        return np.asarray(self.sizes <= self.scene.force)
 
+    @cached_property
     def from_newtons(self) -> float:
         """Give the rms force, N, above which `NAMED` of the effects that can be told are named; inf: none can."""
-        told = self.told()
-        if not told.any():
+        if not self.told.any():
             return np.inf
 
         def short(logarithm: float) -> float:
-            return float(np.mean(self.chance(np.exp(logarithm))[told])) - NAMED
+            return float(np.mean(self.chance(np.exp(logarithm))[self.told])) - NAMED
 
         low, high = np.log(1e-9 * self.scene.force), np.log(10 * self.scene.force)
         return float(np.exp(brentq(short, low, high, xtol=1e-4))) if short(high) > 0 else np.inf

@@ -56,7 +56,7 @@ class Kriged:
         names, variance = tuple(local.at), share.deviation**2
         tested = np.column_stack([coordinate(name, np.array(local.at[name])) for name in names])
         lengths = np.array([share.lengths[name] for name in names])
-        inverse = np.zeros((len(tested),) * 2)
+        inverse: Array = np.zeros((len(tested),) * 2)
         if variance > 0:  # else the law isn't off in it
             inverse = np.linalg.inv(variance * likeness(tested, tested, lengths) + np.diag(share.variances))
         return cls(names, tested, lengths, variance, inverse, inverse @ np.array(share.shares))
