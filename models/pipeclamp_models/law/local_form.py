@@ -58,7 +58,8 @@ class Kriged:
         lengths = np.array([share.lengths[name] for name in names])
         inverse: Array = np.zeros((len(tested),) * 2)
         if variance > 0:  # else the law isn't off in it
-            inverse = np.linalg.inv(variance * likeness(tested, tested, lengths) + np.diag(share.variances))
+            among = variance * likeness(tested, tested, lengths) + np.diag(share.variances)
+            inverse = np.asarray(np.linalg.inv(among), dtype=np.float64)
         return cls(names, tested, lengths, variance, inverse, inverse @ np.array(share.shares))
 
     def at(self, conditions: Mapping[str, float]) -> tuple[float, float]:
