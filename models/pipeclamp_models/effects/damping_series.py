@@ -4,7 +4,7 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Family, Parameter, exponent, power_surface
 from pipeclamp_models.equations.literature import JIANG
-from pipeclamp_models.equations.symbols import A, A_typical, F_typical, f, f_typical, smooth_sign, v, v_r
+from pipeclamp_models.equations.symbols import A, F_typical, f, smooth_sign, v, v_r, v_typical
 
 HIGHEST_ORDER = 5
 
@@ -22,7 +22,7 @@ def series(argument: str) -> Effect:
     force = b_0 * smooth_sign(v, v_r)
     for order in range(1, int(argument) + 1):
         b_n = sp.Symbol(f"b_{order}", real=True)
-        start = 0.1 * F_typical / (2 * sp.pi * f_typical * A_typical) if order == 1 else 0.0
+        start = 0.1 * F_typical / v_typical if order == 1 else 0.0
         unit = "N s/mm" if order == 1 else f"N s{order}/mm{order}"
         parameters.append(Parameter(b_n, unit, f"coefficient of |v|^{order - 1} v", start))
         force += b_n * v * sp.Abs(v) ** (order - 1)

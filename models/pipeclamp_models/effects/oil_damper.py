@@ -13,14 +13,13 @@ import sympy as sp
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Stage, State
 from pipeclamp_models.equations.literature import AKCELYAN, DIXON, KASAI
 from pipeclamp_models.equations.symbols import (
-    A_highest,
     A_typical,
     F_typical,
     compliance,
-    f_highest,
-    f_lowest,
-    f_typical,
     h,
+    v_highest,
+    v_lowest,
+    v_typical,
     y,
     y_previous,
 )
@@ -78,9 +77,6 @@ def after(falls: sp.Expr) -> sp.Expr:
     return held + (q - held) * sp.exp(-falls)
 
 
-slow, usual, fast = (
-    2 * sp.pi * f * A for f, A in ((f_lowest, A_typical), (f_typical, A_typical), (f_highest, A_highest))
-)
 reliefs = [share * F_typical for share in (0.4, 0.1, 0.2, 0.2)]
 gives = [share * A_typical for share in (0.3, 0.5, 0.1, 0.03)]
 """How far the spring gives under the relief force."""
@@ -107,8 +103,8 @@ EFFECT = Effect(
             F_o, "N", "force at which the valve relieves", tuple(reliefs), lower=1e-3 * F_typical, upper=10 * F_typical
         ),
         Parameter(
-            v_o, "mm/s", "speed of the dashpot at that force", (2 * usual, 0.2 * usual, 0.4 * usual, 0.3 * usual),
-            lower=1e-3 * slow, upper=100 * fast,
+            v_o, "mm/s", "speed of the dashpot at that force", tuple(share * v_typical for share in (2, 0.2, 0.4, 0.3)),
+            lower=1e-3 * v_lowest, upper=100 * v_highest,
         ),
         Parameter(a_o, "-", "exponent of the speed below it", (0.6, 0.8, 0.8, 0.8), lower=0.2, upper=2.0),
         Parameter(

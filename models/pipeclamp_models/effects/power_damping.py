@@ -4,7 +4,7 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, exponent, power_surface
 from pipeclamp_models.equations.literature import JIANG
-from pipeclamp_models.equations.symbols import A, A_typical, F_typical, f, f_typical, signed_power, v, v_0
+from pipeclamp_models.equations.symbols import A, F_typical, f, signed_power, v, v_0, v_typical
 
 c, c0, c_A, c_f = sp.symbols("c c0 c_A c_f", real=True)
 alpha, alpha0, alpha_A, alpha_f = sp.symbols("alpha alpha0 alpha_A alpha_f", real=True)
@@ -22,7 +22,7 @@ EFFECT = Effect(
             c0,
             "N",
             "damping force at v0, A0, f0",
-            0.3 * F_typical / sp.sqrt(2 * sp.pi * f_typical * A_typical / v_0),
+            0.3 * F_typical / sp.sqrt(v_typical / v_0),
             lower=0.0,
         ),
         exponent(c_A, "c", A, 4.0),

@@ -7,12 +7,9 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import CONSTANTINOU, OLSSON
-from pipeclamp_models.equations.symbols import A_highest, A_typical, f_highest, f_lowest, f_typical, v, v_r
+from pipeclamp_models.equations.symbols import v, v_highest, v_lowest, v_r, v_typical
 
 s_v, v_slip = sp.symbols("s_v v_slip", real=True)
-slow, usual, fast = (
-    2 * sp.pi * f * A for f, A in ((f_lowest, A_typical), (f_typical, A_typical), (f_highest, A_highest))
-)
 
 EFFECT = Effect(
     id="slip_speed",
@@ -31,7 +28,8 @@ EFFECT = Effect(
         ),
         Parameter(
             v_slip, "mm/s", "speed at which two thirds of that are reached",
-            (0.3 * usual, 0.3 * usual, 0.5 * fast, 0.1 * slow), lower=0.01 * slow, upper=2 * fast,
+            (0.3 * v_typical, 0.3 * v_typical, 0.5 * v_highest, 0.1 * v_lowest), lower=0.01 * v_lowest,
+            upper=2 * v_highest,
         ),
     ),
     scales={"slip": 1 + s_v * (1 - sp.exp(-sp.sqrt(v**2 + v_r**2) / v_slip))},

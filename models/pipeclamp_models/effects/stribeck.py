@@ -7,22 +7,9 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import ARMSTRONG, BO, OLSSON
-from pipeclamp_models.equations.symbols import (
-    A_highest,
-    A_typical,
-    F_typical,
-    f_highest,
-    f_lowest,
-    f_typical,
-    smooth_sign,
-    v,
-    v_r,
-)
+from pipeclamp_models.equations.symbols import F_typical, smooth_sign, v, v_highest, v_lowest, v_r, v_typical
 
 F_k, F_b, v_s, delta_s = sp.symbols("F_k F_b v_s delta_s", real=True)
-slow, usual, fast = (
-    2 * sp.pi * f * A for f, A in ((f_lowest, A_typical), (f_typical, A_typical), (f_highest, A_highest))
-)
 
 EFFECT = Effect(
     id="stribeck",
@@ -41,8 +28,8 @@ EFFECT = Effect(
             upper=10 * F_typical,
         ),
         Parameter(
-            v_s, "mm/s", "speed at which a third of that is left", (0.1 * slow, 0.2 * usual, 0.6 * usual),
-            lower=0.01 * slow, upper=2 * fast,
+            v_s, "mm/s", "speed at which a third of that is left", (0.1 * v_lowest, 0.2 * v_typical, 0.6 * v_typical),
+            lower=0.01 * v_lowest, upper=2 * v_highest,
         ),
         Parameter(
             delta_s, "-", "how suddenly it falls: 1 exponential (Tustin), 2 Gaussian (Armstrong)", (1.5,) * 3,

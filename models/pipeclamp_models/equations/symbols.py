@@ -103,6 +103,11 @@ N_highest = sp.Symbol("N_highest", positive=True)
 SCALES = (A_typical, A_highest, F_typical, f_typical, f_lowest, f_highest, T_lowest, T_highest, N_highest)
 """Sizes of a campaign's data, in which starts and bounds of parameters are stated."""
 
+v_lowest, v_typical, v_highest = (
+    2 * sp.pi * f * A for f, A in ((f_lowest, A_typical), (f_typical, A_typical), (f_highest, A_highest))
+)
+"""Peak velocities of the data in these sizes, mm/s: at the lowest frequency, usually, and the most."""
+
 
 def condition_symbol(column: str) -> sp.Symbol:
     """Give the slow signal of a further column of runs.csv."""
