@@ -17,6 +17,7 @@ from pipeclamp_models.base.processes import cores, spread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import write_law
+from pipeclamp_models.law.range import beyond_range, inside_range
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
 from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown
 from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
@@ -119,8 +120,8 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     points = [*result.clamp_names, *result.probe_names]
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
     at = [_conditions(result, places[index]) for index in range(len(places))]
-    beyond = [_beyond(what, index, at[index]) for index in range(len(places))]
-    inside = [_inside(what, index, at[index]) for index in range(len(places))]
+    beyond = [beyond_range(law.file, one) for law, one in zip(what.laws, at, strict=True)]
+    inside = [inside_range(law.file, one) for law, one in zip(what.laws, at, strict=True)]
     folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
     try:
         jobs = []
@@ -191,25 +192,6 @@ def _conditions(result: CosimResult, place: int) -> dict[str, float]:
         "T": source.temperature_C + CELSIUS,
     }
     return {name: value for name, value in values.items() if isfinite(value)}
-
-
-def _beyond(what: Unknown, index: int, at: Mapping[str, float]) -> dict[str, float]:
-    """Give those conditions that lie beyond the data of a clamp's law, by name."""
-    ranges = what.laws[index].file.range
-    return {
-        name: value
-        for name, value in at.items()
-        if name in ranges and not ranges[name].minimum <= value <= ranges[name].maximum
-    }
-
-
-def _inside(what: Unknown, index: int, at: Mapping[str, float]) -> dict[str, float]:
-    """Give the conditions, held inside the data of a clamp's law."""
-    ranges = what.laws[index].file.range
-    return {
-        name: min(max(value, ranges[name].minimum), ranges[name].maximum) if name in ranges else value
-        for name, value in at.items()
-    }
 
 
 def _with_bands(

@@ -164,12 +164,26 @@ def _noise(motion: Motion, force: Array, diagnosis: Diagnosis) -> Array:
     """
     loops, noise = diagnosis.problem.loops, diagnosis.problem.noise
     rate = float(np.median(loops.samples * loops.frequency_Hz / np.maximum([len(c) for c in loops.cycles], 1)))
-    covariance = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
-    for part, scatter in ((slice(1, None, 2), noise.stiffness_scatter), (slice(2, None, 2), noise.damping_scatter)):
+    of_sensor = sensor_noise(float(np.median(loops.noise_rms_N)), rate, motion, force.shape[1])
+    return (of_sensor + run_scatter(force, noise.stiffness_scatter, noise.damping_scatter)) / REPEATS
+
+
+def run_scatter(force: Array, stiffness: float, damping: float) -> Array:
+    """Give the covariance of harmonics that scatter from run to run makes.
+
+    Args:
+        force: harmonics, N, shape (R, m).
+        stiffness, damping: rms shares by which these differ.
+
+    Returns:
+        N2, shape (R, m, m).
+    """
+    covariance = np.zeros((*force.shape, force.shape[1]))
+    for part, scatter in ((slice(1, None, 2), stiffness), (slice(2, None, 2), damping)):
         direction = np.zeros_like(force)
         direction[:, part] = scatter * force[:, part]
-        covariance = covariance + direction[:, :, None] * direction[:, None, :]
-    return covariance / REPEATS
+        covariance += direction[:, :, None] * direction[:, None, :]
+    return covariance
 
 
 def sensor_noise(rms_N: float | Array, rate: float, motion: Motion, count: int) -> Array:

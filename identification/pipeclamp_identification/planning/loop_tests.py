@@ -14,6 +14,7 @@ from pipeclamp_identification.fitting.observations import harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import Interval, LawFile, law_of
+from pipeclamp_models.law.range import beyond_range
 from pipeclamp_models.realise.force import force_of_equations, known_jacobian
 from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_system.bands.varied import SHARES, VariedLaw
@@ -139,7 +140,7 @@ def _foretold(
     runs = law.file.spread.runs if law.file.spread else None
     for row in range(len(error)):
         there = {name: float(values[row]) for name, values in grid.items()}
-        form = law.form(beyond(law.file, there), there)
+        form = law.form(beyond_range(law.file, there), there)
         for share, direction in zip(SHARES.values(), every[count:, row], strict=True):
             scatter = getattr(runs, share) ** 2 / REPEATS if runs else 0.0
             error[row] += (scatter + getattr(form, share) ** 2) * np.outer(direction, direction)
@@ -165,15 +166,6 @@ def noise_words(file: LawFile, stated: float | None) -> str:
     if share is not None:
         return f"{share:.2%} of the force, as in the tests of {file.name}"
     return f"{RIG.force_noise:g} N rms, as of the virtual rig"
-
-
-def beyond(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
-    """Give which conditions lie beyond a law's range, by name, in its units."""
-    return {
-        name: value
-        for name, value in conditions.items()
-        if name in file.range and not file.range[name].minimum <= value <= file.range[name].maximum
-    }
 
 
 def with_test(file: LawFile, conditions: Mapping[str, float]) -> LawFile:

@@ -13,13 +13,14 @@ from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.limits import Limits, limits_words
 from pipeclamp_identification.diagnosis.next_test import away_from
 from pipeclamp_identification.diagnosis.outlook import PROFILES, REPEATS, SINE
-from pipeclamp_identification.planning.loop_tests import LoopTests, beyond, loop_tests, noise_words, reach_of, with_test
+from pipeclamp_identification.planning.loop_tests import LoopTests, loop_tests, noise_words, reach_of, with_test
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.range import beyond_range
 from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.bands.response import BandedSystem, PeakBand, banded_system
@@ -303,7 +304,7 @@ class _Search:
         file = known.files[field.law]
         for row in range(len(field)):
             squares[row] = now - less[row]
-            if beyond(file, field.conditions(row)):
+            if beyond_range(file, field.conditions(row)):
                 wider = with_test(file, field.conditions(row))
                 reached = self._with_range(known.covariance, field.law, wider, known.files[field.law])
                 squares[row] += self._wanted.deviation(reached) ** 2 - now
@@ -339,7 +340,9 @@ class _Search:
                 continue
             share = SHARES[quantity.parameter]
             then, now = (
-                getattr(replace(law, file=one).form(beyond(one, self._state.beyond[clamp]), self._at[clamp]), share)
+                getattr(
+                    replace(law, file=one).form(beyond_range(one, self._state.beyond[clamp]), self._at[clamp]), share
+                )
                 for one in (before or law.file, file)
             )
             factors[place] = now / then if then > 0 else 1.0

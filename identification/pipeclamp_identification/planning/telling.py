@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
 from pipeclamp_identification.campaign.rig import TestPlan, truth_of
-from pipeclamp_identification.diagnosis.outlook import HARMONICS, sensor_noise
+from pipeclamp_identification.diagnosis.outlook import HARMONICS, run_scatter, sensor_noise
 from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
@@ -130,11 +130,7 @@ def scene(
     stacked = stacked / scales
     weights = _mean_square_weights(force.shape[1])
     plain = stacked * np.sqrt(weights)
-    covariance = sensor_noise(noise_N, rate, motion, force.shape[1])
-    for part in (slice(1, None, 2), slice(2, None, 2)):
-        direction = np.zeros_like(force)
-        direction[:, part] = scatter * force[:, part]
-        covariance = covariance + direction[:, :, None] * direction[:, None, :]
+    covariance = sensor_noise(noise_N, rate, motion, force.shape[1]) + run_scatter(force, scatter, scatter)
     roots = np.linalg.cholesky(covariance)
     white = np.linalg.solve(roots, np.moveaxis(stacked, 0, -1))
     return Scene(

@@ -41,6 +41,23 @@ def rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
+def beyond_range(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
+    """Give those conditions that lie beyond a law's range, by name, in its units."""
+    return {
+        name: value
+        for name, value in conditions.items()
+        if name in file.range and not file.range[name].minimum <= value <= file.range[name].maximum
+    }
+
+
+def inside_range(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
+    """Give conditions, by name, in the units of a law's range; those that it holds moved inside it."""
+    return {
+        name: min(max(value, file.range[name].minimum), file.range[name].maximum) if name in file.range else value
+        for name, value in conditions.items()
+    }
+
+
 def outside_range(file: LawFile, runs: Sequence[str], columns: Mapping[str, Array]) -> dict[str, str]:
     """Find the runs outside the law's range, by more than 2 % of it, and say what is outside.
 
