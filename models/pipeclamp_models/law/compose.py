@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -75,12 +75,7 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
     fast_factors: dict[sp.Symbol, sp.Expr] = {}
     fast = FAST_SYMBOLS | {symbol for effect in effects for symbol in effect.within_steps}
     for effect in effects:
-        scaled = [
-            (index, factor)
-            for target, factor in effect.scales.items()
-            for index, entry in enumerate(coefficients)
-            if target in (str(entry.symbol), entry.role)
-        ]
+        scaled = scaled_by(effect, coefficients)
         if effect.scales and not scaled:
             raise UserError(
                 f"effect {effect.name!r} scales {' and '.join(effect.scales)}, which base law {base!r} lacks"
@@ -130,6 +125,16 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
         energy=energy.xreplace(held),
         lag=sp.Add(*(effect.lag for effect in effects)),
     )
+
+
+def scaled_by(effect: Effect, coefficients: Sequence[Coefficient]) -> list[tuple[int, sp.Expr]]:
+    """Give which coefficients an effect scales, by name or by role, each with the factor."""
+    return [
+        (index, factor)
+        for target, factor in effect.scales.items()
+        for index, entry in enumerate(coefficients)
+        if target in (str(entry.symbol), entry.role)
+    ]
 
 
 def _in_series(effects: Iterable[Effect], signal: sp.Symbol, what: str) -> Effect | None:

@@ -257,6 +257,17 @@ def smoothing(smallest_amplitude: float, lowest_frequency: float) -> tuple[float
     return 2 * math.pi * lowest_frequency * y_r, y_r
 
 
+def base_for(effect: Effect) -> str:
+    """Give the first base law that a term belongs to, or that has what an effect scales; else the first of all."""
+    from pipeclamp_models.law.compose import scaled_by
+
+    if effect.part == "base":
+        return next(name for name, base in BASES.items() if effect.id in base.terms)
+    able = (name for name in BASES if scaled_by(effect, Structure(name).equations.composed.coefficients))
+    first = next(iter(BASES))
+    return next(able, first) if effect.scales else first
+
+
 def with_effect(structure: Structure, effect: str) -> Structure:
     """Give the structure with one more effect; a larger member of a numbered family takes the smaller one's place.
 

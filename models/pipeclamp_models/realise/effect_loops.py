@@ -16,7 +16,7 @@ from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import law_of
-from pipeclamp_models.law.law import BASES, Law, Structure, with_effect
+from pipeclamp_models.law.law import Law, Structure, base_for, with_effect
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion, sinusoids
 from pipeclamp_models.realise.sizes import law_sizes, number_of
@@ -58,7 +58,7 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
         effect: the effect.
         declared: a user's own effects, of which it may be one.
     """
-    bare = Structure(_base_of(effect), declared=tuple(declared))
+    bare = Structure(base_for(effect), declared=tuple(declared))
     labels, motion = _motions(effect)
     known = law_of(open_law(CLAMP))
     slow = {name: float(values[-1, 0]) for name, values in motion.slow.items() if name not in ("A", "f", "T")}
@@ -74,18 +74,6 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
     share = float(np.max(np.abs(difference)) / np.max(np.abs(with_it)))
     times = next((times for times in MAGNIFICATIONS if times * share > SEEN), MAGNIFICATIONS[-1])
     return EffectLoops(labels, motion.y, without, without + times * difference, times)
-
-
-def _base_of(effect: Effect) -> str:
-    """Give the first base law that a term belongs to, or that has what an effect scales."""
-    if effect.part == "base":
-        return next(name for name, base in BASES.items() if effect.id in base.terms)
-    return next((name for name in BASES if not effect.scales or _scales(effect, name)), next(iter(BASES)))
-
-
-def _scales(effect: Effect, base: str) -> bool:
-    coefficients = Structure(base).equations.composed.coefficients
-    return any({entry.role, str(entry.symbol)} & effect.scales.keys() for entry in coefficients)
 
 
 def _is_force(parameter: Parameter) -> bool:
