@@ -9,11 +9,11 @@ from pydantic import Field
 
 from pipeclamp.show.diagnosis import against, verdict_lines
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.law.file import LawFile
+from pipeclamp_models.law.file import LawFile, Verdict
 
 
 class ToldCandidate(AnswerModel):

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
-from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
@@ -16,7 +16,7 @@ from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, law_of, structure_of
+from pipeclamp_models.law.file import LawFile, Verdict, law_of, structure_of
 
 HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("complete", None): "Complete: what is left is scatter.",

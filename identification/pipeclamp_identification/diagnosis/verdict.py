@@ -15,7 +15,7 @@ from pipeclamp_identification.diagnosis.candidates import (
     likeliest,
     ranked,
 )
-from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
 from pipeclamp_identification.diagnosis.problem import (
     CLOSELY,
@@ -47,6 +47,7 @@ from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.file import Verdict
 from pipeclamp_models.law.law import Structure
 
 

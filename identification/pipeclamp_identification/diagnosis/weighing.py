@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, pairs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
@@ -29,6 +29,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.file import Verdict
 from pipeclamp_models.law.law import Structure, with_effect
 
 BEYOND_COMPARISON = 1e200

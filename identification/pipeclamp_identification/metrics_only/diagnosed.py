@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from pipeclamp_identification.diagnosis.diagnosed import NO_PROOF
-from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
@@ -15,7 +15,7 @@ from pipeclamp_identification.metrics_only.next_test import MetricProposal, next
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis, diagnose_metrics
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, structure_of
+from pipeclamp_models.law.file import LawFile, Verdict, structure_of
 
 HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("complete", None): "Complete, as far as dW and W can show: what is left is scatter.",

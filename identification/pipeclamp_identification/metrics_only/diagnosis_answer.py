@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from pipeclamp_identification.diagnosis.answer import HeldoutErrors, LawErrors, RemainsAnswer, RungAnswer
-from pipeclamp_identification.diagnosis.kinds import Kind, Verdict
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.metrics_only.comparison_answer import MEASURE
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import MetricJudged
@@ -16,6 +16,7 @@ from pipeclamp_identification.metrics_only.law import rms
 from pipeclamp_identification.metrics_only.next_test import MetricProposal
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
+from pipeclamp_models.law.file import Verdict
 
 
 class MetricCandidateAnswer(AnswerModel):

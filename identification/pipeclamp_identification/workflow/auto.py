@@ -52,8 +52,8 @@ class Settled:
 
     def told(self, tests: str) -> LawFile:
         """Give the law with the last diagnosis in its file, on tests of this name."""
-        last = {"verdict": self.found.verdict, "effects": self.found.effects, "tests": tests}
-        return self.file.model_copy(update={"diagnosis": LastDiagnosis.model_validate(last)})
+        last = LastDiagnosis(verdict=self.found.verdict, effects=self.found.effects, tests=tests)
+        return self.file.model_copy(update={"diagnosis": last})
 
     def words(self) -> list[str]:
         """Say what each rung did to the error on left-out conditions, and what to mind of it."""

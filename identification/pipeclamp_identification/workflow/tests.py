@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
     from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.declaration import Declaration
-    from pipeclamp_models.law.file import LawFile
+    from pipeclamp_models.law.file import LawFile, Verdict
     from pipeclamp_models.law.law import Structure
 
 
@@ -49,7 +49,7 @@ class Diagnosed(Protocol):
     """A diagnosis: which effect a law lacks, or which test would tell."""
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Verdict:
         """See docs/reference/answers.md."""
 
     @property

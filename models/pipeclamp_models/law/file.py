@@ -226,10 +226,14 @@ class HistoryStep(Part):
     stage: Stage | None = None
 
 
+Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
+"""What a diagnosis can find."""
+
+
 class LastDiagnosis(Part):
     """What the last diagnosis of the law as it stands found: its verdict, what it named, and on which tests."""
 
-    verdict: Literal["complete", "missing", "ambiguous", "unknown"]
+    verdict: Verdict
     effects: tuple[str, ...] = ()
     tests: str
 
