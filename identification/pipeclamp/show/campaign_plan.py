@@ -73,7 +73,10 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
     if untold:
         lines.append(f"Not told by this plan in any size below the clamp's own force: {', '.join(untold)}.")
     if scene.not_reckoned:
-        lines.append(f"Not reckoned, as they follow what these tests don't vary: {', '.join(scene.not_reckoned)}.")
+        lines.append(
+            "Not reckoned, as they follow what these tests don't vary, or change what the base law hasn't got: "
+            f"{', '.join(scene.not_reckoned)}."
+        )
     asked, times = plan.asked, plan.asked.times
     lines.append(
         f"Reckoned with the base of law {plan.law}, {asked.noise_N:g} N rms noise of the force at {asked.rate:g} "

@@ -63,10 +63,10 @@ class PipeBands:
         lines = [
             f"{number} of {count} measured amplitudes ({self.share:.0%}) lie outside the model's {self.per_cent:g} % "
             f"band, {100 - self.per_cent:g} % would by chance; half the band is {self.half_width:.1%} of the "
-            "amplitude (median)"
+            "amplitude (median)."
         ]
         if not np.isfinite(self._scatter()).any():
-            lines.append("the sensors' scatter isn't known: the band is the model's alone")
+            lines.append("The sensors' scatter isn't known: the band is the model's alone.")
         return [*lines, *self.gaps]
 
     def answer(self) -> BandsOnPipeAnswer:

@@ -54,7 +54,9 @@ class CampaignPlanAnswer(AnswerModel):
     force_noise_N: float
     scatter: float = Field(description="rms share by which stiffness and damping differ from run to run")
     effects: tuple[EffectPower, ...]
-    not_reckoned: tuple[str, ...] = Field(description="effects that follow what loop tests don't vary")
+    not_reckoned: tuple[str, ...] = Field(
+        description="effects that follow what these tests don't vary, or need another effect"
+    )
     stages: tuple[StagePower, ...]
 
 

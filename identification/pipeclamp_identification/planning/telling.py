@@ -51,7 +51,7 @@ class Scene:
         force: rms force of the law over the grid, N.
         peak: largest force of the law at each condition, N, shape (R,).
         noise: rms of the force sensor, N.
-        not_reckoned: effects that follow conditions which no plan of loop tests varies.
+        not_reckoned: effects that follow what no plan of loop tests varies, or change what the base law hasn't got.
         law: which columns of the Gram matrices are the law's parameters.
         parameters: which are those of each effect.
         whitened: Gram matrices of one run at each condition, shape (R, K, K): over noise and scatter; the last E rows
