@@ -17,7 +17,7 @@ from pipeclamp_models.base.processes import cores, spread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import write_law
-from pipeclamp_models.law.range import beyond_range, inside_range
+from pipeclamp_models.law.range import conditions_beyond, conditions_inside
 from pipeclamp_system.bands.band import Band, band_of, ends_words, origin_words, steps_of
 from pipeclamp_system.bands.quantities import Unknown, even_normal, unknown
 from pipeclamp_system.bands.varied import gaps, refuse_silent, varied
@@ -120,8 +120,8 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     points = [*result.clamp_names, *result.probe_names]
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
     at = [_conditions(result, places[index]) for index in range(len(places))]
-    beyond = [beyond_range(law.file, one) for law, one in zip(what.laws, at, strict=True)]
-    inside = [inside_range(law.file, one) for law, one in zip(what.laws, at, strict=True)]
+    beyond = [conditions_beyond(law.file, one) for law, one in zip(what.laws, at, strict=True)]
+    inside = [conditions_inside(law.file, one) for law, one in zip(what.laws, at, strict=True)]
     folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
     try:
         jobs = []

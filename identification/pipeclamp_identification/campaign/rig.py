@@ -314,10 +314,15 @@ def _planned_at(plan: TestPlan, frequency: float) -> list[tuple[PlannedRun, int]
         return [(run, place) for place, run in enumerate(plan.runs, 1) if run.frequency_Hz == frequency]
     found = []
     for A, T, repeat in itertools.product(plan.amplitudes, plan.temperatures, range(plan.repeats)):
-        name = f"A{A:g}_f{frequency:g}_T{T:g}".replace(".", "p").replace("-", "m")
+        name = plain_name(f"A{A:g}_f{frequency:g}_T{T:g}")
         name += f"_{repeat + 1}" if plan.repeats > 1 else ""
         found.append((PlannedRun(name, A, frequency, T, 0), repeat))
     return found
+
+
+def plain_name(text: str) -> str:
+    """Give a name of a run or a file that says numbers without points and signs: A0p5 for A0.5."""
+    return text.replace(".", "p").replace("-", "m")
 
 
 def _name(run: PlannedRun, specimen: int) -> str:

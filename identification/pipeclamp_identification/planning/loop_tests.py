@@ -14,7 +14,7 @@ from pipeclamp_identification.fitting.observations import harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import Interval, LawFile, law_of
-from pipeclamp_models.law.range import beyond_range
+from pipeclamp_models.law.range import conditions_beyond
 from pipeclamp_models.realise.force import force_of_equations, known_jacobian
 from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_system.bands.varied import SHARES, VariedLaw
@@ -140,7 +140,7 @@ def _foretold(
     runs = law.file.spread.runs if law.file.spread else None
     for row in range(len(error)):
         there = {name: float(values[row]) for name, values in grid.items()}
-        form = law.form(beyond_range(law.file, there), there)
+        form = law.form(conditions_beyond(law.file, there), there)
         for share, direction in zip(SHARES.values(), every[count:, row], strict=True):
             scatter = getattr(runs, share) ** 2 / REPEATS if runs else 0.0
             error[row] += (scatter + getattr(form, share) ** 2) * np.outer(direction, direction)

@@ -20,7 +20,7 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
-from pipeclamp_models.law.range import beyond_range
+from pipeclamp_models.law.range import conditions_beyond
 from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.bands.response import BandedSystem, PeakBand, banded_system
@@ -304,7 +304,7 @@ class _Search:
         file = known.files[field.law]
         for row in range(len(field)):
             squares[row] = now - less[row]
-            if beyond_range(file, field.conditions(row)):
+            if conditions_beyond(file, field.conditions(row)):
                 wider = with_test(file, field.conditions(row))
                 reached = self._with_range(known.covariance, field.law, wider, known.files[field.law])
                 squares[row] += self._wanted.deviation(reached) ** 2 - now
@@ -341,7 +341,8 @@ class _Search:
             share = SHARES[quantity.parameter]
             then, now = (
                 getattr(
-                    replace(law, file=one).form(beyond_range(one, self._state.beyond[clamp]), self._at[clamp]), share
+                    replace(law, file=one).form(conditions_beyond(one, self._state.beyond[clamp]), self._at[clamp]),
+                    share,
                 )
                 for one in (before or law.file, file)
             )

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
-from pipeclamp_identification.campaign.rig import PlannedRun
+from pipeclamp_identification.campaign.rig import PlannedRun, plain_name
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text
 
@@ -83,11 +83,7 @@ class ScheduledRun:
     @property
     def drive(self) -> str:
         """The file of its drive signal, in the plan's folder."""
-        return f"drives/{_plain(f'A{self.amplitude_mm:g}_f{self.frequency_Hz:g}')}.csv"
-
-
-def _plain(text: str) -> str:
-    return text.replace(".", "p").replace("-", "m")
+        return f"drives/{plain_name(f'A{self.amplitude_mm:g}_f{self.frequency_Hz:g}')}.csv"
 
 
 def scheduled(
@@ -119,7 +115,7 @@ def scheduled(
         wait = times.change_min(at, temperature)
         at = temperature
         for kind, repeat, (A, f) in told:
-            name = _plain(f"B{number}_A{A:g}_f{f:g}_T{temperature:g}")
+            name = plain_name(f"B{number}_A{A:g}_f{f:g}_T{temperature:g}")
             name += f"_ref{repeat}" if kind == "reference" else f"_{repeat}"
             minutes += wait
             runs.append(ScheduledRun(name, kind, number, repeat, A, f, temperature, wait, minutes, cycles))

@@ -41,7 +41,7 @@ def rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-def beyond_range(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
+def conditions_beyond(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
     """Give those conditions that lie beyond a law's range, by name, in its units."""
     return {
         name: value
@@ -50,7 +50,7 @@ def beyond_range(file: LawFile, conditions: Mapping[str, float]) -> dict[str, fl
     }
 
 
-def inside_range(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
+def conditions_inside(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
     """Give conditions, by name, in the units of a law's range; those that it holds moved inside it."""
     return {
         name: min(max(value, file.range[name].minimum), file.range[name].maximum) if name in file.range else value
