@@ -338,14 +338,11 @@ class _Search:
             clamp = quantity.clamps[0]
             if quantity.kind != "form" or quantity.lean or self._unknown.laws[clamp] is not law:
                 continue
-            share = SHARES[quantity.parameter]
-            then, now = (
-                getattr(
-                    replace(law, file=one).form(conditions_beyond(one, self._state.beyond[clamp]), self._at[clamp]),
-                    share,
-                )
+            forms = (
+                replace(law, file=one).form(conditions_beyond(one, self._state.beyond[clamp]), self._at[clamp])
                 for one in (before or law.file, file)
             )
+            then, now = (getattr(form, SHARES[quantity.parameter]) for form in forms)
             factors[place] = now / then if then > 0 else 1.0
         return np.asarray(covariance * np.outer(factors, factors))
 
