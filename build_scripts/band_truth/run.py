@@ -26,7 +26,8 @@ from device import Array, Device, drawn, on_machine, on_pipe
 import pipeclamp as pc
 from pipeclamp_models.pipe.description import read_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
-from pipeclamp_system.bands.response import ResponseBands, banded_system, response_bands
+from pipeclamp_system.bands.response import banded_system, response_bands
+from pipeclamp_system.bands.told import ResponseBands
 from pipeclamp_system.steady.response import FrequencyResponse, amplitudes_of, run_response
 
 AMPLITUDES, FREQUENCIES, CELSIUS = (0.2, 0.4, 0.7, 1.0), (1.0, 4.0, 15.0), (20.0, 150.0)

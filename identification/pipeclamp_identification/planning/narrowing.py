@@ -23,9 +23,10 @@ from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.range import conditions_beyond
 from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.quantities import Unknown
-from pipeclamp_system.bands.response import BandedSystem, PeakBand, banded_system
+from pipeclamp_system.bands.response import BandedSystem, banded_system
 from pipeclamp_system.bands.response import refuse as refuse_bands
 from pipeclamp_system.bands.sensitivity import conditions_at
+from pipeclamp_system.bands.told import PeakBand
 from pipeclamp_system.bands.varied import SHARES, VariedLaw, gaps
 from pipeclamp_system.steady.described import steady_clamps
 from pipeclamp_system.steady.response import Curve, amplitudes_of, label, run_response

@@ -14,7 +14,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.band import Band
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.bands.quantities import KINDS
-from pipeclamp_system.bands.response import PieceBand, ResponseBands
+from pipeclamp_system.bands.told import PieceBand, ResponseBands
 from pipeclamp_system.steady.response import label
 from pipeclamp_system.steady.states import SteadyState
 

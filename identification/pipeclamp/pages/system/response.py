@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import SERIES, Section, styled
 from pipeclamp.pages.system.bands import add_band, bands_section
 from pipeclamp.show.table import Table
-from pipeclamp_system.bands.response import ResponseBands
+from pipeclamp_system.bands.told import ResponseBands
 from pipeclamp_system.description.trust_mark import DOUBT
 from pipeclamp_system.steady.dots import Dot
 from pipeclamp_system.steady.response import Curve, FrequencyResponse, amplitudes_of, label
