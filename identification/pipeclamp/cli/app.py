@@ -5,7 +5,6 @@ What a command needs is imported inside it, so that `--help` and light commands 
 
 from __future__ import annotations
 
-import datetime
 import sys
 from collections.abc import Callable
 from enum import StrEnum
@@ -51,6 +50,7 @@ from pipeclamp.cli.terminal import (
 )
 from pipeclamp_models.base.errors import InterruptError, UsageError, UserError
 from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.now import now
 from pipeclamp_models.base.one_thread import one_thread_throughout
 from pipeclamp_models.base.said import message
 from pipeclamp_system.description.trust_mark import is_doubt
@@ -224,7 +224,7 @@ def identify(
     with told("identify") as tell:
         ids, declarations = read_effects(names_in(effects), declared or ())
         tests = read_and_tell(campaign, strict, tell)
-        date = None if reproducible else _now()
+        date = None if reproducible else now()
         if per:
             from pipeclamp_identification.workflow.per_group import identify_per
 
@@ -454,7 +454,7 @@ def _change(
     with told(title) as tell:
         file = opened_law(law)
         tests = read_and_tell(campaign, strict, tell)
-        date = None if reproducible else _now()
+        date = None if reproducible else now()
         changed = change(file, tests=tests, command=command_called(), date=date, progress=tell)
     write_whole(output, law_text(changed.after))
     print_table(addition_table(changed))
@@ -481,7 +481,3 @@ def _print_fit(file: Any, output: Path) -> None:
     if file.fit:
         console().print(fit_words(file.fit), highlight=False)
     console().print(str(output), highlight=False)
-
-
-def _now() -> str:
-    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")

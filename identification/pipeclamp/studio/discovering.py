@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import os
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from pipeclamp.studio.told import stamp
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.now import now
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, law_text, read_law
 
@@ -41,9 +41,8 @@ def discover(
     # one core stays for the studio
     found = discovered(file, tests, command=command, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
     if found.declaration is not None and found.after is not None:
-        now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
         write_whole(Path(term), toml_of(found.declaration))
-        write_whole(Path(law), law_text(found.after.model_copy(update={"date": now})))
+        write_whole(Path(law), law_text(found.after.model_copy(update={"date": now()})))
     write_whole(Path(answer), found.answer().json_text())
     shown = ToldDiscovery(
         law_command=stamp(file),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import os
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.now import now
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import LawFile, law_text, read_law
 
@@ -18,7 +18,7 @@ def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str
     """Fit a law to all runs and write it."""
     tests = _tests(tell, campaign)
     found = tests.identify(base=base, progress=tell)
-    return _written(found.file(name=tests.name, command=command, date=_now()), law)
+    return _written(found.file(name=tests.name, command=command, date=now()), law)
 
 
 def add(tell: Progress, *, campaign: str, of: str, effect: str, law: str, command: str) -> dict[str, Any]:
@@ -26,7 +26,7 @@ def add(tell: Progress, *, campaign: str, of: str, effect: str, law: str, comman
     from pipeclamp_identification.workflow.change import add_effect
 
     tests = _tests(tell, campaign)
-    change = add_effect(read_law(Path(of)), effect, tests, command=command, date=_now(), progress=tell)
+    change = add_effect(read_law(Path(of)), effect, tests, command=command, date=now(), progress=tell)
     return _written(change.after, law)
 
 
@@ -107,7 +107,3 @@ def _tests(tell: Progress, campaign: str) -> Tests:
 def _written(file: LawFile, law: str) -> dict[str, Any]:
     write_whole(Path(law), law_text(file))
     return {"law": Path(law).stem}
-
-
-def _now() -> str:
-    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
