@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from pipeclamp_identification.attribution.noise import first_guess, noise_of
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
@@ -62,12 +63,12 @@ class SineEvidence:
         ratio *= above_noise
         return self._flat(ratio.real, ratio.imag)
 
-    def on_known_branches(self) -> Array:
+    def on_known_branches(self) -> npt.NDArray[np.bool_]:
         """Tell which values are of a known motion: where there are several stable ones, the sweep says which."""
         steady = self.measurement.steady
         known = (self.stated.branches == 1) | (steady.sweep != 0)
         of_rows = np.broadcast_to(known[:, None], steady.response.shape).astype(np.float64)
-        return self._flat(of_rows, of_rows)
+        return self._flat(of_rows, of_rows) > 0
 
     def blocks(self, number: int) -> Array:
         """Give which of some parts each value belongs to: neighbouring frequencies of a series, all probes."""

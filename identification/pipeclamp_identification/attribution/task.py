@@ -82,7 +82,7 @@ class Task:
         """Give those values of a residual (n,) whose stable motion is known, as of `SineEvidence.on_known_branches`."""
         if not self.sines:
             return residual
-        known = self.sines.on_known_branches() > 0
+        known = self.sines.on_known_branches()
         return residual[np.pad(known, (0, residual.size - known.size), constant_values=True)]
 
     def renewed(self, near: Computed, left: float) -> Task:
