@@ -121,7 +121,7 @@ def run_bands(path: Path, result: CosimResult, per_cent: float, progress: Progre
     columns = (*(f"{name}.s" for name in points), *(f"{name}.f" for name in names))
     at = [_conditions(result, places[index]) for index in range(len(places))]
     beyond = [conditions_beyond(law.file, one) for law, one in zip(what.laws, at, strict=True)]
-    inside = [conditions_inside(law.file, one) for law, one in zip(what.laws, at, strict=True)]
+    inside = [conditions_inside(law.file.range, one) for law, one in zip(what.laws, at, strict=True)]
     folder = Path(tempfile.mkdtemp(prefix="pipeclamp_"))
     try:
         jobs = []

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeclamp_models.law.file import Interval
+from pipeclamp_models.law.range import conditions_inside
 from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.cosim.result import CosimResult
 from pipeclamp_system.description.system import ClampSource, SystemDescription
@@ -97,11 +98,8 @@ class Solving:
 
 def _held(conditions: LawConditions, known: Mapping[str, Interval]) -> LawConditions:
     """Give A and f inside the range of a law's data, as the clamp FMU holds what it tracks; a still motion's stay 0."""
-    values = conditions._asdict()
-    for name, value in values.items():
-        if name in known and value > 0:
-            values[name] = min(max(value, known[name].minimum), known[name].maximum)
-    return LawConditions(**values)
+    moving = {name: value for name, value in conditions._asdict().items() if value > 0}
+    return conditions._replace(**conditions_inside(known, moving))
 
 
 def _with_conditions(clamp: ClampSource, found: LawConditions, given: LawConditions, runs: int) -> ClampSource:

@@ -50,10 +50,10 @@ def conditions_beyond(file: LawFile, conditions: Mapping[str, float]) -> dict[st
     }
 
 
-def conditions_inside(file: LawFile, conditions: Mapping[str, float]) -> dict[str, float]:
+def conditions_inside(known: Mapping[str, Interval], conditions: Mapping[str, float]) -> dict[str, float]:
     """Give conditions, by name, in the units of a law's range; those that it holds moved inside it."""
     return {
-        name: min(max(value, file.range[name].minimum), file.range[name].maximum) if name in file.range else value
+        name: min(max(value, known[name].minimum), known[name].maximum) if name in known else value
         for name, value in conditions.items()
     }
 
