@@ -25,7 +25,7 @@ from pipeclamp_identification.campaign.rig import PlannedRun, TestPlan, planned,
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.limits import parse_limits
 from pipeclamp_identification.planning.campaign import Asked, CampaignPlan, plan_campaign
-from pipeclamp_identification.planning.telling import true_law
+from pipeclamp_identification.planning.hidden import law_of_size
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.catalogue import effect_id
 
@@ -36,7 +36,7 @@ SIZES = (0.5, 1.0, 2.0)
 
 def case(plan: CampaignPlan, effect: str, newtons: float, seed: int) -> tuple[str, list[str]]:
     """Hide an effect of so many N rms, and give the verdict and the effects that it names."""
-    law = true_law(open_law(LAW), plan.power.scene, effect, newtons)
+    law = law_of_size(open_law(LAW), effect, newtons, plan.power.scene.grid)
     runs = [
         PlannedRun(run.run, run.amplitude_mm, run.frequency_Hz, run.temperature_C, run.first_cycle) for run in plan.runs
     ]

@@ -36,7 +36,7 @@ def effects_table(plan: CampaignPlan) -> Table:
         (
             scene.effects[place], float(sizes[place]) if told[place] else None,
             float(sizes[place] / scene.force) * 100 if told[place] else None,
-            scene.effects[plan.power.nearest[place]],
+            scene.hidden[place].nearest,
         )
         for place in order
     ]  # fmt: skip
@@ -82,8 +82,7 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         f"Reckoned with the base of law {plan.law}, {asked.noise_N:g} N rms noise of the force at {asked.rate:g} "
         f"samples a second, {asked.scatter:.2%} scatter from run to run, {times.heating:g} K a minute, "
         f"{times.soak_min:g} min at each new temperature, {times.pause_s:g} s between runs; within "
-        f"{limits_words(plan.limits)}. To first order: on virtual campaigns it took about twice that size, and an "
-        "effect of another form than the catalogue's needs more."
+        f"{limits_words(plan.limits)}. An effect of another form than the catalogue's needs more."
     )
     if folder:
         lines.append(

@@ -11,7 +11,9 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.limits import Limits, limits_words, reach_around, stated_levels
 from pipeclamp_identification.diagnosis.outlook import PROFILES, SINE
+from pipeclamp_identification.planning.hidden import peak_forces
 from pipeclamp_identification.planning.loop_tests import RIG
+from pipeclamp_identification.planning.scene import Scene, scene
 from pipeclamp_identification.planning.schedule import (
     LABORATORY,
     Condition,
@@ -20,7 +22,7 @@ from pipeclamp_identification.planning.schedule import (
     hours_of,
     scheduled,
 )
-from pipeclamp_identification.planning.telling import Power, Scene, power, scene
+from pipeclamp_identification.planning.telling import Power, power
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
@@ -145,27 +147,22 @@ def plan_campaign(
     asked = asked or Asked()
     asked.check()
     levels = _Levels(_within(file, limits))
+    levels.refuse_force(peak_forces(file, levels.grid))
+    schedules = list(_schedules(levels, asked))
+    if not any(hours <= asked.hours for hours, *_ in schedules):
+        shortest = f"; the shortest takes {min(hours for hours, *_ in schedules):.2g} h" if schedules else ""
+        raise UsageError(f"--hours: got {asked.hours:g}; no campaign fits into that{shortest}")
     view = scene(file, levels.grid, asked.noise_N, asked.rate, asked.scatter, progress)
-    levels.refuse_force(view.peak)
     tried: list[Tried] = []
     fitting: list[tuple[Tried, int, tuple[ScheduledRun, ...], Power]] = []
-    least = math.inf
-    for counts in itertools.product(*COUNTS.values()):
-        conditions, temperatures = levels.some(*counts)
-        for repeats in range(1, MOST_REPEATS + 1) if conditions else ():
-            runs = scheduled(conditions, temperatures, repeats, asked.times, asked.seed)
-            hours = hours_of(runs, asked.times)
-            least = min(least, hours)
-            if hours > LONGER * asked.hours:
-                break
-            found = power(view, levels.counted(runs))
-            one = Tried(hours, len(runs), found.from_newtons, int(found.told.sum()))
-            tried.append(one)
-            if hours <= asked.hours:
-                fitting.append((one, repeats, runs, found))
-    if not fitting:
-        shortest = f"; the shortest takes {least:.2g} h" if math.isfinite(least) else ""
-        raise UsageError(f"--hours: got {asked.hours:g}; no campaign fits into that{shortest}")
+    for hours, repeats, runs in schedules:
+        if hours > LONGER * asked.hours:
+            continue
+        found = power(view, levels.counted(runs))
+        one = Tried(hours, len(runs), found.from_newtons, int(found.told.sum()))
+        tried.append(one)
+        if hours <= asked.hours:
+            fitting.append((one, repeats, runs, found))
     most = max(one.told for one, *_ in fitting)
     lowest = min(one.newtons for one, *_ in fitting if one.told == most)
     as_good = [each for each in fitting if each[0].told == most and each[0].newtons <= NEARLY * lowest]
@@ -174,6 +171,18 @@ def plan_campaign(
     return CampaignPlan(
         file.name, asked, levels.limits, runs, repeats, best.hours, found, stages, tuple(dict.fromkeys(tried))
     )
+
+
+def _schedules(levels: _Levels, asked: Asked) -> Iterator[tuple[float, int, tuple[ScheduledRun, ...]]]:
+    """Give hours, repeats and runs of campaigns, of each choice of levels up to the first that takes far too long."""
+    for counts in itertools.product(*COUNTS.values()):
+        conditions, temperatures = levels.some(*counts)
+        for repeats in range(1, MOST_REPEATS + 1) if conditions else ():
+            runs = scheduled(conditions, temperatures, repeats, asked.times, asked.seed)
+            hours = hours_of(runs, asked.times)
+            yield hours, repeats, runs
+            if hours > LONGER * asked.hours:
+                break
 
 
 def _within(file: LawFile, limits: Limits | None) -> Limits:

@@ -26,7 +26,7 @@ class EffectPower(AnswerModel):
 
     effect: str
     newtons: float | None = Field(description="rms force from which on it is named in 90 % of such campaigns; None: no")
-    nearest: str = Field(description="the effect that is most like it in these tests")
+    nearest: str | None = Field(description="the effect that is most like it in these tests; None: isn't known")
 
 
 class StagePower(AnswerModel):
@@ -81,7 +81,7 @@ def campaign_plan_answer(plan: CampaignPlan) -> CampaignPlanAnswer:
             EffectPower(
                 effect=name,
                 newtons=float(sizes[place]) if told[place] else None,
-                nearest=scene.effects[plan.power.nearest[place]],
+                nearest=scene.hidden[place].nearest or None,
             )
             for place, name in enumerate(scene.effects)
         ),
