@@ -14,8 +14,9 @@ from pipeclamp_identification.diagnosis.noise import NoiseModel
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.planning.campaign import Asked, plan_campaign
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size
+from pipeclamp_identification.planning.rig_times import RigTimes
 from pipeclamp_identification.planning.scene import scene
-from pipeclamp_identification.planning.schedule import RigTimes, hours_of, read_plan, scheduled, table_text
+from pipeclamp_identification.planning.schedule import hours_of, read_plan, scheduled, table_text
 from pipeclamp_identification.planning.seen import lack_of
 from pipeclamp_identification.planning.telling import NAMED, power
 from pipeclamp_models.base.errors import UsageError, UserError

@@ -20,6 +20,7 @@ from pipeclamp.cli.terminal import (
     spare,
     told,
 )
+from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER, RigTimes
 from pipeclamp_models.base.errors import UsageError
 
 app = typer.Typer()
@@ -42,16 +43,16 @@ def plan(
         Path | None, folder_option("FOLDER", "Without a system: the folder of a campaign that is planned.")
     ] = None,
     limits: LimitsOption = "",
-    hours: Annotated[float, typer.Option(help="Rig hours that the campaign may take.")] = 8.0,
+    hours: Annotated[float, typer.Option(help="Rig hours that the campaign may take.")] = HOURS,
     law: Annotated[str, typer.Option(metavar="LAW", help="A law like that which the clamp may have.")] = "emwm2",
     force_noise: Annotated[
         float | None,
         typer.Option(help="Rms noise of the force, N; that of the law's tests, for a campaign 3 N by default."),
     ] = None,
-    scatter: Annotated[float, typer.Option(help="Rms share by which k and c differ from run to run.")] = 0.003,
-    heating: Annotated[float, typer.Option(help="Heating and cooling, K per minute.")] = 2.0,
-    soak: Annotated[float, typer.Option(help="Minutes at a new temperature before the first run.")] = 20.0,
-    pause: Annotated[float, typer.Option(help="Seconds between two runs.")] = 30.0,
+    scatter: Annotated[float, typer.Option(help="Rms share by which k and c differ from run to run.")] = SCATTER,
+    heating: Annotated[float, typer.Option(help="Heating and cooling, K per minute.")] = RIG_TIMES.heating,
+    soak: Annotated[float, typer.Option(help="Minutes at a new temperature before a run.")] = RIG_TIMES.soak_min,
+    pause: Annotated[float, typer.Option(help="Seconds between two runs.")] = RIG_TIMES.pause_s,
     seed: Annotated[int, typer.Option(min=0, help="Of the random order.")] = 0,
     bands: Annotated[float, typer.Option(metavar="PER_CENT", help="That the peak's band holds.")] = 95.0,
     at: Annotated[
@@ -82,7 +83,6 @@ def plan(
     from pipeclamp_identification.planning.campaign import Asked, plan_campaign
     from pipeclamp_identification.planning.campaign_answer import plan_files
     from pipeclamp_identification.planning.loop_tests import RIG
-    from pipeclamp_identification.planning.schedule import RigTimes
     from pipeclamp_models.base.files import write_folder
 
     spare(law, outputs=(json, report))

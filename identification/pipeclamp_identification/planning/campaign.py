@@ -13,11 +13,11 @@ from pipeclamp_identification.diagnosis.limits import Limits, limits_words, reac
 from pipeclamp_identification.diagnosis.outlook import PROFILES, SINE
 from pipeclamp_identification.planning.hidden import peak_forces
 from pipeclamp_identification.planning.loop_tests import RIG
+from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER, RigTimes
 from pipeclamp_identification.planning.scene import Scene, scene
 from pipeclamp_identification.planning.schedule import (
     LABORATORY,
     Condition,
-    RigTimes,
     ScheduledRun,
     hours_of,
     scheduled,
@@ -36,13 +36,9 @@ COUNTS = {"A": (3, 4, 5, 7), "f": (3, 4, 5, 7), "T": (1, 3, 5)}
 MOST_REPEATS = 6
 NEARLY = 1.05
 """A plan that needs an effect this many times as large as another one's names as well; the shorter one is taken."""
-SCATTER = 0.003
-"""Rms share by which stiffness and damping differ from run to run, where nothing tells."""
-HOURS = 8.0
 LONGER = 2.0
 """Times the hours, up to which plans are looked at, to say what more time would give."""
 PROFILE = PROFILES[SINE]
-RIG_TIMES = RigTimes()
 
 
 @dataclass(frozen=True)

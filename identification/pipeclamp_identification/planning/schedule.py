@@ -12,6 +12,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
 from pipeclamp_identification.campaign.rig import PlannedRun, plain_name
+from pipeclamp_identification.planning.rig_times import RigTimes
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text
 
@@ -28,32 +29,14 @@ Condition = tuple[float, float]
 """Amplitude, mm, and frequency, Hz."""
 
 
-@dataclass(frozen=True)
-class RigTimes:
-    """What a rig needs besides the runs.
-
-    Attributes:
-        heating: K per minute, heating and cooling.
-        soak_min: minutes at a new temperature until the clamp has it throughout.
-        pause_s: seconds between two runs.
-    """
-
-    heating: float = 2.0
-    soak_min: float = 20.0
-    pause_s: float = 30.0
-
-    def change_min(self, before: float, after: float) -> float:
-        """Give the minutes from one temperature to another, degC."""
-        return abs(after - before) / self.heating + self.soak_min if abs(after - before) > 1e-9 else 0.0
-
-    def run_s(self, frequency: float) -> float:
-        """Give the seconds of a run with the pause after it."""
-        return run_cycles() / frequency + self.pause_s
-
-
 def run_cycles() -> int:
     """Give the load cycles of a run, as its drive signal has them."""
     return FULL_CYCLES + 2 * RAMP_CYCLES
+
+
+def _run_s(times: RigTimes, frequency: float) -> float:
+    """Give the seconds of a run with the pause after it."""
+    return run_cycles() / frequency + times.pause_s
 
 
 @dataclass(frozen=True)
@@ -119,7 +102,7 @@ def scheduled(
             name += f"_ref{repeat}" if kind == "reference" else f"_{repeat}"
             minutes += wait
             runs.append(ScheduledRun(name, kind, number, repeat, A, f, temperature, wait, minutes, cycles))
-            minutes += times.run_s(f) / MINUTE
+            minutes += _run_s(times, f) / MINUTE
             cycles += run_cycles()
             wait = 0.0
     return tuple(runs)
@@ -146,7 +129,7 @@ def _middle(conditions: Sequence[Condition]) -> Condition:
 
 def hours_of(runs: Sequence[ScheduledRun], times: RigTimes) -> float:
     """Give the hours that a campaign takes."""
-    return (runs[-1].start_min + times.run_s(runs[-1].frequency_Hz) / MINUTE) * MINUTE / HOUR
+    return (runs[-1].start_min + _run_s(times, runs[-1].frequency_Hz) / MINUTE) * MINUTE / HOUR
 
 
 def table_text(runs: Sequence[ScheduledRun]) -> str:
