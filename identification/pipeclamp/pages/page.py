@@ -115,6 +115,17 @@ def asset(name: str) -> str:
     return resources.files("pipeclamp.pages").joinpath(name).read_text(encoding="utf-8")
 
 
+def templates_of(package: str) -> jinja2.Environment:
+    """Give the templates of a package's folder of that name: what they are given is escaped, and all there."""
+    return jinja2.Environment(
+        loader=jinja2.PackageLoader(package, "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
 def render(title: str, subtitle: str, sections: Sequence[Section], made: str = "") -> str:
     """Give a report as the text of one self-contained HTML file.
 
@@ -124,13 +135,7 @@ def render(title: str, subtitle: str, sections: Sequence[Section], made: str = "
         sections: the content.
         made: when, by which version and by which command, at its foot.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("pipeclamp.pages", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates_of("pipeclamp.pages")
     environment.filters["cell"] = cell
     drawn = [[_drawn(figure) for figure in section.figures] for section in sections]
     cards = [[(card, _drawn(card.figure)) for card in section.cards] for section in sections]

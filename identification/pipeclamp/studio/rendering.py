@@ -9,6 +9,7 @@ from typing import Any
 import jinja2
 
 from pipeclamp.api.tests import Tests
+from pipeclamp.pages.page import templates_of
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import discovery_in
@@ -103,13 +104,7 @@ def page(template: str, **content: Any) -> str:
 
 @cache
 def _environment() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("pipeclamp.studio", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates_of("pipeclamp.studio")
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
     environment.filters["sentence"] = _sentence
     return environment
