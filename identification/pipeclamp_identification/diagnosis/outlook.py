@@ -15,9 +15,9 @@ from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.least_squares import HELD, WISHED, parameter_bounds
-from pipeclamp_identification.fitting.observations import SAMPLES, Rows, data_scales, harmonics_of
+from pipeclamp_identification.fitting.observations import SAMPLES, Rows, data_scales, harmonic_slopes, harmonics_of
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.realise.force import LawForce, force_of_equations, known_jacobian
+from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import Motion
 
 HARMONICS = 12
@@ -229,8 +229,7 @@ def _distance(
     difference = foretold[0] - foretold[1]
     squares = np.full(len(difference), np.inf)
     for place in pair:
-        jacobian = known_jacobian(law_forces[place])
-        slopes = jacobian.through(lambda forces: harmonics_of(forces, HARMONICS), rivals[place].places)
+        slopes = harmonic_slopes(law_forces[place], HARMONICS, rivals[place].places)
         covariance = granted + np.einsum("prm,pq,qrn->rmn", slopes, rivals[place].covariance, slopes, optimize=True)
         solved = np.linalg.solve(covariance, difference[..., None])[..., 0]
         squares = np.minimum(squares, np.sum(difference * solved, axis=1))

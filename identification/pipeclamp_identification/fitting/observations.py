@@ -77,6 +77,11 @@ def harmonics_of(samples: Array, count: int) -> Array:
     return harmonics
 
 
+def harmonic_slopes(law_force: LawForce, count: int, parameters: Rows) -> Array:
+    """Give the derivatives of a force's harmonics 0..count by some of the law's parameters, shape (P, R, m)."""
+    return known_jacobian(law_force).through(lambda forces: harmonics_of(forces, count), parameters)
+
+
 def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: int) -> Array:
     """Give the matrix that turns a force on the grid into harmonics as a record's own sampling would show them.
 

@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_NOISE_SHARE,
 )
 from pipeclamp_identification.fitting.least_squares import Fit
-from pipeclamp_identification.fitting.observations import harmonics_of, mean_squares_of
+from pipeclamp_identification.fitting.observations import harmonic_slopes, harmonics_of, mean_squares_of
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size, typical_law
 from pipeclamp_identification.planning.rivals import Trial
 from pipeclamp_identification.planning.seen import lack_of
@@ -24,7 +24,7 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.catalogue import listed
 from pipeclamp_models.law.file import LawFile
 from pipeclamp_models.law.law import Law
-from pipeclamp_models.realise.force import force_of_equations, force_of_law, known_jacobian
+from pipeclamp_models.realise.force import force_of_equations, force_of_law
 from pipeclamp_models.realise.motion import Motion, sinusoids
 
 SAME = 1e-9
@@ -224,8 +224,7 @@ def _foretold(law: Law, motion: Motion) -> tuple[Array, Array]:
     """Give the harmonics of a law's force, N, (R, m), and their derivatives by its parameters, (P, R, m)."""
     equations = law.equations
     force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion, derivatives=True)
-    every = np.arange(len(equations.names))
-    slopes = known_jacobian(force).through(lambda courses: harmonics_of(courses, HARMONICS), every)
+    slopes = harmonic_slopes(force, HARMONICS, np.arange(len(equations.names)))
     return harmonics_of(force.force, HARMONICS), np.nan_to_num(slopes)
 
 
