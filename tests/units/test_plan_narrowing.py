@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,11 +10,13 @@ import pytest
 from banded import SPREAD, banded
 
 from pipeclamp_identification.diagnosis.limits import parse_limits
-from pipeclamp_identification.planning.loop_tests import LoopTests
+from pipeclamp_identification.diagnosis.outlook import REPEATS
+from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
 from pipeclamp_identification.planning.narrowing import WORTH, plan_tests
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.law.file import read_law
+from pipeclamp_models.law.file import Interval, KrigedShare, LocalForm, read_law
+from pipeclamp_models.law.range import conditions_beyond
 from pipeclamp_system.bands.quantities import unknown
 from pipeclamp_system.bands.response import response_bands
 from pipeclamp_system.bands.varied import varied
@@ -28,13 +31,51 @@ def test_a_test_leaves_what_bayes_rule_says():
     error = roots @ np.swapaxes(roots, 1, 2)
     root = random.standard_normal((parameters, parameters))
     before, wanted = root @ root.T, random.standard_normal(parameters)
-    tests = LoopTests(varied(open_law("emwm2")), {"A": np.ones(rows)}, slopes, error)
+    tests = LoopTests(varied(open_law("emwm2")), {"A": np.ones(rows)}, slopes, error, np.zeros((2, rows, harmonics)))
     for row in range(rows):
         own = slopes[:, row]
         after = np.linalg.inv(np.linalg.inv(before) + own @ np.linalg.inv(error[row]) @ own.T)
         assert tests.after(before, row) == pytest.approx(after, rel=1e-6)
         less = wanted @ (before - after) @ wanted
         assert tests.less(before, wanted)[row] == pytest.approx(less, rel=1e-6)
+
+
+def kriged_law():
+    """A law whose form is known near eight tests."""
+    at = {"A": (0.1, 0.2, 0.4, 0.8) * 2, "f": (2.0,) * 4 + (8.0,) * 4}
+    share = KrigedShare(deviation=0.05, lengths={"A": 0.5, "f": 1.0}, shares=(0.01,) * 8, variances=(1e-4,) * 8)
+    local = LocalForm(at=at, stiffness=share, damping=share)
+    interval = {name: Interval(minimum=min(one), maximum=max(one), unit="") for name, one in at.items()}
+    spread = SPREAD.model_copy(update={"local": local})
+    return varied(open_law("emwm2").model_copy(update={"spread": spread, "range": interval}))
+
+
+@pytest.mark.parametrize("tested", [{"A": 0.3, "f": 4.0}, {"A": 0.2, "f": 8.0}, {"A": 0.7, "f": 2.0}])
+def test_a_test_tells_of_the_form_elsewhere_what_kriging_makes_of_it(tested):
+    """Where the law's parameters are known, the two ways to reckon it agree: Bayes' rule, and one more kriged test."""
+    law, used = kriged_law(), {"A": 0.3, "f": 4.0}
+    off = np.random.default_rng(2).standard_normal((2, 1, 6))
+    scatter = 1e-4 / REPEATS
+    error = 1e-12 * np.eye(6) + sum(scatter * np.outer(one[0], one[0]) for one in off)
+    grid = {name: np.array([value]) for name, value in tested.items()}
+    field = LoopTests(law, grid, np.zeros((0, 1, 6)), error[None], off)
+    left = field.with_form(law, [used], np.ones((1, 2))).after(np.eye(2), 0)
+    after = replace(law, file=with_tests(law.file, [tested]))
+    share = after.form({}, used).stiffness / law.form({}, used).stiffness
+    assert share < 1
+    assert np.sqrt(np.diag(left)) == pytest.approx([share, share], rel=1e-3)
+
+
+@pytest.mark.parametrize(("tested", "left"), [(1.6, 0.0), (1.2, np.log(1.6 / 1.2)), (0.8, np.log(2.0))])
+def test_beyond_the_range_a_test_leaves_the_way_from_it(tested, left):
+    law = kriged_law()
+    used = {"A": 1.6, "f": 2.0}
+    whole, beyond = law.form(conditions_beyond(law.file, used), {"A": 0.8, "f": 2.0}), SPREAD.beyond["A"]
+    _, alike = law.form_told({"A": tested, "f": 2.0}, used)["damping"]
+    inside = law.form({}, {"A": 0.8, "f": 2.0}).damping
+    assert whole.damping**2 == pytest.approx(inside**2 + (np.log(2.0) / beyond.step * beyond.error.damping) ** 2)
+    expected = (left / beyond.step * beyond.error.damping) ** 2
+    assert whole.damping**2 * (1 - alike**2) == pytest.approx(expected, abs=1e-12)
 
 
 def test_the_form_of_clamps_by_themselves_is_that_of_one_law():

@@ -13,7 +13,8 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import CoefficientEntry, LawFile, Shares, structure_of
-from pipeclamp_models.law.local_form import Kriged
+from pipeclamp_models.law.local_form import LOGARITHMIC, Kriged
+from pipeclamp_models.law.range import conditions_beyond, conditions_inside
 
 OFF_BY = Declaration.model_validate(
     {
@@ -87,15 +88,54 @@ class VariedLaw:
         if at is not None and self._near:
             inside = [self._near[name].at(at)[1] for name in SHARES.values()]
         squares = np.array(inside) ** 2
-        for name, value in beyond.items():
-            told, interval = spread.beyond.get(name), self.file.range.get(name)
-            if told is None or interval is None:
-                continue
-            end = interval.maximum if value > interval.maximum else interval.minimum
-            distance = abs(log(value / end) if name in ("A", "f") else value - end) / told.step
-            squares += (distance * np.array([told.error.stiffness, told.error.damping])) ** 2
+        for name, steps in self._steps_beyond(beyond).items():
+            error = spread.beyond[name].error
+            squares += (steps * np.array([error.stiffness, error.damping])) ** 2
         stiffness, damping = np.sqrt(squares).tolist()
         return Shares(stiffness=stiffness, damping=damping)
+
+    def _steps_beyond(self, beyond: Mapping[str, float]) -> dict[str, float]:
+        """Give how far conditions lie beyond the range, in steps between the tests' levels; below it less than 0."""
+        found = {}
+        for name, value in beyond.items():
+            told, interval = self.file.spread and self.file.spread.beyond.get(name), self.file.range.get(name)
+            if told and interval:
+                end = interval.maximum if value > interval.maximum else interval.minimum
+                found[name] = (log(value / end) if name in LOGARITHMIC else value - end) / told.step
+        return found
+
+    def form_told(self, test: Mapping[str, float], used: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+        """Give what a test tells of the law's form where the law is used.
+
+        Inside the range that is what the kriging of the tests so far makes of it. Beyond, a test leaves what grows
+        from it on, as the form's error grew from the range on.
+
+        Args:
+            test: conditions of the test, by name, in the range's units.
+            used: conditions where it is used, likewise.
+
+        Returns:
+            by share: its standard deviation at the test, and its correlation with that where the law is used.
+        """
+        spread = self.file.spread
+        if spread is None:
+            return dict.fromkeys(SHARES.values(), (0.0, 0.0))
+        inside = [conditions_inside(self.file.range, one) for one in (test, used)]
+        beyond = [conditions_beyond(self.file, one) for one in (test, used)]
+        there, here = (self.form(*one) for one in zip(beyond, inside, strict=True))
+        reached, wanted = (self._steps_beyond(one) for one in beyond)
+        found = {}
+        for share in SHARES.values():
+            whole = getattr(here, share) ** 2
+            kriged = self._near[share].left(inside) if self._near else None
+            inner = kriged[0, 1] ** 2 / kriged[0, 0] if kriged is not None and kriged[0, 0] > 0 else 0.0
+            outer = 0.0
+            for name, steps in wanted.items():
+                left = min(abs(steps - reached.get(name, 0.0)), abs(steps))
+                outer += getattr(spread.beyond[name].error, share) ** 2 * (steps**2 - left**2)
+            known = (inner + outer) / whole if whole > 0 else 0.0
+            found[share] = getattr(there, share), float(np.sqrt(np.clip(known, 0.0, 1.0)))
+        return found
 
 
 def varied(file: LawFile) -> VariedLaw:

@@ -9,7 +9,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.outlook import REPEATS
 from pipeclamp_identification.planning.narrowing import WORTH, BandPlan, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
-from pipeclamp_system.bands.band import Band, ends_words, origin_words
+from pipeclamp_system.bands.band import TOLD, Band, ends_words, origin_words
 
 
 def width(band: Band) -> float:
@@ -61,7 +61,8 @@ def band_plan_words(plan: BandPlan, drive: Path | None = None) -> list[str]:
         )
     else:
         lines.append(f"No loop test within the limits takes {WORTH:.0%} of the band's width.")
-    lines.append(f"No number of such tests goes below {at_best}: mountings and the law's form stay.")
+    stays = "mountings and the law's form stay" if plan.floor.shares["form"] >= TOLD else "mountings stay"
+    lines.append(f"No number of such tests goes below {at_best}: {stays}.")
     last = plan.tests[-1].amplitude if plan.tests else amplitude
     lines += [f"{line[0].upper()}{line[1:]}." for line in origin_words("the peak then", last)]
     for law, words in plan.limits.items():

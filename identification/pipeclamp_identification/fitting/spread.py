@@ -130,7 +130,7 @@ def _between_runs(found: _Pair, loops: Loops) -> Array:
 def _ends(loops: Loops) -> Mapping[str, tuple[npt.NDArray[np.intp], float]]:
     """Give, by condition, which runs are at its lowest level (0) and highest (1; else -1), and how far these are off.
 
-    That is how far they lie from their neighbours, on average of the two.
+    That is how far they lie from their neighbours, rms over these runs.
     """
     return dict(_ends_of(loops))
 
@@ -149,7 +149,9 @@ def _ends_of(loops: Loops) -> Iterator[tuple[str, tuple[npt.NDArray[np.intp], fl
         middles = [float(np.mean(values[rows])) for rows in levels]
         number = np.full(len(values), -1, dtype=np.intp)
         number[levels[0]], number[levels[-1]] = 0, 1
-        yield name, (number, (middles[1] - middles[0] + middles[-1] - middles[-2]) / 2)
+        # errors grow with the way: their mean square belongs to that of the ways of the runs
+        ways = np.where(number == 0, middles[1] - middles[0], middles[-1] - middles[-2])[number >= 0]
+        yield name, (number, float(np.sqrt(np.mean(ways**2))))
 
 
 def _deviations(variances: Array) -> Shares:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pipeclamp_identification.campaign.rig import TestPlan
 from pipeclamp_identification.diagnosis.limits import Limits, drivable_grid, reach_around
 from pipeclamp_identification.diagnosis.outlook import HARMONICS, PROFILES, REPEATS, SINE, sensor_noise
-from pipeclamp_identification.fitting.observations import harmonics_of
+from pipeclamp_identification.fitting.observations import harmonic_slopes
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
-from pipeclamp_models.law.file import Interval, LawFile, law_of
-from pipeclamp_models.law.range import conditions_beyond
-from pipeclamp_models.realise.force import force_of_equations, known_jacobian
+from pipeclamp_models.law.file import Interval, KrigedShare, LawFile, LocalForm, law_of
+from pipeclamp_models.law.local_form import Kriged
+from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_system.bands.varied import SHARES, VariedLaw
 
@@ -34,14 +34,19 @@ class LoopTests:
         law: the law with what isn't known of it.
         grid: their conditions, A (mm), f (Hz), T (K), shape (R,) each.
         slopes: of what a test measures by the law's parameters, N, shape (P, R, m).
-        error: covariance of what a test measures about the law, N2, shape (R, m, m): noise and scatter of the mean of
-            its repeats, and the law's form there, which repeats don't change.
+        error: covariance of what the mean of a test's repeats measures about the law, by noise and scatter, N2, shape
+            (R, m, m).
+        off: changes of what a test measures by the shares by which the law's form is off there, in the order of
+            `SHARES`, N, shape (2, R, m).
+        further: other conditions of the tests, by name.
     """
 
     law: VariedLaw
     grid: Mapping[str, Array]
     slopes: Array
     error: Array
+    off: Array
+    further: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Give how many there are."""
@@ -49,7 +54,32 @@ class LoopTests:
 
     def conditions(self, row: int) -> dict[str, float]:
         """Give the conditions of a test, by name."""
-        return {name: float(values[row]) for name, values in self.grid.items()}
+        return {**self.further, **{name: float(values[row]) for name, values in self.grid.items()}}
+
+    def with_form(self, law: VariedLaw, used: Sequence[Mapping[str, float]], deviations: Array) -> LoopTests:
+        """Give the same with the shares by which the law's form is off where it is used, after its parameters.
+
+        What a test says of the form there is what it has in common with the form where the law is used; the rest of
+        it is an error of the test, which repeats don't change.
+
+        Args:
+            law: the law with all its tests so far.
+            used: conditions at U places.
+            deviations: standard deviations of the shares there, in the units that their covariance will be given in;
+                shape (U, 2).
+        """
+        slopes, error = np.zeros((*deviations.shape, *self.error.shape[:2])), self.error.copy()
+        for row in range(len(self)):
+            told = [law.form_told(self.conditions(row), one) for one in used]
+            for place, share in enumerate(SHARES.values()):
+                there = told[0][share][0]
+                alike = np.array([one[share][1] for one in told])
+                direction = there * self.off[place, row]
+                for number in np.flatnonzero(deviations[:, place]).tolist():
+                    slopes[number, place, row] = alike[number] / deviations[number, place] / len(used) * direction
+                error[row] += (1 - np.mean(alike) ** 2) * np.outer(direction, direction)
+        every = np.concatenate([self.slopes, slopes.reshape(-1, *self.error.shape[:2])])
+        return replace(self, slopes=every, error=error)
 
     def less(self, covariance: Array, wanted: Array) -> Array:
         """Give by how much each test makes the variance of a number smaller, shape (R,).
@@ -116,15 +146,16 @@ def loop_tests(
         also = np.array([*ends, near[name]]) - (CELSIUS if name == "T" else 0.0)
         levels[name] = np.concatenate([values, also])
     grid = drivable_grid(profile, levels, limits)
-    slopes, error, peak = _foretold(law, grid, further, noise_N)
+    slopes, error, off, peak = _foretold(law, grid, further, noise_N)
     kept = np.flatnonzero(peak <= limits.force)
-    return LoopTests(law, {name: values[kept] for name, values in grid.items()}, slopes[:, kept], error[kept])
+    at = {name: values[kept] for name, values in grid.items()}
+    return LoopTests(law, at, slopes[:, kept], error[kept], off[:, kept], further)
 
 
 def _foretold(
     law: VariedLaw, grid: Mapping[str, Array], further: Mapping[str, float], noise_N: float | None
-) -> tuple[Array, Array, Array]:
-    """Give slopes and error of `LoopTests`, and the largest force of each, N, shape (R,)."""
+) -> tuple[Array, Array, Array, Array]:
+    """Give slopes, error and what is off of `LoopTests`, and the largest force of each, N, shape (R,)."""
     own = law_of(law.file)
     equations = own.structure.equations_without_rig
     motion = sinusoids(grid["A"], grid["f"], grid["T"])
@@ -133,18 +164,15 @@ def _foretold(
     force = force_of_equations(equations, own.vector(equations), (own.v_r, own.y_r), motion, derivatives=True)
     names = [*law.names, *SHARES]
     places = np.array([equations.names.index(name) for name in names], dtype=np.intp)
-    every = known_jacobian(force).through(lambda courses: harmonics_of(courses, HARMONICS), places)
+    every = harmonic_slopes(force, HARMONICS, places)
     count = len(law.names)
     noise = noise_of(law.file, noise_N, force.force)
     error = sensor_noise(noise, RIG.rate, motion, every.shape[2]) / REPEATS
     runs = law.file.spread.runs if law.file.spread else None
-    for row in range(len(error)):
-        there = {name: float(values[row]) for name, values in grid.items()}
-        form = law.form(conditions_beyond(law.file, there), there)
-        for share, direction in zip(SHARES.values(), every[count:, row], strict=True):
-            scatter = getattr(runs, share) ** 2 / REPEATS if runs else 0.0
-            error[row] += (scatter + getattr(form, share) ** 2) * np.outer(direction, direction)
-    return every[:count], error, np.asarray(np.abs(force.force).max(axis=1, initial=0.0))
+    for share, direction in zip(SHARES.values(), every[count:], strict=True):
+        scatter = getattr(runs, share) ** 2 / REPEATS if runs else 0.0
+        error += scatter * direction[:, :, None] * direction[:, None, :]
+    return every[:count], error, every[count:], np.asarray(np.abs(force.force).max(axis=1, initial=0.0))
 
 
 def noise_of(file: LawFile, stated: float | None, forces: Array) -> Array:
@@ -168,14 +196,40 @@ def noise_words(file: LawFile, stated: float | None) -> str:
     return f"{RIG.force_noise:g} N rms, as of the virtual rig"
 
 
-def with_test(file: LawFile, conditions: Mapping[str, float]) -> LawFile:
-    """Give a law's file whose range holds one more test."""
+def with_tests(file: LawFile, tests: Sequence[Mapping[str, float]]) -> LawFile:
+    """Give a law's file whose range, and what it tells of its form near tests, holds further ones.
+
+    What these will show is taken to be what the law's file foretells, known as well as each of its tests shows it.
+
+    Args:
+        file: the law.
+        tests: conditions of each, by name.
+    """
     wider = {
         name: Interval(
-            minimum=min(interval.minimum, conditions.get(name, interval.minimum)),
-            maximum=max(interval.maximum, conditions.get(name, interval.maximum)),
+            minimum=min([interval.minimum, *(one[name] for one in tests if name in one)]),
+            maximum=max([interval.maximum, *(one[name] for one in tests if name in one)]),
             unit=interval.unit,
         )
         for name, interval in file.range.items()
     }
-    return file.model_copy(update={"range": wider})
+    spread = file.spread
+    if spread is not None and spread.local is not None:
+        local = spread.local
+        at = {
+            name: (*values, *(one.get(name, float(np.median(values))) for one in tests))
+            for name, values in local.at.items()
+        }
+        shares = {share: _with_tests(local, getattr(local, share), tests) for share in SHARES.values()}
+        spread = spread.model_copy(update={"local": LocalForm(at=at, **shares)})
+    return file.model_copy(update={"range": wider, "spread": spread})
+
+
+def _with_tests(local: LocalForm, share: KrigedShare, tests: Sequence[Mapping[str, float]]) -> KrigedShare:
+    kriged, variance = Kriged.of(local, share), float(np.median(share.variances)) / REPEATS
+    return share.model_copy(
+        update={
+            "shares": (*share.shares, *(kriged.at(one)[0] for one in tests)),
+            "variances": (*share.variances, *[variance] * len(tests)),
+        }
+    )

@@ -13,14 +13,14 @@ from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.limits import Limits, limits_words
 from pipeclamp_identification.diagnosis.next_test import away_from
 from pipeclamp_identification.diagnosis.outlook import PROFILES, REPEATS, SINE
-from pipeclamp_identification.planning.loop_tests import LoopTests, loop_tests, noise_words, reach_of, with_test
+from pipeclamp_identification.planning.loop_tests import LoopTests, loop_tests, noise_words, reach_of, with_tests
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
-from pipeclamp_models.law.range import conditions_beyond
+from pipeclamp_models.law.range import conditions_beyond, conditions_inside
 from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.bands.response import BandedSystem, banded_system
@@ -126,9 +126,9 @@ def plan_tests(
 ) -> BandPlan:
     """Give the loop tests that narrow the band of a pipe's peak most, one after another.
 
-    A test is a linear measurement of the law's parameters: with their covariance it leaves a smaller one. Where it lies
-    beyond the law's range, that reaches farther after it. What a mounting scatters and what the law's form is off
-    inside its range stay.
+    A test is a linear measurement of the law's parameters, and of what the law's form is off there: with their
+    covariance it leaves a smaller one. How much it tells of the form where the pipe moves, kriging says. What a
+    mounting scatters stays.
 
     Args:
         path: SYSTEM.toml.
@@ -249,15 +249,19 @@ class _Search:
         return found
 
     def floor(self, fields: Sequence[LoopTests]) -> Band:
-        """Give the band when the laws' parameters are known, and tested all over the limits."""
-        files = dict(self._now.files)
-        for field in fields:
-            for row in range(len(field)):
-                files[field.law] = with_test(files[field.law], field.conditions(row))
+        """Give the band when the laws' parameters are known, and each test within the limits was run."""
+        files = {
+            **self._now.files,
+            **{
+                field.law: with_tests(field.law.file, [field.conditions(row) for row in range(len(field))])
+                for field in fields
+            },
+        }
         tested = [field.law for field in fields if len(field)]
         own = self._unknown.of_kind("parameters")
+        covariance = self._now.covariance.copy()
         for law in tested:
-            covariance = self._with_range(self._now.covariance, law, files[law])
+            covariance = self._with_form(covariance, law, files[law])
         for place, quantity in enumerate(self._unknown.quantities):
             if own[place] and self._unknown.laws[quantity.clamps[0]] in tested:
                 covariance[place] = covariance[:, place] = 0.0
@@ -299,51 +303,62 @@ class _Search:
     def _left(self, field: LoopTests, known: _Known) -> Array:
         """Give the peak's standard deviation after each test of a field, mm, shape (R,)."""
         own = self._own(field.law)
-        less = field.less(known.covariance[np.ix_(own, own)], self._wanted.by_amplitude[own])
-        now = self._deviation(known) ** 2
-        squares = np.empty(len(field))
-        file = known.files[field.law]
-        for row in range(len(field)):
-            squares[row] = now - less[row]
-            if conditions_beyond(file, field.conditions(row)):
-                wider = with_test(file, field.conditions(row))
-                reached = self._with_range(known.covariance, field.law, wider, known.files[field.law])
-                squares[row] += self._wanted.deviation(reached) ** 2 - now
-        return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
+        less = self._told_of(field, known).less(known.covariance[np.ix_(own, own)], self._wanted.by_amplitude[own])
+        return np.asarray(np.sqrt(np.maximum(self._deviation(known) ** 2 - less, 0.0)))
 
     def _after(self, field: LoopTests, row: int, known: _Known) -> _Known:
         """Give what is known after one more test."""
-        file = known.files[field.law]
-        wider = with_test(file, field.conditions(row))
-        covariance = self._with_range(known.covariance, field.law, wider, file)
-        own = self._own(field.law)
-        covariance[np.ix_(own, own)] = field.after(known.covariance[np.ix_(own, own)], row)
-        return _Known(covariance, {**known.files, field.law: wider})
+        own, covariance = self._own(field.law), known.covariance.copy()
+        told = self._told_of(field, known)
+        covariance[np.ix_(own, own)] = told.after(known.covariance[np.ix_(own, own)], row)
+        file = with_tests(known.files[field.law], [field.conditions(row)])
+        return _Known(covariance, {**known.files, field.law: file})
+
+    def _told_of(self, field: LoopTests, known: _Known) -> LoopTests:
+        """Give tests that tell of a law's form on the pipe too, in the order of `_own`."""
+        places = self._form(field.law).reshape(-1, len(SHARES))
+        if not places.size:
+            return field
+        used = [self._used(self._unknown.quantities[first].clamps[0]) for first in places[:, 0]]
+        deviations = np.sqrt(np.diag(known.covariance))[places]
+        return field.with_form(replace(field.law, file=known.files[field.law]), used, deviations)
+
+    def _used(self, clamp: int) -> dict[str, float]:
+        """Give the conditions at which a clamp's law is used, by name."""
+        return {**self._at[clamp], **self._state.beyond[clamp]}
 
     def _own(self, law: VariedLaw) -> npt.NDArray[np.intp]:
-        """Give which quantities are a law's parameters, in the order of its names."""
+        """Give which quantities are a law's parameters, in the order of its names, and then its form's."""
         kind = self._unknown.of_kind("parameters")
-        return np.array(
-            [
-                place
-                for place, quantity in enumerate(self._unknown.quantities)
-                if kind[place] and self._unknown.laws[quantity.clamps[0]] is law
-            ],
-            dtype=np.intp,
-        )
+        own = [
+            place
+            for place, quantity in enumerate(self._unknown.quantities)
+            if kind[place] and self._unknown.laws[quantity.clamps[0]] is law
+        ]
+        return np.array([*own, *self._form(law)], dtype=np.intp)
 
-    def _with_range(self, covariance: Array, law: VariedLaw, file: LawFile, before: LawFile | None = None) -> Array:
-        """Give the covariance where a law's tests reach as far as a file says; before, as far as another."""
+    def _form(self, law: VariedLaw) -> npt.NDArray[np.intp]:
+        """Give which quantities say how a law's form is off, clamp by clamp, in the order of `SHARES`."""
+        order = list(SHARES)
+        own = [
+            (quantity.clamps[0], order.index(quantity.parameter), place)
+            for place, quantity in enumerate(self._unknown.quantities)
+            if quantity.kind == "form" and not quantity.lean and self._unknown.laws[quantity.clamps[0]] is law
+        ]
+        return np.array([place for *_, place in sorted(own)], dtype=np.intp)
+
+    def _with_form(self, covariance: Array, law: VariedLaw, file: LawFile) -> Array:
+        """Give the covariance where a law's tests tell of its form what a file says."""
         factors = np.ones(len(covariance))
-        for place, quantity in enumerate(self._unknown.quantities):
-            clamp = quantity.clamps[0]
-            if quantity.kind != "form" or quantity.lean or self._unknown.laws[clamp] is not law:
-                continue
-            forms = (
-                replace(law, file=one).form(conditions_beyond(one, self._state.beyond[clamp]), self._at[clamp])
-                for one in (before or law.file, file)
+        for place in self._form(law):
+            quantity = self._unknown.quantities[place]
+            used, share = self._used(quantity.clamps[0]), SHARES[quantity.parameter]
+            then, now = (
+                getattr(
+                    replace(law, file=one).form(conditions_beyond(one, used), conditions_inside(one.range, used)), share
+                )
+                for one in (law.file, file)
             )
-            then, now = (getattr(form, SHARES[quantity.parameter]) for form in forms)
             factors[place] = now / then if then > 0 else 1.0
         return np.asarray(covariance * np.outer(factors, factors))
 

@@ -7,7 +7,7 @@ C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 200
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,10 +68,26 @@ class Kriged:
         Args:
             conditions: A (mm), f (Hz), T (K) and so on; one that isn't named is taken as in the middle of the tests.
         """
-        here = np.median(self.tested, axis=0)
-        for place, name in enumerate(self.names):
-            if name in conditions:
-                here[place] = coordinate(name, np.array(conditions[name]))
-        with_tests = self.variance * likeness(here[None], self.tested, self.lengths)[0]
-        left = self.variance - float(with_tests @ self.inverse @ with_tests)
-        return float(with_tests @ self.known), float(np.sqrt(max(left, 0.0)))
+        place = self._coordinates([conditions])
+        shown = self.variance * likeness(place, self.tested, self.lengths)[0] @ self.known
+        return float(shown), float(np.sqrt(self.left([conditions])[0, 0]))
+
+    def left(self, conditions: Sequence[Mapping[str, float]]) -> Array:
+        """Give the covariance of the shares at several conditions that the tests leave, shape (m, m)."""
+        places = self._coordinates(conditions)
+        with_tests = self.variance * likeness(places, self.tested, self.lengths)
+        left = self.variance * likeness(places, places, self.lengths) - with_tests @ self.inverse @ with_tests.T
+        own = np.sqrt(np.maximum(np.diag(left), 0.0))
+        return np.asarray(np.clip(left, -np.outer(own, own), np.outer(own, own)))
+
+    def _coordinates(self, conditions: Sequence[Mapping[str, float]]) -> Array:
+        middle = np.median(self.tested, axis=0)
+        return np.array(
+            [
+                [
+                    coordinate(name, np.array(one[name])) if name in one else middle[place]
+                    for place, name in enumerate(self.names)
+                ]
+                for one in conditions
+            ]
+        )
