@@ -20,7 +20,7 @@ from pipeclamp_identification.attribution.noise import noise_of
 from pipeclamp_identification.attribution.refit import changed
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.verdict import Attribution, _judged, attribute
-from pipeclamp_identification.on_pipe.model import predict
+from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import compare_pipe
 
 PIPE = """

@@ -19,7 +19,8 @@ from pipeclamp_identification.on_pipe.measurement import (
     ProbeTable,
     SteadyMeasurement,
 )
-from pipeclamp_identification.on_pipe.model import CoupledModel, predict
+from pipeclamp_identification.on_pipe.model import CoupledModel
+from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.pipe.description import Place

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.attribution.noise import first_guess, noise_of
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
-from pipeclamp_identification.on_pipe.model import Prediction
+from pipeclamp_identification.on_pipe.prediction import Prediction
 from pipeclamp_identification.on_pipe.series import series_of
 from pipeclamp_identification.on_pipe.sines import turned_error
 from pipeclamp_models.base.arrays import Array

@@ -10,7 +10,8 @@ import numpy as np
 from pipeclamp_identification.attribution.record_evidence import RecordEvidence
 from pipeclamp_identification.attribution.sine_evidence import SineEvidence
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
-from pipeclamp_identification.on_pipe.model import CoupledModel, Prediction, predict
+from pipeclamp_identification.on_pipe.model import CoupledModel
+from pipeclamp_identification.on_pipe.prediction import Prediction, predict
 from pipeclamp_identification.on_pipe.record_motion import RecordPrediction, predict_record
 from pipeclamp_identification.on_pipe.records import RecordPair, RecordsComparison
 from pipeclamp_models.base.arrays import Array

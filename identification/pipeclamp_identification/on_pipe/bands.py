@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipeclamp_identification.on_pipe.answer import BandsOnPipeAnswer
 from pipeclamp_identification.on_pipe.measurement import read_description
-from pipeclamp_identification.on_pipe.model import Group
+from pipeclamp_identification.on_pipe.prediction import Group
 from pipeclamp_identification.on_pipe.sines import PipeComparison, scatter_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp_identification.on_pipe.measurement import SWEEPS, SteadyMeasurement
-from pipeclamp_identification.on_pipe.model import SAME_LEVEL, temperatures
+from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, temperatures
 from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_system.description.measured_table import DRIVES
 

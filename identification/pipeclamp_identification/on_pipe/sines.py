@@ -14,14 +14,8 @@ from numpy.typing import NDArray
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, Part
 from pipeclamp_identification.comparison.concentration import Factor, Region, condition_factors, densest, is_scatter
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement, read_measurement
-from pipeclamp_identification.on_pipe.model import (
-    SAME_LEVEL,
-    CoupledModel,
-    Prediction,
-    predict,
-    read_model,
-    temperatures,
-)
+from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
+from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, Prediction, predict, temperatures
 from pipeclamp_identification.signals.levels import name_levels, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp_identification.comparison.concentration import is_scatter, region_sentence
-from pipeclamp_identification.on_pipe.model import SAME_LEVEL, temperatures
+from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, temperatures
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import Array

@@ -17,7 +17,7 @@ from pipeclamp.pages.system.bands import FAINT, add_area
 from pipeclamp.show.comparison import parts_table
 from pipeclamp_identification.on_pipe.bands import PipeBands
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES, ProbeTable
-from pipeclamp_identification.on_pipe.model import SAME_LEVEL, Prediction
+from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, Prediction
 from pipeclamp_identification.on_pipe.series import Series, series_of
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.on_pipe.where import beyond_laws, how_much, where_words
