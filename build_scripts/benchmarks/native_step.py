@@ -19,7 +19,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 from pipeclamp_fmu.build import build_native_clamp
-from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.contents.clamp_model import Start
 from pipeclamp_fmu.native.compiler import FLAGS, system_compiler
 from pipeclamp_models.law.bundled import bundled_laws, open_law
 

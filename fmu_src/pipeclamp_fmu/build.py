@@ -9,7 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 
 from pipeclamp_fmu.contents.behind import what_stands_behind
-from pipeclamp_fmu.contents.clamp import USUAL, ClampModel, Entry, FurtherCondition, Start, clamp_content, middle
+from pipeclamp_fmu.contents.clamp import clamp_content
+from pipeclamp_fmu.contents.clamp_model import USUAL, ClampModel, Entry, FurtherCondition, Start, middle
 from pipeclamp_fmu.contents.content import Content
 from pipeclamp_fmu.contents.continuous_memory import require_states
 from pipeclamp_fmu.contents.excitation import Samples, excitation_content

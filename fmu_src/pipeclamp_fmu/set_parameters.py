@@ -10,7 +10,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from pipeclamp_fmu.build import native_clamp_content, python_clamp_content
-from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.contents.clamp_model import Start
 from pipeclamp_fmu.native.clamp import DISSIPATED, MEMORY
 from pipeclamp_fmu.native.packing import native_files
 from pipeclamp_fmu.native.sources import c_sources

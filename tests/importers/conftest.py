@@ -18,7 +18,8 @@ import stand_in as stand_in_numbers
 from fmpy.fmi1 import FMICallException
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_native_pipe, build_pipe
-from pipeclamp_fmu.contents.clamp import ClampModel, Entry, clamp_content
+from pipeclamp_fmu.contents.clamp import clamp_content
+from pipeclamp_fmu.contents.clamp_model import ClampModel, Entry
 from pipeclamp_fmu.native.compiler import system_compiler
 from pipeclamp_fmu.python.packing import write_fmu
 from pipeclamp_fmu.slaves.one_module import body_of, source_text

@@ -7,7 +7,7 @@ from native_driver import NativeDriver
 from test_pipe_fmu import PIPES, modal_system
 
 from pipeclamp_fmu.build import build_native_clamp
-from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.contents.clamp_model import Start
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
 

@@ -9,7 +9,7 @@ from native_driver import NativeDriver
 from test_pipe_fmu import PIPES
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp, build_native_excitation
-from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.contents.clamp_model import Start
 from pipeclamp_fmu.contents.excitation import Samples
 
 STEP = {"flange.s": 1e-4, "flange.v": -0.01, "T_in": 20.0, "A": 1e-4, "f": 0.5, "T": 15.0}

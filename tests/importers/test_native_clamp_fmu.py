@@ -17,7 +17,7 @@ from fmpy.validation import validate_fmu
 from native_driver import NativeDriver
 
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
-from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.contents.clamp_model import Start
 from pipeclamp_fmu.native.compiler import compile_sources, system_compiler
 from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_models.base.errors import UserError

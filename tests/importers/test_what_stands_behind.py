@@ -14,7 +14,7 @@ from fmpy.ssp import ssd
 from lxml import etree
 
 from pipeclamp_fmu.build import build_clamp
-from pipeclamp_fmu.contents.clamp import Start
+from pipeclamp_fmu.contents.clamp_model import Start
 from pipeclamp_models.law.file import Covariance, LastDiagnosis, Shares, Spread
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"

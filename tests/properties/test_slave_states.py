@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stand_in import RANGES, VALUES
 
-from pipeclamp_fmu.contents.clamp import ClampModel, Entry, clamp_variables
+from pipeclamp_fmu.contents.clamp import clamp_variables
+from pipeclamp_fmu.contents.clamp_model import ClampModel, Entry
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_fmu.describe.variables import numbers_of
 from pipeclamp_fmu.slaves.clamp import ClampSlave

@@ -4,172 +4,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
-from pipeclamp_fmu.contents.behind import Behind, behind_section, related
+from pipeclamp_fmu.contents.behind import behind_section, related
 from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
+from pipeclamp_fmu.contents.clamp_model import TEMPERATURES, ClampModel, FurtherCondition, middle
 from pipeclamp_fmu.contents.content import Content
-from pipeclamp_fmu.contents.passivity import Interval, ScalarLaw, loaded
+from pipeclamp_fmu.contents.passivity import Interval
 from pipeclamp_fmu.contents.reference import Reference, reference_files
 from pipeclamp_fmu.contents.steady_loop import SAMPLES, steady_loop
 from pipeclamp_fmu.describe.documentation import Section, page, variables_section
 from pipeclamp_fmu.describe.history import history_section
 from pipeclamp_fmu.describe.icon import loop_icon
 from pipeclamp_fmu.describe.model_description import ModelText, Quantity, usual
-from pipeclamp_fmu.describe.variables import Range, Variable, Variables, numbers_of
+from pipeclamp_fmu.describe.variables import Variable, Variables, numbers_of
 from pipeclamp_fmu.slaves import clamp as clamp_slave
 from pipeclamp_fmu.slaves import own_motion
 from pipeclamp_fmu.slaves.one_module import source_text, with_inlined
 from pipeclamp_fmu.slaves.values_file import values_text
-from pipeclamp_models.equations.symbols import REFERENCES, T_0
-from pipeclamp_models.law.file import FitQuality, HistoryStep
 from pipeclamp_models.realise import tracker
 
 MARGIN = 10.0
 """min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
 
-TEMPERATURES = (1.0, 2000.0)
-"""min and max of temperatures, K: above absolute zero, and above what any steel stands."""
-
 STEPS_PER_CYCLE = 200
 """Of the default experiment, at the highest frequency in range."""
-
-
-@dataclass(frozen=True)
-class FurtherCondition:
-    """A slow signal of the law besides A, f and T, as a parameter of the FMU.
-
-    Attributes:
-        name: of the parameter.
-        meaning: one phrase.
-        unit: the FMU's, "" where only the column's name tells it.
-        display_unit: the unit for people, "" for the same.
-        law_unit: the law's.
-        scale: a value in the law's unit over the one in the FMU's.
-        interval: what the law's data hold, in the law's unit.
-        positive: whether it must be above 0.
-        start: in the FMU's unit.
-        counted: whether the clamp's own load cycles are added to it.
-    """
-
-    name: str
-    meaning: str
-    unit: str
-    display_unit: str
-    law_unit: str
-    scale: float
-    interval: Interval
-    positive: bool
-    start: float
-    counted: bool = False
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A coefficient of the law or a state of its memory, with the coefficient's value."""
-
-    name: str
-    unit: str
-    meaning: str
-    value: float = 0.0
-
-
-@dataclass(frozen=True)
-class Start:
-    """What a clamp FMU is told of its use when it is built; None for the middle of the law's range.
-
-    Attributes:
-        A: amplitude of the motion, m.
-        f: its frequency, Hz.
-        T: temperature of the clamp, K.
-        track: whether A and f are followed from the motion.
-        connected_temperature: whether T_in is an input, to be connected, and used.
-        events: whether reversals are events of model exchange, where the law has memory.
-        memory_as_states: whether memory is continuous states in model exchange, and needs no completed steps.
-    """
-
-    A: float | None = None
-    f: float | None = None
-    T: float | None = None
-    track: bool = False
-    connected_temperature: bool = False
-    events: bool = True
-    memory_as_states: bool = False
-
-
-USUAL = Start()
-"""Of a clamp that is told nothing."""
-
-
-@dataclass(frozen=True)
-class ClampModel:
-    """A law as the clamp FMU needs it.
-
-    Attributes:
-        name: the law's name.
-        source: its generated source, see `pipeclamp.realise.scalar.python_source`.
-        coefficients: in the order in which the source takes them.
-        range_A: amplitudes that its data hold, mm.
-        range_f: frequencies, Hz.
-        range_T: temperatures, K; None where they aren't known and the law is for any.
-        equations: for the documentation, one line each.
-        parameters: for the documentation: symbol, value, standard error, unit, meaning.
-        notes: for the documentation: what else to say of the law, its data and its quality.
-        further: conditions besides A, f and T, in the order in which the source takes them.
-        history, fit: for the documentation: the error step by step, and how well the law fits.
-        told: what the FMU starts with.
-        behind: what is known of the law's uncertainty and origin.
-    """
-
-    name: str
-    source: str
-    coefficients: tuple[Entry, ...]
-    range_A: Interval
-    range_f: Interval
-    range_T: Interval | None
-    equations: Sequence[str] = ()
-    parameters: Sequence[Sequence[str]] = ()
-    notes: Sequence[str] = ()
-    further: tuple[FurtherCondition, ...] = ()
-    history: Sequence[HistoryStep] = ()
-    fit: FitQuality | None = None
-    told: Start = USUAL
-    behind: Behind | None = None
-
-    @property
-    def ranges(self) -> tuple[Range, ...]:
-        """The ranges of all conditions, in the law's units."""
-        return (
-            Range(*self.range_A, "mm"),
-            Range(*self.range_f, "Hz"),
-            Range(*self.temperatures, "K"),
-            *(Range(*entry.interval, entry.law_unit) for entry in self.further),
-        )
-
-    @property
-    def temperatures(self) -> Interval:
-        """The temperatures at which the law may be used, K: all, where it was identified without any."""
-        return self.range_T or TEMPERATURES
-
-    @property
-    def temperature(self) -> float:
-        """The temperature that the clamp has unless it is told another, K."""
-        return middle(self.range_T) if self.range_T else float(REFERENCES[T_0])
-
-    @property
-    def law(self) -> ScalarLaw:
-        """The law, ready to be called."""
-        return loaded(self.source, [entry.value for entry in self.coefficients])
-
-    @property
-    def condition_names(self) -> tuple[str, ...]:
-        """The names of the parameters that state conditions, in the order in which the source takes them."""
-        return ("A", "f", "T", *(entry.name for entry in self.further))
-
-    @property
-    def counted(self) -> int:
-        """The place of the load cycles among the further conditions, -1 for none."""
-        return next((place for place, entry in enumerate(self.further) if entry.counted), -1)
 
 
 def clamp_module(model: ClampModel) -> str:
@@ -187,11 +45,6 @@ def clamp_module(model: ClampModel) -> str:
     slaves = (f"pipeclamp_fmu.slaves.{name}" for name in ("own_motion", "plain", "values_file"))
     parts = {module: source_text(module) for module in (*slaves, "pipeclamp_models.realise.tracker")}
     return with_inlined(source_text("pipeclamp_fmu.slaves.clamp"), {**parts, "pipeclamp_fmu.slaves.stand_in_law": law})
-
-
-def middle(interval: Interval) -> float:
-    """Give the middle of a range."""
-    return (interval[0] + interval[1]) / 2
 
 
 def quantities(model: ClampModel) -> Mapping[str, Quantity]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from pipeclamp_fmu.contents.clamp import ClampModel
+from pipeclamp_fmu.contents.clamp_model import ClampModel
 from pipeclamp_models.base.errors import UserError
 
 SAMPLES = 200

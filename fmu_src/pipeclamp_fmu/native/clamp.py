@@ -7,8 +7,6 @@ from dataclasses import replace
 
 from pipeclamp_fmu.contents.clamp import (
     COEFFICIENTS,
-    ClampModel,
-    Entry,
     clamp_documentation,
     clamp_extras,
     clamp_text,
@@ -16,6 +14,7 @@ from pipeclamp_fmu.contents.clamp import (
     quantities,
 )
 from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
+from pipeclamp_fmu.contents.clamp_model import ClampModel, Entry
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_fmu.describe.variables import Variable
 from pipeclamp_fmu.native.description import FLANGE, Terminal

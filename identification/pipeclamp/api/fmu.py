@@ -61,7 +61,7 @@ def build_fmu(
     'clamp.fmu'
     """
     from pipeclamp_fmu.build import build_clamp, build_native_clamp
-    from pipeclamp_fmu.contents.clamp import Start
+    from pipeclamp_fmu.contents.clamp_model import Start
 
     start = Start(
         A=None if amplitude is None else amplitude / 1000,

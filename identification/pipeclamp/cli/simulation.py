@@ -107,7 +107,7 @@ def build_fmu(
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
     from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model, passivity
-    from pipeclamp_fmu.contents.clamp import Start
+    from pipeclamp_fmu.contents.clamp_model import Start
 
     start = Start(
         A=None if amplitude is None else amplitude / 1000,
