@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from native_driver import INTERFACES, NativeDriver
 from test_effect_contract import SMOOTHING, STRUCTURES, name_of, sound_values
 
-from pipeclamp_fmu.build import clamp_model, native_clamp_content
+from pipeclamp_fmu.build import native_clamp_content
 from pipeclamp_fmu.contents.clamp import clamp_module, clamp_variables, quantities
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.describe.variables import numbers_of
 from pipeclamp_fmu.native.compiler import default_platforms
 from pipeclamp_fmu.native.packing import write_native_fmu

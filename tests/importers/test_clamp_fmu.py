@@ -9,8 +9,9 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from pipeclamp_fmu.build import build_clamp, clamp_model
+from pipeclamp_fmu.build import build_clamp
 from pipeclamp_fmu.contents.clamp import clamp_content
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.python.packing import write_fmu
 
 H = 1e-3

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeclamp_fmu.build import build_clamp, condition_parameter
+from pipeclamp_fmu.build import build_clamp
+from pipeclamp_fmu.contents.clamp_of_law import condition_parameter
 from pipeclamp_identification.campaign.free_motion import FreeRun, free_motion
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.fitting.free_misfit import free_misfits

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model
+from pipeclamp_fmu.build import build_clamp, build_native_clamp
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.native.compiler import system_compiler
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import write_law

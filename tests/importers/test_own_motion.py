@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from native_driver import INTERFACES, NativeDriver
 
-from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model
+from pipeclamp_fmu.build import build_clamp, build_native_clamp
 from pipeclamp_fmu.contents.clamp_model import Start
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.native.compiler import system_compiler
 from pipeclamp_fmu.set_parameters import set_parameters
 from pipeclamp_models.base.errors import UserError

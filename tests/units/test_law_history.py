@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from pipeclamp_fmu.build import clamp_model
 from pipeclamp_fmu.contents.clamp import clamp_documentation, quantities
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.describe.documentation import page
 from pipeclamp_fmu.describe.history import HEADING, history_section
 from pipeclamp_models.law.bundled import open_law

@@ -5,7 +5,8 @@ import math
 
 import pytest
 
-from pipeclamp_fmu.build import clamp_model, passivity, require_passive
+from pipeclamp_fmu.build import passivity, require_passive
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.contents.passivity import CYCLES, balance, conditions, loaded, require_dissipation
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import read_law

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeclamp_fmu.build import condition_parameter
+from pipeclamp_fmu.contents.clamp_of_law import condition_parameter
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.base.units import CELSIUS

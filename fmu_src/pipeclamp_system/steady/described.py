@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pipeclamp_fmu.build import clamp_model, condition_parameter
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model, condition_parameter
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.toml_file import unknown
 from pipeclamp_models.base.units import CELSIUS

@@ -106,8 +106,9 @@ def build_fmu(
     ] = False,
 ) -> None:
     """Package a law as an FMU with A, f and T parameters."""
-    from pipeclamp_fmu.build import build_clamp, build_native_clamp, clamp_model, passivity
+    from pipeclamp_fmu.build import build_clamp, build_native_clamp, passivity
     from pipeclamp_fmu.contents.clamp_model import Start
+    from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 
     start = Start(
         A=None if amplitude is None else amplitude / 1000,

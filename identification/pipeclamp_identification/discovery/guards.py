@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_fmu.build import clamp_model, passivity, require_passive
+from pipeclamp_fmu.build import passivity, require_passive
+from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.diagnosis.left_out import LeftOut
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.resampling import share_of_gains
