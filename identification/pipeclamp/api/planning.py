@@ -102,8 +102,8 @@ def plan_campaign(
     Raises:
         UserError: there is no such law, nothing can be driven within the limits, or nothing fits into the hours.
 
-    >>> plan_campaign(hours=0.2)
-    <campaign of 20 runs in 0.197 h>
+    >>> plan_campaign(hours=0.2, limits="A=0.2..1,f=1..6,T=20..20")
+    <campaign of 17 runs in 0.164 h>
     """
     reach = parse_limits(limits) if limits else None
     asked = campaign.Asked(hours, force_noise, scatter)
