@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +22,7 @@ from pipeclamp_identification.attribution.refit import changed
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.verdict import Attribution, _judged, attribute
 from pipeclamp_identification.on_pipe.prediction import predict
-from pipeclamp_identification.on_pipe.sines import compare_pipe
+from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 
 PIPE = """
 name = "symmetric"
@@ -53,17 +54,28 @@ TWO_PROBES = '[[probes]]\nname = "again"\nposition_m = 2.0\nunit = "mm"\n' + MEA
 SINES = [(f, level) for level in (1.0, 4.0) for f in np.linspace(6.0, 18.0, 13).tolist()]
 
 
+@pytest.fixture(scope="module")
+def measured_bench(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]) -> Path:
+    """The bench: not to be changed."""
+    return _bench(tmp_path_factory.mktemp("bench"), write_law)
+
+
 @pytest.fixture
-def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
-    """Give the bench in a folder of its own."""
-    return _bench(tmp_path, write_law)
+def bench(measured_bench: Path, tmp_path: Path) -> Path:
+    """The bench in a folder of its own, to be changed."""
+    return shutil.copytree(measured_bench, tmp_path / "bench")
 
 
 @pytest.fixture(scope="module")
-def compared(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]) -> Compared:
+def comparison(measured_bench: Path) -> PipeComparison:
+    """The bench's sines compared."""
+    return compare_pipe(measured_bench / "system.toml", measured_bench / "measured")
+
+
+@pytest.fixture(scope="module")
+def compared(comparison: PipeComparison) -> Compared:
     """The bench compared."""
-    folder = _bench(tmp_path_factory.mktemp("bench"), write_law)
-    return Compared(compare_pipe(folder / "system.toml", folder / "measured"))
+    return Compared(comparison)
 
 
 @pytest.fixture(scope="module")
@@ -93,8 +105,7 @@ def _bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
     return tmp_path
 
 
-def test_suspects_change_nothing_at_zero_and_something_elsewhere(bench):
-    comparison = compare_pipe(bench / "system.toml", bench / "measured")
+def test_suspects_change_nothing_at_zero_and_something_elsewhere(comparison):
     model = with_mounts(comparison.model)
     stated = predict(model, comparison.measurement, comparison.prediction)
     assert stated.response == pytest.approx(comparison.prediction.response, rel=1e-6)
@@ -149,20 +160,19 @@ def test_what_errs_only_where_the_branch_is_not_known_is_not_named(compared, fou
         assert any("state sweep = 'up' or 'down'" in words for words in attribution_words(judged, None)) == unknown
 
 
-def test_a_proposed_test_may_have_fewer_probes_than_the_measurement(bench):
+def test_a_proposed_test_may_have_fewer_probes_than_the_measurement(bench, found):
     measured = bench / "measured" / "sines.csv"
     head, *rows = measured.read_text(encoding="utf-8").splitlines()
     twice = [f"{row},{','.join(row.split(',')[2:])}" for row in rows]
     measured.write_text("\n".join([f"{head},again_real,again_imag", *twice]) + "\n", encoding="utf-8")
     (bench / "measured" / "measurement.toml").write_text(TWO_PROBES, encoding="utf-8")
     compared = Compared(compare_pipe(bench / "system.toml", bench / "measured"))
-    found = attribute(compared)
-    assert len(found.named) > 1
-    assert propose(replace(found, named=found.named[:2]), compared) is not None
+    assert len(compared.model.pipe.probes) == 2
+    task = replace(found.task, model=with_mounts(compared.model))
+    assert propose(replace(found, task=task, named=found.named[:2]), compared) is not None
 
 
-def test_roughness_tells_the_noise_whatever_the_misfit(bench):
-    comparison = compare_pipe(bench / "system.toml", bench / "measured")
+def test_roughness_tells_the_noise_whatever_the_misfit(comparison):
     response = comparison.measurement.steady.response
     smooth = 1.1 * predict(comparison.model, comparison.measurement, comparison.prediction).response
     rng = np.random.default_rng(3)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +32,11 @@ unit = "mm"
 file = "sines.csv"
 """
 FREQUENCIES = np.linspace(6.0, 12.0, 13)
+FOLD = np.linspace(6.0, 12.0, 25)
 
 
-@pytest.fixture
-def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
+def made(tmp_path: Path, write_law: Callable[..., None]) -> Path:
+    """Make a cantilever in a clamp that hardens."""
     write_law(tmp_path / "law.json", {"k10": 4.0, "k30": 4.0, "c0": 0.02, "alpha0": 1.0})
     (tmp_path / "pipe.toml").write_text(cantilever(ratio=0.01, up_to_Hz=100), encoding="utf-8")
     system = shaken(amplitude_mm=1.0, frequency_Hz=9.0, acceleration_m_s2=0.5)
@@ -41,37 +44,73 @@ def bench(tmp_path: Path, write_law: Callable[..., None]) -> Path:
     return tmp_path
 
 
-def sweep(bench: Path, levels=(0.05, 0.2), turn: complex = 1.0, sweep: str = "", frequencies=FREQUENCIES) -> Path:
-    """Write what the model itself says, the tip's response turned by a factor."""
+def measured(bench: Path, frequencies: np.ndarray, levels: tuple[float, ...], sweep: str = "") -> PipeComparison:
+    """Write what the model itself says, and compare it with what stood there before: 1 everywhere."""
     folder = bench / "measured"
-    folder.mkdir(exist_ok=True)
+    folder.mkdir()
     (folder / "measurement.toml").write_text(MEASUREMENT + sweep, encoding="utf-8")
     head = "frequency_Hz,acceleration_m_s2,tip_real,tip_imag,middle_real,middle_imag\n"
     sines = [(f, level) for level in levels for f in frequencies]
     blank = head + "".join(f"{f},{level},1,0,1,0\n" for f, level in sines)
     (folder / "sines.csv").write_text(blank, encoding="utf-8")
-    found = compare_pipe(bench / "system.toml", folder).prediction.response
+    blank_compared = compared(bench)
+    found = blank_compared.prediction.response
     f, level = np.array(sines).T
-    tip, middle = turn * found[:, 0] * level, found[:, 1] * level / 1e-3
+    tip, middle = found[:, 0] * level, found[:, 1] * level / 1e-3
     table = np.column_stack([f, level, tip.real, tip.imag, middle.real, middle.imag])
     rows = [",".join(map(repr, row)) for row in table.tolist()]
     (folder / "sines.csv").write_text(head + "\n".join(rows) + "\n", encoding="utf-8")
+    return blank_compared
+
+
+def compared(bench: Path) -> PipeComparison:
+    return compare_pipe(bench / "system.toml", bench / "measured")
+
+
+@pytest.fixture(scope="module")
+def measured_bench(tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]) -> Path:
+    """A bench measured at two levels: not to be changed."""
+    folder = made(tmp_path_factory.mktemp("bench"), write_law)
+    measured(folder, FREQUENCIES, (0.05, 0.2))
     return folder
 
 
-def compared(bench: Path, folder: Path) -> PipeComparison:
-    return compare_pipe(bench / "system.toml", folder)
+@pytest.fixture
+def bench(measured_bench: Path, tmp_path: Path) -> Path:
+    """The measured bench, to be changed."""
+    return shutil.copytree(measured_bench, tmp_path / "bench")
 
 
-def test_a_measurement_of_the_model_itself(bench):
-    found = compared(bench, sweep(bench))
-    assert found.nrmse < 1e-6
-    assert found.noise_nrmse is None
-    assert "no scatter is known" in how_much(found)[0]
+@pytest.fixture(scope="module")
+def itself(measured_bench: Path) -> PipeComparison:
+    """A measurement of the model itself, compared."""
+    return compared(measured_bench)
 
 
-def test_a_sensor_that_is_out_of_calibration_errs_in_amplitude_at_its_place(bench):
-    found = compared(bench, sweep(bench, turn=1.1))
+@pytest.fixture(scope="module")
+def folds(
+    tmp_path_factory: pytest.TempPathFactory, write_law: Callable[..., None]
+) -> dict[str, tuple[Path, PipeComparison]]:
+    """Benches that were swept up and down through a fold, and what the model says of each sweep."""
+    benches = {way: made(tmp_path_factory.mktemp(way), write_law) for way in ("up", "down")}
+    return {way: (bench, measured(bench, FOLD, (0.5,), f'sweep = "{way}"\n')) for way, bench in benches.items()}
+
+
+def with_tip_turned(comparison: PipeComparison, turn: complex) -> PipeComparison:
+    """Give a comparison whose measured response at the tip is turned by a factor."""
+    steady = comparison.measurement.steady
+    response = steady.response * np.array([turn, 1.0])
+    return replace(comparison, measurement=replace(comparison.measurement, steady=replace(steady, response=response)))
+
+
+def test_a_measurement_of_the_model_itself(itself):
+    assert itself.nrmse < 1e-6
+    assert itself.noise_nrmse is None
+    assert "no scatter is known" in how_much(itself)[0]
+
+
+def test_a_sensor_that_is_out_of_calibration_errs_in_amplitude_at_its_place(itself):
+    found = with_tip_turned(itself, 1.1)
     tip, middle = found.by_probe().parts
     assert tip.nrmse == pytest.approx(0.1 / 1.1)
     assert middle.nrmse == pytest.approx(0.0, abs=1e-6)
@@ -79,16 +118,15 @@ def test_a_sensor_that_is_out_of_calibration_errs_in_amplitude_at_its_place(benc
     assert set(found.region().words) == {"at probe tip", "in amplitude"}
 
 
-def test_a_delay_errs_in_phase(bench):
-    found = compared(bench, sweep(bench, turn=np.exp(-0.1j)))
+def test_a_delay_errs_in_phase(itself):
+    found = with_tip_turned(itself, np.exp(-0.1j))
     assert found.by_kind().share(found.by_kind().parts[1]) > 0.99
     assert any("100% in phase" in words for words in where_words(found))
 
 
 def test_every_breakdown_adds_up_and_the_report_is_drawn(bench):
-    folder = sweep(bench)
     (bench / "pipe.toml").write_text(cantilever(ratio=0.03, up_to_Hz=100), encoding="utf-8")
-    found = compared(bench, folder)
+    found = compared(bench)
     answer = sines_answer(found).to_dict()
     assert answer["nrmse"] > 0.1
     parts = [answer["where"]["kinds"], answer["where"]["probes"], *answer["where"]["conditions"].values()]
@@ -102,51 +140,45 @@ def test_every_breakdown_adds_up_and_the_report_is_drawn(bench):
 
 
 def test_repeats_show_scatter(bench):
-    folder = sweep(bench)
-    file = folder / "sines.csv"
+    file = bench / "measured" / "sines.csv"
     head, *rows = file.read_text(encoding="utf-8").splitlines()
     cells = [[float(cell) for cell in row.split(",")] for row in rows]
     louder = [",".join(map(str, [*row[:2], *(1.02 * value for value in row[2:])])) for row in cells]
     file.write_text("\n".join([head, *rows, *louder]) + "\n", encoding="utf-8")
-    found = compared(bench, folder)
+    found = compared(bench)
     # 0 and 2 % of error, of which the deviation from their mean is scatter
     assert found.noise_nrmse == pytest.approx(0.02 / np.sqrt(2), rel=0.02)
     assert found.nrmse == pytest.approx(0.02 / np.sqrt(2), rel=0.02)
     assert "is scatter, nearly all of it" in where_words(found)[0]
 
 
-@pytest.mark.parametrize(("direction", "higher"), [("up", True), ("down", False)])
-def test_a_sweep_stays_on_its_branch(bench, direction, higher):
+def test_a_sweep_stays_on_its_branch(folds):
     """The clamp hardens: a sweep up stays on the upper branch, a sweep down on the lower one."""
-    fold = np.linspace(6.0, 12.0, 25)
-    found = compared(bench, sweep(bench, (0.5,), sweep=f'sweep = "{direction}"\n', frequencies=fold))
-    several = found.prediction.branches > 1
+    (_, up), (_, down) = folds["up"], folds["down"]
+    several = up.prediction.branches > 1
     assert several.any()
-    assert any("direction" in words for words in where_words(found))
-    back = "down" if higher else "up"
-    other = compared(bench, sweep(bench, (0.5,), frequencies=fold, sweep=f'sweep = "{back}"\n'))
-    mine, theirs = (np.abs(one.prediction.clamps[several, 0]) for one in (found, other))
-    assert np.all(mine > 1.2 * theirs) if higher else np.all(1.2 * mine < theirs)
+    assert np.all(several == (down.prediction.branches > 1))
+    assert all(any("direction" in words for words in where_words(found)) for found in (up, down))
+    upper, lower = (np.abs(found.prediction.clamps[several, 0]) for found in (up, down))
+    assert np.all(upper > 1.2 * lower)
 
 
-def test_without_a_direction_the_nearest_branch_is_compared(bench):
-    fold = np.linspace(6.0, 12.0, 25)
-    folder = sweep(bench, (0.5,), frequencies=fold, sweep='sweep = "down"\n')
-    (folder / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
-    found = compared(bench, folder)
+def test_without_a_direction_the_nearest_branch_is_compared(folds):
+    bench, _ = folds["down"]
+    (bench / "measured" / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
+    found = compared(bench)
     assert found.nrmse < 1e-6
     assert any("nearest to what was measured" in words for words in where_words(found))
 
 
 def test_amplitudes_alone_are_compared_as_amplitudes(bench):
-    folder = sweep(bench)
-    file = folder / "sines.csv"
+    file = bench / "measured" / "sines.csv"
     _, *rows = file.read_text(encoding="utf-8").splitlines()
     cells = [[float(cell) for cell in row.split(",")] for row in rows]
     table = [f"{f},{level},{np.hypot(a, b)},{np.hypot(c, d)}" for f, level, a, b, c, d in cells]
     head = "frequency_Hz,acceleration_m_s2,tip_amplitude,middle_amplitude"
     file.write_text("\n".join([head, *table]) + "\n", encoding="utf-8")
-    assert compared(bench, folder).nrmse < 1e-6
+    assert compared(bench).nrmse < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -157,11 +189,10 @@ def test_amplitudes_alone_are_compared_as_amplitudes(bench):
     ],
 )
 def test_a_probe_that_isnt_on_the_pipe(bench, old, new, said):
-    folder = sweep(bench)
-    file = folder / "measurement.toml"
+    file = bench / "measured" / "measurement.toml"
     file.write_text(MEASUREMENT.replace(old, new), encoding="utf-8")
     with pytest.raises(UserError, match=said):
-        compared(bench, folder)
+        compared(bench)
 
 
 @pytest.mark.parametrize(
@@ -173,11 +204,10 @@ def test_a_probe_that_isnt_on_the_pipe(bench, old, new, said):
     ],
 )
 def test_a_system_that_the_measurement_doesnt_belong_to(bench, file, old, new, said):
-    folder = sweep(bench)
     path = bench / file
     path.write_text(path.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
     with pytest.raises(UserError, match=said):
-        compared(bench, folder)
+        compared(bench)
 
 
 SHOT = """frequency_Hz,acceleration_m_s2,tip_real,tip_imag

@@ -238,15 +238,20 @@ def _with_means(
     """
     results = [np.array(np.broadcast_to(value, shape), dtype=np.float64) for value in function(*arguments)]
     if len(turning.row):
-        there = [
-            np.broadcast_to(value, shape)[turning.row, turning.sample][:, None] if np.ndim(value) else value
-            for value in arguments
-        ]
+        there = [_where_turning(value, turning) if np.ndim(value) else value for value in arguments]
         there[VELOCITY] = turning.v
         for result, values in zip(results, function(*there), strict=True):
             own = result[turning.row, turning.sample]
             result[turning.row, turning.sample] += turning.share * (np.sum(turning.weight * values, axis=1) - own)
     return results
+
+
+def _where_turning(value: npt.ArrayLike, turning: Turning) -> Array:
+    """Give a quantity where the motion turns, one row each, of what broadcasts to (R, n) without broadcasting it."""
+    array = np.atleast_2d(np.asarray(value, dtype=np.float64))
+    row = turning.row if array.shape[0] > 1 else 0
+    sample = turning.sample if array.shape[1] > 1 else 0
+    return np.reshape(array[row, sample], (-1, 1))
 
 
 def _column_shape(value: npt.ArrayLike, rows: int) -> tuple[int, int]:
