@@ -84,14 +84,15 @@ def propose(attribution: Attribution, compared: Compared) -> Proposal | None:
     model = attribution.task.model
     now = min(_difference_now(one, other) for one, other in combinations(named, 2))
     best: tuple[float, str] | None = None
-    for words, probes, test in _tests(tested(compared), model):
+    for choices, probes, test in _tests(tested(compared), model):
         responses = [_response(model, one, probes, test) for one in named]
         known = [response for response in responses if response is not None]
         if len(known) < len(named):
             continue
-        apart = min(_difference(one, other) for one, other in combinations(known, 2))
-        if best is None or apart > best[0]:
-            best = apart, words
+        for words, own in choices:
+            apart = min(_difference(one[:, own], other[:, own]) for one, other in combinations(known, 2))
+            if best is None or apart > best[0]:
+                best = apart, words
     if best is None or best[0] < max(AT_LEAST, 1.5 * now):
         return None
     return Proposal(best[1], best[0], now)
@@ -150,26 +151,38 @@ def _response(
     return response if np.isfinite(response).all() else None
 
 
-def _tests(so_far: Tested, model: CoupledModel) -> Iterator[tuple[str, tuple[Place, ...], PipeMeasurement]]:
-    """Give tests that could be made: in words, the probes, the sines."""
+def _tests(
+    so_far: Tested, model: CoupledModel
+) -> Iterator[tuple[list[tuple[str, slice]], tuple[Place, ...], PipeMeasurement]]:
+    """Give tests that could be made: each in words with the probes that count for it; all probes, and the sines.
+
+    Places for a further probe are choices of one series of sines, whose response is followed once for all of them.
+    """
     pipe, low, high, verb = model.pipe, so_far.low, so_far.high, so_far.verb
     unit = DRIVES[so_far.drive_unit].unit
     for level in (LOUDER[0] * so_far.quietest, LOUDER[1] * so_far.loudest):
         words = f"{verb} at {level:.3g} {unit}, {low:.3g} to {high:.3g} Hz"
-        yield words, pipe.probes, _sines(so_far, low, high, level)
+        yield [(words, slice(None))], pipe.probes, _sines(so_far, low, high, level)
     above = min(WIDER * high, pipe.modes.up_to_Hz)
     for begin, end in ((low / WIDER, low), (high, above)):
         if end > begin:
             words = f"{verb} from {begin:.3g} to {end:.3g} Hz at {so_far.loudest:.3g} {unit}"
-            yield words, pipe.probes, _sines(so_far, begin, end, so_far.loudest)
-    for number in range(1, PLACES + 1):
-        position = pipe.pipe.length_m * number / (PLACES + 1)
-        if all(abs(position - probe.position_m) > pipe.pipe.length_m / (2 * PLACES) for probe in pipe.probes):
-            probe = ProbeTable(name="further", position_m=position, unit="mm")
-            description = so_far.description.model_copy(update={"probes": (probe,)})
-            test = _sines(so_far, low, high, so_far.loudest, description)
-            place = Place(name="further", position_m=position)
-            yield f"{verb} with a probe at {position:.3g} m as well", (place,), test
+            yield [(words, slice(None))], pipe.probes, _sines(so_far, begin, end, so_far.loudest)
+    length = pipe.pipe.length_m
+    positions = [
+        position
+        for position in (length * number / (PLACES + 1) for number in range(1, PLACES + 1))
+        if all(abs(position - probe.position_m) > length / (2 * PLACES) for probe in pipe.probes)
+    ]
+    if positions:
+        places = tuple(Place(name=f"further{index}", position_m=position) for index, position in enumerate(positions))
+        probes = tuple(ProbeTable(name=place.name, position_m=place.position_m, unit="mm") for place in places)
+        description = so_far.description.model_copy(update={"probes": probes})
+        choices = [
+            (f"{verb} with a probe at {position:.3g} m as well", slice(index, index + 1))
+            for index, position in enumerate(positions)
+        ]
+        yield choices, places, _sines(so_far, low, high, so_far.loudest, description)
 
 
 def _sines(
