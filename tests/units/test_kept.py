@@ -134,7 +134,7 @@ def test_states_are_stepped_alike_whatever_became_of_the_machine_code(where, tmp
         "count = len(equations.outline.coefficients) + len(equations.names) + 2\n"
         "held = [np.full((2, 1), 0.1 + place) for place in range(count)]\n"
         "for walk in realise(equations).walks:\n"
-        "    print(walk(np.zeros((len(equations.states), 2)), moving, held).tolist())\n"
+        "    print(walk(np.zeros((len(equations.states), 2)), [*moving, *held], (2, 4)).tolist())\n"
     )
     environment = os.environ | {"PIPECLAMP_CACHE": str(tmp_path / where) if where else ""}
     printed = []
@@ -143,7 +143,7 @@ def test_states_are_stepped_alike_whatever_became_of_the_machine_code(where, tmp
             [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
         )
         printed.append(done.stdout)
-        for file in tmp_path.rglob("*.nb[ci]"):
+        for file in tmp_path.rglob("*.json"):
             file.write_bytes(file.read_bytes()[:-40])
-    assert bool(list(tmp_path.rglob("*.nbc"))) == bool(where)
+    assert bool(list(tmp_path.rglob("*.json"))) == bool(where)
     assert printed[0] == printed[1] != ""

@@ -27,8 +27,6 @@ MOST_VERSIONS = 3
 """Versions of the sources whose folders stay."""
 VERSION = "[0-9a-f]{16}"
 """The names of such folders."""
-MODULES = "modules"
-"""The folder of modules, for all versions."""
 
 
 def kept(name: str, make: Callable[[], Any]) -> Any:
@@ -50,24 +48,6 @@ def kept(name: str, make: Callable[[], Any]) -> Any:
     content = json.dumps(make())
     _write(path, content)
     return json.loads(content)
-
-
-def kept_module(source: str) -> Path | None:
-    """Give where a module's source stands in the cache folder, written if it must be; None where nothing is kept.
-
-    Its name tells what stands in it, whatever the version of this package.
-    """
-    folder = _folder()
-    if folder is None:
-        return None
-    path = folder / MODULES / f"pipeclamp_{_digest(source)[:32]}.py"
-    try:
-        if not path.is_file() or path.read_text(encoding="utf-8") != source:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(path, source)
-    except (OSError, UnicodeDecodeError, UserError):
-        return None
-    return path
 
 
 def _folder() -> Path | None:

@@ -14,42 +14,15 @@ from pipeclamp_models.base.kept import kept
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.bounded import bounded
-from pipeclamp_models.realise.scalar import PRODUCTS, ScalarPrinter
-from pipeclamp_models.realise.slopes import StageSlopes, in_order, needed, slope_of, slopes_through
-from pipeclamp_models.realise.stepping import Definition, exact, held_apart
+from pipeclamp_models.realise.llvm import slopes_source, walk_source
+from pipeclamp_models.realise.scalar import PRODUCTS
+from pipeclamp_models.realise.slopes import in_order, needed, slope_of
+from pipeclamp_models.realise.stepping import Definition, exact
 
 FAST = tuple(signal.symbol for signal in symbols.FAST if signal.symbol is not symbols.x)
 SMOOTHING = (symbols.v_r, symbols.y_r)
-MOVING = frozenset({symbols.y, symbols.v, symbols.a, symbols.y_previous})
-"""What changes from step to step of a march, besides its states and stages."""
 Pair = tuple[int, int]
 """Places of what is differentiated, among its like, and of what it is differentiated by."""
-
-
-WALK = """\
-import math
-
-
-def _larger(one, other):
-    return one if one >= other or one != one else other
-
-
-def _smaller(one, other):
-    return one if one <= other or one != one else other
-
-
-def step({arguments}):
-{body}
-
-def walk(start, after, columns):
-    for row in range(after.shape[1]):
-        {starts}
-        for index in range(after.shape[2]):
-            {columns}
-            {states}, = step({arguments})
-            {ends}
-"""
-"""A module that steps states along motions; what is no number stays none, as in NumPy."""
 
 
 class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
@@ -82,22 +55,6 @@ class ArrayPrinter(NumPyPrinter):  # type: ignore[misc]
         return self._extremum("numpy.minimum", expression.args)
 
 
-class StepPrinter(ScalarPrinter):
-    """Print extrema in which what is no number stays none."""
-
-    def _print_Max(self, expression: sp.Max) -> str:
-        return self._nested("_larger", expression.args)
-
-    def _print_Min(self, expression: sp.Min) -> str:
-        return self._nested("_smaller", expression.args)
-
-    def _nested(self, function: str, arguments: tuple[sp.Expr, ...]) -> str:
-        text, *rest = map(self._print, arguments)
-        for other in rest:
-            text = f"{function}({text}, {other})"
-        return str(text)
-
-
 @bounded()
 def array_source(equations: Composed, function: str) -> dict[str, Any]:
     """Give one function of a law, as JSON holds it.
@@ -111,14 +68,15 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
 
     Returns:
         `source`, which defines one function; of derivatives `index` too: places of what is differentiated and of what
-        it is differentiated by, of each that doesn't vanish. Of "walks" one entry for each set of states that are
-        stepped by themselves: `states`, their places; `held`, a function of the update's arguments; `source`, that of
-        `walk(start, after, columns)`; `columns`, which it takes of the update's arguments but for the states; what
-        `held` gives comes after.
+        it is differentiated by, of each that doesn't vanish. Of "walks" and "update_slopes" one entry for each set of
+        states that are stepped by themselves: `source` in LLVM's language; `columns`, what it takes of the update's
+        arguments, for a walk those without the states; of a walk `states`, their places; of slopes `index`.
     """
     asked = _asked(equations, function)
     if function == "walks":
-        return {"walks": [_walk(part, asked.states) for part in _stepped_apart(asked)]}
+        return {"walks": [_walk(part, asked) for part in _stepped_apart(asked)]}
+    if function == "update_slopes":
+        return {"parts": [_step_slopes(part, asked) for part in _stepped_apart(asked)]}
     return _named(asked, function)
 
 
@@ -137,13 +95,7 @@ def _named(asked: Asked, function: str) -> dict[str, Any]:
 
 def _lean(asked: Asked, function: str) -> tuple[Asked, dict[str, Any]]:
     """Give what is asked for without the symbols that don't stand in it, and what is written of it."""
-    taken = asked.symbols()
-    lean = replace(
-        asked,
-        arguments=[symbol for symbol in asked.arguments if symbol in taken],
-        by=[symbol for symbol in asked.by if symbol in taken],
-        states=[symbol for symbol in asked.states if symbol in taken],
-    )
+    lean = asked.lean()
     return lean, kept(f"{function} {lean.content()}", lambda: _written(lean, function))
 
 
@@ -168,6 +120,16 @@ class Asked:
     def symbols(self) -> set[sp.Symbol]:
         """Give all symbols that stand in it."""
         return set().union(*(each.free_symbols for each in self._all()))
+
+    def lean(self) -> Asked:
+        """Give the same without the symbols that don't stand in it."""
+        taken = self.symbols()
+        return replace(
+            self,
+            arguments=[symbol for symbol in self.arguments if symbol in taken],
+            by=[symbol for symbol in self.by if symbol in taken],
+            states=[symbol for symbol in self.states if symbol in taken],
+        )
 
     def content(self) -> str:
         """Tell all that a function is written from, the same for the same."""
@@ -209,15 +171,6 @@ def _written(asked: Asked, function: str) -> dict[str, Any]:
         case "force_with_slopes":
             index, slopes = _nonzero_slopes(asked.expressions, asked.by)
             return {**_source(asked.arguments, [*asked.expressions, *slopes]), "index": index}
-        case "update_slopes":
-            way, slopes_of_stages = slopes_through(asked.stages, asked.by)
-            index, slopes = _nonzero_slopes(asked.expressions, asked.by, slopes_of_stages)
-            return {**_source(asked.arguments, slopes, needed(way, slopes)), "index": index}
-        case "held":
-            return _source(asked.arguments, [expression for _, expression in _along_a_march(asked)[0]])
-        case "step":
-            held, stages, updates = _along_a_march(asked)
-            return _source([*asked.arguments, *(symbol for symbol, _ in held)], updates, stages, numbers=True)
     return _source(asked.arguments, asked.expressions, asked.stages)
 
 
@@ -237,57 +190,39 @@ def _stepped_apart(asked: Asked) -> list[Asked]:
     return found
 
 
-def _walk(asked: Asked, every: Sequence[sp.Symbol]) -> dict[str, Any]:
-    """Write how a set of states is stepped along motions: see `array_source`.
-
-    Args:
-        asked: the set.
-        every: the states of the law.
-    """
-    lean, written = _lean(asked, "step")
-    names = dict(zip(lean.arguments, written["arguments"], strict=False))
-    others = [symbol for symbol in asked.arguments if symbol not in every]
-    taken = [symbol for symbol in lean.arguments if symbol not in asked.states]
-    columns = [names[symbol] for symbol in taken] + written["arguments"][len(lean.arguments) :]
-    states = [names.get(symbol, f"unread_{place}") for place, symbol in enumerate(asked.states)]
-    source = WALK.format(
-        arguments=", ".join(written["arguments"]),
-        body=written["body"],
-        starts="\n        ".join(f"{name} = start[{place}, row]" for place, name in enumerate(states)),
-        columns="\n            ".join(f"{name} = columns[{place}][row, index]" for place, name in enumerate(columns)),
-        states=", ".join(states),
-        ends="\n            ".join(f"after[{place}, row, index] = {name}" for place, name in enumerate(states)),
-    )
+def _walk(part: Asked, asked: Asked) -> dict[str, Any]:
+    """Write how a set of states is stepped along motions: see `array_source`."""
+    lean = part.lean()
+    taken = [symbol for symbol in lean.arguments if symbol not in part.states]
+    others = [symbol for symbol in asked.arguments if symbol not in asked.states]
     return {
-        "states": [every.index(symbol) for symbol in asked.states],
-        "held": _named(asked, "held")["source"],
+        "states": [asked.states.index(symbol) for symbol in part.states],
         "columns": [others.index(symbol) for symbol in taken],
-        "source": source,
+        "source": kept(
+            f"walk {[*map(str, part.states)]} {lean.content()}",
+            lambda: walk_source(taken, part.states, lean.expressions, lean.stages),
+        ),
     }
 
 
-def _along_a_march(asked: Asked) -> tuple[list[Definition], list[Definition], list[sp.Expr]]:
-    """Set apart what stands still from step to step; give it with its symbols, and stages and updates in these."""
-    names = [symbol for symbol, _ in asked.stages]
-    within = [exact(expression) for expression in (*(expression for _, expression in asked.stages), *asked.expressions)]
-    found, reduced = held_apart(within, {*MOVING, *asked.states, *names})
-    held = [(symbol, expression) for symbol, expression in found if symbol != expression]
-    return held, list(zip(names, reduced[: len(names)], strict=True)), reduced[len(names) :]
+def _step_slopes(part: Asked, asked: Asked) -> dict[str, Any]:
+    """Write the slopes of a set of states that are stepped by themselves: see `array_source`."""
+    lean = part.lean()
+    source, index = kept(
+        f"slopes {lean.content()}", lambda: slopes_source(lean.arguments, lean.by, lean.expressions, lean.stages)
+    )
+    return {
+        "columns": [asked.arguments.index(symbol) for symbol in lean.arguments],
+        "source": source,
+        "index": [(asked.states.index(part.states[row]), asked.by.index(lean.by[column])) for row, column in index],
+    }
 
 
 def _source(
-    arguments: Sequence[sp.Symbol],
-    expressions: Sequence[sp.Expr],
-    before: Sequence[Definition] = (),
-    *,
-    numbers: bool = False,
+    arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr], before: Sequence[Definition] = ()
 ) -> dict[str, Any]:
-    """Write a function of arrays or of plain numbers, with what is computed before the results, in order.
-
-    That of arrays gives a list, that of numbers a tuple, which compilers prefer.
-    """
-    settings = {"fully_qualified_modules": numbers, "inline": True, "allow_unknown_functions": True}
-    printer = StepPrinter(settings) if numbers else ArrayPrinter(settings)
+    """Write a function of arrays that gives a list, with what is computed before the results, in order."""
+    printer = ArrayPrinter({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True})
     with_references = [exact(expression) for expression in expressions]
     # Numbered names for arguments: no effect's symbol can then hide a function of NumPy or a common part, and terms
     # stand in the arguments' order. SymPy's dummies would do the first, but are numbered by what was done before.
@@ -295,8 +230,7 @@ def _source(
 
     def common_parts(whole: Sequence[sp.Expr]) -> tuple[list[Definition], Sequence[sp.Expr]]:
         parts, reduced = in_order([(symbol, exact(expression)) for symbol, expression in before], whole)
-        results = [part.xreplace(named) for part in reduced]
-        return [(symbol, part.xreplace(named)) for symbol, part in parts], tuple(results) if numbers else results
+        return [(symbol, part.xreplace(named)) for symbol, part in parts], [part.xreplace(named) for part in reduced]
 
     function = sp.lambdify(
         list(named.values()),
@@ -309,21 +243,13 @@ def _source(
     return {"arguments": [str(symbol) for symbol in named.values()], "body": body}
 
 
-def _nonzero_slopes(
-    expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol], through: StageSlopes | None = None
-) -> tuple[tuple[Pair, ...], list[sp.Expr]]:
-    """Give the derivatives that don't vanish and their (expression, symbol) indices.
-
-    Args:
-        expressions: what is differentiated.
-        by: by these symbols.
-        through: stages that the expressions are in, with their own derivatives.
-    """
+def _nonzero_slopes(expressions: Sequence[sp.Expr], by: Sequence[sp.Symbol]) -> tuple[tuple[Pair, ...], list[sp.Expr]]:
+    """Give the derivatives of expressions by symbols that don't vanish, and their (expression, symbol) indices."""
     index: list[Pair] = []
     slopes: list[sp.Expr] = []
     for row, expression in enumerate(expressions):
         for column, symbol in enumerate(by):
-            slope = slope_of(expression, symbol, through or {})
+            slope = slope_of(expression, symbol, {})
             if slope is not None:
                 index.append((row, column))
                 slopes.append(slope)

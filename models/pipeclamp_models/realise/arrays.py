@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.law.law import Equations
-from pipeclamp_models.realise.walks import Compiled, Walk
+from pipeclamp_models.realise.walks import Compiled, StepSlopes, Walk
 
 FAST_ARGUMENTS = ("y", "v", "a", "y_previous", "h")
 """The fast signals that functions take, in order."""
@@ -38,6 +38,7 @@ class ArrayRealisation:
     Arguments of `coefficients` are the slow signals, the parameters and v_r, y_r; `force` takes the fast signals,
     the states, the coefficients, the parameters and v_r, y_r; `update` the same as `force`; `lag` the parameters. The
     derivative functions return a list; the matching index, or places, say what stands where; what is absent is zero.
+    What goes along motions, `walks` and `update_slopes`, is machine code.
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -68,7 +69,7 @@ class ArrayRealisation:
     @cached_property
     def force_slope_places(self) -> Slopes:
         """Where each derivative stands after the force in `force_with_slopes`; the force is result 0."""
-        return self._places("force_with_slopes")
+        return self._places(self._index("force_with_slopes"))
 
     @cached_property
     def force_with_slopes(self) -> Compiled:
@@ -82,21 +83,22 @@ class ArrayRealisation:
 
     @cached_property
     def update_slope_places(self) -> Slopes:
-        """Where each derivative stands in `update_slopes`; results are the states after a step."""
-        return self._places("update_slopes")
+        """Where each derivative stands in all of `update_slopes`; results are the states after a step."""
+        parts = self.written("update_slopes")["parts"]
+        return self._places([(row, column) for one in parts for row, column in one["index"]])
 
     @cached_property
-    def update_slopes(self) -> Compiled:
-        """The derivatives of the states after a step."""
-        return self._compiled("update_slopes")
+    def update_slopes(self) -> Sequence[StepSlopes]:
+        """The derivatives of the states after a step, by those states that need each other."""
+        return [
+            StepSlopes(len(one["index"]), one["columns"], one["source"])
+            for one in self.written("update_slopes")["parts"]
+        ]
 
     @cached_property
     def walks(self) -> Sequence[Walk]:
         """How the states are stepped along motions, those together that need each other."""
-        return [
-            Walk(one["states"], _defined(one["held"]), one["columns"], one["source"])
-            for one in self.written("walks")["walks"]
-        ]
+        return [Walk(one["states"], one["columns"], one["source"]) for one in self.written("walks")["walks"]]
 
     @cached_property
     def energy(self) -> Compiled:
@@ -141,14 +143,14 @@ class ArrayRealisation:
     def _index(self, function: str) -> tuple[Pair, ...]:
         return tuple((row, column) for row, column in self.written(function)["index"])
 
-    def _places(self, function: str) -> Slopes:
-        """Give where each derivative by a state, a coefficient or a parameter stands."""
+    def _places(self, index: Sequence[Pair]) -> Slopes:
+        """Give where each derivative by a state, a coefficient or a parameter stands, from the places of all."""
         coefficients = len(self._equations.states)
         parameters = coefficients + len(self._equations.outline.coefficients)
         by_state: dict[Pair, int] = {}
         by_coefficient: dict[Pair, int] = {}
         by_parameter: dict[Pair, int] = {}
-        for position, (result, column) in enumerate(self._index(function)):
+        for position, (result, column) in enumerate(index):
             if column < coefficients:
                 by_state[result, column] = position
             elif column < parameters:

@@ -142,9 +142,10 @@ class March:
 
     def _walk(self, start: Array, columns: Columns) -> Array:
         """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
+        moving, held = columns
         states = np.empty((*start.shape, self.motion.y.shape[1]))
         for walk in self.compiled.walks:
-            states[walk.states] = walk(start, *columns)
+            states[walk.states] = walk(start, [*moving, *held], self.motion.y.shape)
         return states
 
     def _slopes(self, start: Array, trajectory: Array, columns: Columns) -> Slopes:
@@ -157,7 +158,9 @@ class March:
         """
         moving, held = columns
         before = np.concatenate([start[:, :, None], trajectory[:, :, :-1]], axis=2)
-        return self.compiled.update_slope_places.filled(self.compiled.update_slopes(*moving, *before, *held))
+        arguments = [*moving, *before, *held]
+        found = [slope for part in self.compiled.update_slopes for slope in part(arguments, self.motion.y.shape)]
+        return self.compiled.update_slope_places.filled(found)
 
     def _by_states(self, slopes: Slopes, samples: int) -> Array:
         """Give the slopes of each step by the states before it, (R, n, J, J)."""

@@ -1,74 +1,136 @@
-"""States stepped along motions by machine code, which Numba makes of their equations once for each user."""
+"""States stepped along motions by machine code, which LLVM makes of their equations."""
 
 from __future__ import annotations
 
-import sys
+import base64
+import ctypes
+import os
 from collections.abc import Callable, Sequence
 from functools import cache
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
+from llvmlite import binding
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.base.kept import kept_module
+from pipeclamp_models.base.kept import kept
 
 Compiled = Callable[..., Sequence[Any]]
+SPEED_LEVEL = 2
+"""How hard LLVM tries: beyond that it takes longer than it gains."""
+LIBRARY = ("exp", "expm1", "log", "pow", "sin", "cos", "tan", "atan", "tanh")
+"""Functions of the C library that machine code may call."""
+
+_ENGINES: list[binding.ExecutionEngine] = []
+"""What holds machine code: it lives as long as the process, as the functions do."""
+
+
+class March:
+    """What goes through all samples of all rows.
+
+    Attributes:
+        columns: places of what it takes among the arguments that it is given.
+    """
+
+    def __init__(self, name: str, columns: Sequence[int], source: str) -> None:
+        self._name = name
+        self._source = source
+        self.columns = columns
+
+    def __call__(self, arguments: Sequence[Array], start: Array, results: int, shape: tuple[int, int]) -> Array:
+        """Give the results, shape (K, R, n).
+
+        Args:
+            arguments: each (R, n) or what broadcasts to it.
+            start: states before the first sample, (J, R).
+            results: their count, K.
+            shape: (R, n).
+        """
+        taken = [np.broadcast_to(np.asarray(arguments[place], dtype=np.float64), shape) for place in self.columns]
+        places = np.array([each.ctypes.data for each in taken], dtype=np.uintp)
+        strides = np.array([each.strides for each in taken], dtype=np.int64)
+        written = np.empty((results, *shape))
+        begin = np.ascontiguousarray(start, dtype=np.float64)
+        addresses = (each.ctypes.data for each in (places, strides, begin, written))
+        _function(self._name, self._source)(*shape, *addresses)
+        return written
 
 
 class Walk:
-    """How a set of states is stepped along motions, of all rows.
+    """How a set of states is stepped along motions.
 
     Attributes:
         states: their places among the law's.
     """
 
-    def __init__(self, states: Sequence[int], held: Compiled, columns: Sequence[int], source: str) -> None:
+    def __init__(self, states: Sequence[int], columns: Sequence[int], source: str) -> None:
         self.states = list(states)
-        self._held = held
-        self._columns = columns
-        self._source = source
+        self._march = March("walk", columns, source)
 
-    def __call__(self, start: Array, moving: Sequence[Array], held: Sequence[Array]) -> Array:
-        """Give the states after each sample, (J, R, n).
+    def __call__(self, start: Array, arguments: Sequence[Array], shape: tuple[int, int]) -> Array:
+        """Give the set's states after each sample, (J, R, n).
 
         Args:
             start: all of the law's states before the first sample, (L, R).
-            moving: the update's arguments before the states, each (R, n) or, where it keeps still, (R, 1).
-            held: those after the states.
+            arguments: the update's, without the states, each (R, n) or what broadcasts to it.
+            shape: (R, n).
         """
-        before = start[:, :, None]
-        still = self._held(*moving, *before, *held)
-        every = [*moving, *held]
-        shape = moving[0].shape
-        taken = [np.asarray(each, dtype=np.float64) for each in (*(every[place] for place in self._columns), *still)]
-        columns = [each if each.shape == shape else np.broadcast_to(each, shape) for each in taken]
-        after = np.empty((len(self.states), *shape))
-        _compiled(self._source, len(columns))(np.ascontiguousarray(start[self.states]), after, tuple(columns))
-        return after
+        return self._march(arguments, start[self.states], len(self.states), shape)
+
+
+class StepSlopes:
+    """The slopes of steps of a set of states, so many of them."""
+
+    def __init__(self, count: int, columns: Sequence[int], source: str) -> None:
+        self._count = count
+        self._march = March("slopes", columns, source)
+
+    def __call__(self, arguments: Sequence[Array], shape: tuple[int, int]) -> Array:
+        """Give the slopes at each sample, (K, R, n); arguments are the update's, each what broadcasts to (R, n)."""
+        return self._march(arguments, np.empty((0, shape[0])), self._count, shape)
 
 
 @cache
-def _compiled(source: str, columns: int) -> Callable[[Array, Array, tuple[Array, ...]], None]:
-    """Give `walk` of a module's source as machine code, kept beside the module where that has a place."""
-    path = kept_module(source)
-    try:
-        return _compiled_at(path, source, columns)
-    except Exception:  # what was kept isn't whole, which only costs time
-        if path is None:
-            raise
-        return _compiled_at(None, source, columns)
+def _function(name: str, source: str) -> Callable[..., None]:
+    """Give a function of a module in LLVM's language; its machine code is kept from one call to the next."""
+    described = f"{_target().triple} {_cpu()}"
+    encoded = kept(
+        f"machine code {binding.llvm_version_info} {described} {source}",
+        lambda: base64.b64encode(_machine_code(source)).decode(),
+    )
+    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _target_machine())
+    _ENGINES.append(engine)
+    engine.add_object_file(binding.ObjectFileRef.from_data(base64.b64decode(encoded)))
+    engine.finalize_object()
+    takes = [ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 4]
+    return ctypes.CFUNCTYPE(None, *takes)(engine.get_function_address(name))
 
 
-def _compiled_at(path: Path | None, source: str, columns: int) -> Callable[[Array, Array, tuple[Array, ...]], None]:
-    from numba import njit, types
+def _machine_code(source: str) -> bytes:
+    module = binding.parse_assembly(source)
+    machine = _target_machine()
+    builder = binding.create_pass_builder(machine, binding.create_pipeline_tuning_options(SPEED_LEVEL))
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
 
-    module = ModuleType("pipeclamp_walk" if path is None else path.stem)
-    sys.modules[module.__name__] = module  # where Numba looks for what it has kept
-    exec(compile(source, "walk" if path is None else str(path), "exec"), vars(module))
-    for name in ("_larger", "_smaller", "step"):
-        setattr(module, name, njit(error_model="numpy")(getattr(module, name)))
-    still = types.Array(types.float64, 2, "A", readonly=True)
-    signature = types.void(types.float64[:, ::1], types.float64[:, :, ::1], types.UniTuple(still, columns))
-    return njit(signature, error_model="numpy", cache=path is not None)(module.walk)
+
+@cache
+def _target() -> binding.Target:
+    """Give this machine's kind, LLVM made ready for it."""
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    if os.name == "nt":  # where a process doesn't offer the C library's functions by itself
+        library = ctypes.CDLL("ucrtbase")
+        for name in LIBRARY:
+            binding.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
+    return binding.Target.from_default_triple()
+
+
+def _cpu() -> tuple[str, str]:
+    return binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
+
+
+def _target_machine() -> binding.TargetMachine:
+    name, features = _cpu()
+    relocation = "static" if _target().name.startswith("x86") else "default"
+    return _target().create_target_machine(name, features, opt=SPEED_LEVEL, reloc=relocation, jit=True)
