@@ -255,7 +255,7 @@ def _ordered(some: set[sp.Symbol]) -> list[sp.Symbol]:
     return sorted(some, key=str)
 
 
-class March:
+class MarchWriter:
     """A function in the making that goes through all samples of all rows, and what it takes.
 
     In machine code it is `function(rows, samples, columns, strides, start, results)`: `columns` are the addresses of
@@ -335,7 +335,7 @@ def walk_source(
         updates: the states after a step.
         stages: what is computed on the way.
     """
-    march = March("walk", len(arguments))
+    march = MarchWriter("walk", len(arguments))
     builder = march.builder
     kept = [builder.alloca(DOUBLE) for _ in states]
     with march.through(march.rows) as row:
@@ -365,7 +365,7 @@ def slopes_source(
         expressions: what is differentiated.
         stages: what is computed on the way.
     """
-    march = March("slopes", len(arguments))
+    march = MarchWriter("slopes", len(arguments))
     index: list[tuple[int, int]] = []
     with march.through(march.rows) as row, march.through(march.samples) as sample:
         known = dict(zip(arguments, march.arguments(row, sample), strict=True))
