@@ -82,6 +82,37 @@ def test_an_expression_has_derivatives_that_numpy_can_work_out(text):
     assert isinstance(ScalarPrinter({"fully_qualified_modules": True}).doprint(expression), str)
 
 
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(expressions)
+def test_machine_code_has_numpys_values_and_slopes(text):
+    from pipeclamp_models.realise.array_source import _nonzero_slopes
+    from pipeclamp_models.realise.llvm import slopes_source, walk_source
+    from pipeclamp_models.realise.walks import StepSlopes, Walk
+
+    try:
+        expression = parse_expression(text, NAMES, "force")
+    except UserError:
+        return
+    names, through = list(NAMES.values()), sp.Symbol("through", real=True)
+    off_kinks = [POINTS["y"] + np.sqrt(2) / 100, POINTS["v"] + np.sqrt(3) / 100, POINTS["p_1"]]
+    columns = [values[None] for values in off_kinks]
+    walk = Walk([0], range(3), walk_source(names, [through], [expression], []))
+    source, index = slopes_source(names, names, [2 * through], [(through, expression)])
+    slopes = StepSlopes(len(index), range(3), source)(columns, (1, 5))
+    found = dict(zip(index, slopes, strict=True))
+    pairs = [(walk(np.zeros((1, 1)), columns, (1, 5))[0], expression)]
+    pairs += [
+        (found.get(place, np.zeros((1, 5))), slope)
+        for place, slope in zip(*_nonzero_slopes([2 * expression], names), strict=True)
+    ]
+    for ours, theirs in pairs:
+        with np.errstate(all="ignore"):
+            values = sp.lambdify(names, theirs, "numpy")(*off_kinks)
+        numbers = np.broadcast_to(np.asarray(values, dtype=float), 5)
+        sound = np.isfinite(numbers) & np.isfinite(ours[0]) & (np.abs(numbers) < 1e6)
+        np.testing.assert_allclose(ours[0][sound], numbers[sound], rtol=1e-9, atol=1e-9)
+
+
 ALPHABET = string.ascii_letters + string.digits + "+-*/()., <>=_\n\t\"'[]{}:;#\\@!%^&|~äλ\x00"
 TOKENS = [
     "y",
