@@ -84,6 +84,8 @@ def test_an_expression_has_derivatives_that_numpy_can_work_out(text):
 
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(expressions)
+@example("where(v > 0.5, cos(y) ** 3, tanh(p_1 * y)) + abs(v) ** 1.5 / (2 + sin(y)) - log(abs(y) + 1) * exp(-v)")
+@example("min(y, v, 0.5) * max(v, 1) + sqrt(abs(v)) + sign(y) * abs(y) ** p_1 + y ** 7 / v ** 2 - p_1 ** v")
 def test_machine_code_has_numpys_values_and_slopes(text):
     from pipeclamp_models.realise.array_source import _nonzero_slopes
     from pipeclamp_models.realise.llvm import slopes_source, walk_source
