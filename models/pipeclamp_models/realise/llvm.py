@@ -15,15 +15,14 @@ from llvmlite import ir
 from sympy.codegen.cfunctions import expm1
 
 from pipeclamp_models.equations import symbols
+from pipeclamp_models.realise.machine import LIBRARY
+from pipeclamp_models.realise.scalar import PRODUCTS
 from pipeclamp_models.realise.stepping import Definition
 
 DOUBLE, INTEGER, BYTE = ir.DoubleType(), ir.IntType(64), ir.IntType(8)
 ADDRESS = ir.PointerType()
 INTRINSICS = frozenset({"sqrt", "fabs", "exp", "log", "pow", "sin", "cos"})
 """Functions that LLVM knows itself; others are the C library's."""
-LIBRARY = frozenset({"expm1", "tan", "atan", "tanh"})
-PRODUCTS = 4
-"""Powers up to this are written as products."""
 COMPARISONS: Mapping[type[sp.Rel], str] = {
     sp.StrictLessThan: "<", sp.LessThan: "<=", sp.StrictGreaterThan: ">", sp.GreaterThan: ">=", sp.Equality: "==",
 }  # fmt: skip
@@ -37,8 +36,7 @@ class Writer:
 
     Attributes:
         builder: of the function.
-        known: values of symbols.
-        definitions: what other symbols stand for.
+        definitions: what symbols stand for whose values aren't known.
         by: symbols that are differentiated by.
     """
 
@@ -183,8 +181,8 @@ class Writer:
             return builder.fdiv(_number(1.0), self._power(base, -exponent))
         if exponent == sp.Rational(1, 2):
             return self._call("sqrt", base)
-        if exponent.is_Integer and exponent <= PRODUCTS:
-            return reduce(builder.fmul, [base] * int(exponent)) if exponent else _number(1.0)
+        if exponent == 1 or exponent in PRODUCTS:
+            return reduce(builder.fmul, [base] * int(exponent))
         return self._call("pow", base, self.value(exponent))
 
     def _of_power(self, one: sp.Pow) -> Slopes:

@@ -14,7 +14,7 @@ from pipeclamp_models.base.kept import kept
 
 SPEED_LEVEL = 2
 """How hard LLVM tries: beyond that it takes longer than it gains."""
-LIBRARY = ("exp", "expm1", "log", "pow", "sin", "cos", "tan", "atan", "tanh")
+LIBRARY = frozenset({"exp", "expm1", "log", "pow", "sin", "cos", "tan", "atan", "tanh"})
 """Functions of the C library that machine code may call."""
 
 _ENGINES: list[binding.ExecutionEngine] = []
