@@ -1,6 +1,7 @@
 """What takes long to work out, and is the same each time, kept in the user's cache folder from one call to the next.
 
-Only this package's sources, SymPy's version and a name decide what is kept, so that nothing kept is ever out of date.
+Only this package's sources, the versions of SymPy and llvmlite and a name decide what is kept, so that nothing kept is
+ever out of date.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ FOLDER_VARIABLE = "PIPECLAMP_CACHE"
 """Environment variable that names another folder; nothing is kept where it is empty."""
 MOST_VERSIONS = 3
 """Versions of the sources whose folders stay."""
+WRITERS = ("sympy", "llvmlite")
+"""Packages that write what is kept."""
 VERSION = "[0-9a-f]{16}"
 """The names of such folders."""
 
@@ -61,7 +64,7 @@ def _folder() -> Path | None:
 @cache
 def version_of(package: Path) -> str:
     """Name a package's sources by what stands in them, so that nobody who changes one has to think of a number."""
-    content = hashlib.sha256(importlib.metadata.version("sympy").encode())
+    content = hashlib.sha256("".join(map(importlib.metadata.version, WRITERS)).encode())
     for path in sorted(package.rglob("*.py")):
         content.update(path.relative_to(package).as_posix().encode() + path.read_bytes())
     return content.hexdigest()[:16]

@@ -143,9 +143,10 @@ class March:
     def _walk(self, start: Array, columns: Columns) -> Array:
         """Step along all samples from the states (J, R) before the first; give those after each, (J, R, n)."""
         moving, held = columns
+        arguments = [*moving, *held]
         states = np.empty((*start.shape, self.motion.y.shape[1]))
         for walk in self.compiled.walks:
-            states[walk.states] = walk(start, [*moving, *held], self.motion.y.shape)
+            states[walk.states] = walk(start, arguments, self.motion.y.shape)
         return states
 
     def _slopes(self, start: Array, trajectory: Array, columns: Columns) -> Slopes:

@@ -13,16 +13,12 @@ Compiled = Callable[..., Sequence[Any]]
 
 
 class MachineMarch:
-    """What goes through all samples of all rows.
-
-    Attributes:
-        columns: places of what it takes among the arguments that it is given.
-    """
+    """What goes through all samples of all rows; `columns` are the places of what it takes among its arguments."""
 
     def __init__(self, name: str, columns: Sequence[int], source: str) -> None:
         self._name = name
         self._source = source
-        self.columns = columns
+        self._columns = columns
 
     def __call__(self, arguments: Sequence[Array], start: Array, results: int, shape: tuple[int, int]) -> Array:
         """Give the results, shape (K, R, n).
@@ -35,7 +31,7 @@ class MachineMarch:
         """
         from pipeclamp_models.realise.machine import machine_function
 
-        taken = [np.broadcast_to(np.asarray(arguments[place], dtype=np.float64), shape) for place in self.columns]
+        taken = [np.broadcast_to(np.asarray(arguments[place], dtype=np.float64), shape) for place in self._columns]
         places = np.array([each.ctypes.data for each in taken], dtype=np.uintp)
         strides = np.array([each.strides for each in taken], dtype=np.int64)
         written = np.empty((results, *shape))
