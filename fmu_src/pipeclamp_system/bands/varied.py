@@ -94,6 +94,10 @@ class VariedLaw:
         stiffness, damping = np.sqrt(squares).tolist()
         return Shares(stiffness=stiffness, damping=damping)
 
+    def form_at(self, conditions: Mapping[str, float]) -> Shares:
+        """Give the same at conditions, by name, in the range's units."""
+        return self.form(conditions_beyond(self.file, conditions), conditions_inside(self.file.range, conditions))
+
     def _steps_beyond(self, beyond: Mapping[str, float]) -> dict[str, float]:
         """Give how far conditions lie beyond the range, in steps between the tests' levels; below it less than 0."""
         found = {}
@@ -122,7 +126,7 @@ class VariedLaw:
             return dict.fromkeys(SHARES.values(), (0.0, 0.0))
         inside = [conditions_inside(self.file.range, one) for one in (test, used)]
         beyond = [conditions_beyond(self.file, one) for one in (test, used)]
-        there, here = (self.form(*one) for one in zip(beyond, inside, strict=True))
+        there, here = self.form_at(test), self.form_at(used)
         reached, wanted = (self._steps_beyond(one) for one in beyond)
         found = {}
         for share in SHARES.values():

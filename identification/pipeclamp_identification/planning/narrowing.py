@@ -20,7 +20,6 @@ from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown as unknown_name
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile
-from pipeclamp_models.law.range import conditions_beyond, conditions_inside
 from pipeclamp_system.bands.band import Band, band_of, steps_of
 from pipeclamp_system.bands.quantities import Unknown
 from pipeclamp_system.bands.response import BandedSystem, banded_system
@@ -239,13 +238,13 @@ class _Search:
         known, found = self._now, list[NextLoopTest]()
         while len(found) < MOST_TESTS:
             deviation = self._deviation(known)
-            left = [self._left(field, known) for field in fields]
+            told = [self._told_of(field, known) for field in fields]
+            left = [self._left(one, known) for one in told]
             place, row = self._best(fields, left, deviation, known)
             if not left[place].size or 1 - left[place][row] / deviation < WORTH:
                 break
-            field = fields[place]
-            known = self._after(field, row, known)
-            found.append(self._told(field, row, known))
+            known = self._after(told[place], row, known)
+            found.append(self._told(fields[place], row, known))
         return found
 
     def floor(self, fields: Sequence[LoopTests]) -> Band:
@@ -271,7 +270,7 @@ class _Search:
         """Give what every test of a law leaves."""
         interval = field.law.file.range
         tested = {name: (one.minimum, one.maximum) for name, one in interval.items() if name in field.grid}
-        share = self._left(field, self._now) / self._deviation(self._now)
+        share = self._left(self._told_of(field, self._now), self._now) / self._deviation(self._now)
         return Map(field.law.file.name, field.grid, share, self._motion(field.law), tested)
 
     def _motion(self, law: VariedLaw) -> dict[str, float]:
@@ -300,19 +299,18 @@ class _Search:
         *_, place, row = min(choices)
         return place, row
 
-    def _left(self, field: LoopTests, known: _Known) -> Array:
-        """Give the peak's standard deviation after each test of a field, mm, shape (R,)."""
-        own = self._own(field.law)
-        less = self._told_of(field, known).less(known.covariance[np.ix_(own, own)], self._wanted.by_amplitude[own])
+    def _left(self, told: LoopTests, known: _Known) -> Array:
+        """Give the peak's standard deviation after each test of a field, as `_told_of` gives it, mm, shape (R,)."""
+        own = self._own(told.law)
+        less = told.less(known.covariance[np.ix_(own, own)], self._wanted.by_amplitude[own])
         return np.asarray(np.sqrt(np.maximum(self._deviation(known) ** 2 - less, 0.0)))
 
-    def _after(self, field: LoopTests, row: int, known: _Known) -> _Known:
-        """Give what is known after one more test."""
-        own, covariance = self._own(field.law), known.covariance.copy()
-        told = self._told_of(field, known)
+    def _after(self, told: LoopTests, row: int, known: _Known) -> _Known:
+        """Give what is known after one more test of a field, as `_told_of` gives it."""
+        own, covariance = self._own(told.law), known.covariance.copy()
         covariance[np.ix_(own, own)] = told.after(known.covariance[np.ix_(own, own)], row)
-        file = with_tests(known.files[field.law], [field.conditions(row)])
-        return _Known(covariance, {**known.files, field.law: file})
+        file = with_tests(known.files[told.law], [told.conditions(row)])
+        return _Known(covariance, {**known.files, told.law: file})
 
     def _told_of(self, field: LoopTests, known: _Known) -> LoopTests:
         """Give tests that tell of a law's form on the pipe too, in the order of `_own`."""
@@ -353,12 +351,7 @@ class _Search:
         for place in self._form(law):
             quantity = self._unknown.quantities[place]
             used, share = self._used(quantity.clamps[0]), SHARES[quantity.parameter]
-            then, now = (
-                getattr(
-                    replace(law, file=one).form(conditions_beyond(one, used), conditions_inside(one.range, used)), share
-                )
-                for one in (law.file, file)
-            )
+            then, now = (getattr(replace(law, file=one).form_at(used), share) for one in (law.file, file))
             factors[place] = now / then if then > 0 else 1.0
         return np.asarray(covariance * np.outer(factors, factors))
 
