@@ -17,7 +17,7 @@ from pipeclamp_identification.fitting.least_squares import Fit
 from pipeclamp_identification.fitting.observations import harmonic_slopes, harmonics_of, mean_squares_of
 from pipeclamp_identification.planning.hidden import bare_law, law_of_size, typical_law
 from pipeclamp_identification.planning.rivals import Trial
-from pipeclamp_identification.planning.seen import lack_of
+from pipeclamp_identification.planning.seen import lack_of, norms_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
@@ -199,8 +199,7 @@ def _rival(name: str, fit: Fit, own: int, seen: Array, motion: Motion, view: Sce
     """Give what another effect, refitted, leaves over of harmonics that are seen, N, shape (R, m)."""
     force, slopes = _foretold(fit.law, motion)
     slopes = slopes[fit.places]
-    norms = np.sqrt(np.sum(slopes**2, axis=(1, 2)))
-    columns = np.concatenate([slopes / np.where(norms > 0, norms, 1.0)[:, None, None], (seen - force)[None]])
+    columns = np.concatenate([slopes / norms_of(slopes)[:, None, None], (seen - force)[None]])
     white = np.linalg.solve(np.linalg.cholesky(view.covariance), np.moveaxis(columns, 0, -1))
     added = {one.name for one in fit.law.structure.effect(name).parameters}
     outside = [place for place, each in enumerate(fit.fitted) if each in fit.at_bound & added]

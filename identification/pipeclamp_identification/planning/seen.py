@@ -78,7 +78,7 @@ def lack_of(grid: Mapping[str, Array], runs: Array, covariance: Array, slopes: A
     kept = singular > 1e-8 * singular[0]
     basis, back = left[:, kept], right[kept].T / singular[kept]
     taken = basis.T @ (weight * lacking).reshape(len(does), -1).T
-    scale = _norms(weight * fitted)
+    scale = norms_of(weight * fitted)
     in_N = does[:, tested] - np.einsum("prm,pe->erm", slopes[:, tested] / scale[:, None, None], back @ taken)
     white = lacking - (basis @ taken).T.reshape(lacking.shape) / weight
     counted = smooth * count[:, None]
@@ -109,11 +109,12 @@ def _smooth(grid: Mapping[str, Array], tested: Rows, count: Rows) -> Array:
     return np.asarray(functions[np.cumsum(count) - 1])
 
 
-def _norms(columns: Array) -> Array:
+def norms_of(columns: Array) -> Array:
+    """Give the length of each of several columns, shape (P, R, m); one where there is nothing."""
     norms = np.sqrt(np.sum(columns**2, axis=(1, 2)))
     return np.where(norms > 0, norms, 1.0)
 
 
 def _columns(slopes: Array) -> Array:
     """Give derivatives as columns of length one, shape (R m, P)."""
-    return np.asarray((slopes / _norms(slopes)[:, None, None]).reshape(len(slopes), -1).T)
+    return np.asarray((slopes / norms_of(slopes)[:, None, None]).reshape(len(slopes), -1).T)
