@@ -1,6 +1,8 @@
 """The grammar of users' expressions: the same values as NumPy, and nothing but a refusal for any text."""
 
 import string
+import subprocess
+import sys
 import time
 from contextlib import suppress
 from typing import Any
@@ -234,6 +236,31 @@ def test_the_longest_texts_are_read_in_a_moment():
         parse_expression(text, NAMES, "force")
         assert time.process_time() - begin < 5
     assert {*FUNCTIONS, WHERE} == set(NUMPY) - {"pi"}
+
+
+def test_a_stopped_computation_leaves_nothing_behind():
+    """CPython 3.11 hung under a tracer where an exception on its way had been taken back."""
+    script = (
+        "import sys\n"
+        "from pipeclamp_models.base.time_limit import time_limit\n"
+        "try:\n"
+        "    with time_limit(0.05, ValueError('too long')):\n"
+        "        while True: pass\n"
+        "except ValueError as error:\n"
+        "    sys.settrace(lambda *event: None)\n"
+        "    print((lambda: error)())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout == "too long\n"
+
+
+def test_a_computation_that_ends_as_its_time_does_is_stopped_or_not_at_all():
+    """Nothing is raised later, whenever the end comes."""
+    for share in np.linspace(0.5, 1.5, 60):
+        end = time.monotonic() + 0.004 * share
+        with suppress(UserError), time_limit(0.004, UserError("too long")):
+            while time.monotonic() < end:
+                pass
 
 
 def test_a_computation_without_end_is_stopped():

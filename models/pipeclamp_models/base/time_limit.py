@@ -26,7 +26,7 @@ def time_limit(seconds: float, error: Exception) -> Iterator[None]:
         Exception: `error`.
     """
     thread = ctypes.c_ulong(threading.get_ident())
-    lock, ended, late = threading.Lock(), False, False
+    lock, ended, late, raised = threading.Lock(), False, False, False
 
     def stop() -> None:
         nonlocal late
@@ -39,12 +39,18 @@ def time_limit(seconds: float, error: Exception) -> Iterator[None]:
     timer.daemon = True
     timer.start()
     try:
-        yield
+        try:
+            yield
+        except _OutOfTime:
+            raised = True
+            raise
+        finally:
+            with lock:
+                ended = True
+            # What is on its way is awaited, not taken back: that alone slows CPython 3.11, and hangs it under a tracer.
+            while late and not raised:
+                pass
     except _OutOfTime:
         raise error from None
     finally:
-        with lock:
-            ended = True
-            if late:  # else nothing is taken back, for that alone slows CPython 3.11, and hangs it under a profiler
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, None)  # what came too late to be raised
         timer.cancel()
