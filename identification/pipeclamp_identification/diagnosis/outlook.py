@@ -26,6 +26,8 @@ REPEATS = 3
 """Runs of a proposed test: what scatters from run to run shows in repeats only."""
 LEAST_DEVIATIONS = 2.0
 """Standard deviations below which it doesn't tell: one rival would be taken for the other in one case of six."""
+TOLD = 1e-12
+"""Share of what tests tell best below which they tell nothing: rounding."""
 RIDING = 0.25
 RIDING_ORDER = 7
 SINE, RIDDEN = "sine", "small cycles on a large one"
@@ -45,12 +47,12 @@ class Foreseer:
     Attributes:
         judged: the rival.
         places: of parameters that are in doubt, those that the tests so far hold open included.
-        covariance: of them.
+        doubt: what it doesn't know of them as q independent sources of unit variance, shape (places, q).
     """
 
     judged: Judged
     places: Rows
-    covariance: Array
+    doubt: Array
 
 
 def foreseer(judged: Judged, diagnosis: Diagnosis) -> Foreseer:
@@ -78,8 +80,9 @@ def foreseer(judged: Judged, diagnosis: Diagnosis) -> Foreseer:
     evenly = np.arange(len(result.places), len(places))
     information[evenly, evenly] += 12.0 / (upper - lower)[opened] ** 2
     scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    covariance = np.linalg.pinv(information / np.outer(scale, scale), rcond=1e-12, hermitian=True)
-    return Foreseer(judged, places, covariance / np.outer(scale, scale))
+    known, ways = np.linalg.eigh(information / np.outer(scale, scale))
+    told = known > TOLD * known[-1]
+    return Foreseer(judged, places, ways[:, told] / np.sqrt(known[told]) / scale[:, None])
 
 
 Conditions = Mapping[str, Array]
@@ -227,10 +230,24 @@ def _distance(
     """
     foretold = [harmonics_of(law_forces[place].force, HARMONICS) for place in pair]
     difference = foretold[0] - foretold[1]
-    squares = np.full(len(difference), np.inf)
-    for place in pair:
-        slopes = harmonic_slopes(law_forces[place], HARMONICS, rivals[place].places)
-        covariance = granted + np.einsum("prm,pq,qrn->rmn", slopes, rivals[place].covariance, slopes, optimize=True)
-        solved = np.linalg.solve(covariance, difference[..., None])[..., 0]
-        squares = np.minimum(squares, np.sum(difference * solved, axis=1))
-    return np.asarray(np.sqrt(np.maximum(np.nan_to_num(squares), 0.0)))
+    slopes = [harmonic_slopes(law_forces[place], HARMONICS, rivals[place].places) for place in pair]
+    doubts = [np.einsum("prm,pq->rmq", each, rivals[place].doubt) for each, place in zip(slopes, pair, strict=True)]
+    finite = np.isfinite(difference).all(axis=1) & np.isfinite(granted).all(axis=(1, 2))
+    for doubt in doubts:
+        finite &= np.isfinite(doubt).all(axis=(1, 2))
+    distance = np.zeros(len(difference))
+    lower = np.linalg.cholesky(granted[finite])
+    white = np.linalg.solve(lower, difference[finite, :, None])
+    distance[finite] = np.min([beside(white, np.linalg.solve(lower, doubt[finite])) for doubt in doubts], axis=0)
+    return distance
+
+
+def beside(difference: Array, doubt: Array) -> Array:
+    """Give the length of differences, (R, m, 1), in deviations of unit noise and of doubt, (R, m, q); shape (R,).
+
+    By the doubt's singular values, as doubt that is far larger than noise leaves no sum of the two to be inverted.
+    """
+    ways, deviations, _ = np.linalg.svd(doubt, full_matrices=False)
+    along = (np.swapaxes(ways, 1, 2) @ difference)[..., 0]
+    across = difference - ways @ along[..., None]
+    return np.asarray(np.sqrt(np.sum(across**2, axis=(1, 2)) + np.sum(along**2 / (1 + deviations**2), axis=1)))
