@@ -140,7 +140,7 @@ def fits_beside(structure: Structure, name: str) -> bool:
     Two memories that imitate each other are one memory, told more finely, and no second effect.
     """
     try:
-        _ = with_effect(structure, name).equations
+        with_effect(structure, name).refuse_misfits()
     except UserError:
         return False
     return not any(are_one_memory(structure.effect(name), present) for present in structure.all_effects())

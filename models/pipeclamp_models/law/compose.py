@@ -69,24 +69,19 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
     Raises:
         UserError: two effects use one symbol or one path, or a modifier finds nothing to scale.
     """
-    _refuse_clashes(effects)
+    refuse_misfits(effects, base)
     coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
     # A factor that changes within a cycle (with v, say) goes into the force itself; coefficients stay slow.
     fast_factors: dict[sp.Symbol, sp.Expr] = {}
     fast = FAST_SYMBOLS | {symbol for effect in effects for symbol in effect.within_steps}
     for effect in effects:
-        scaled = scaled_by(effect, coefficients)
-        if effect.scales and not scaled:
-            raise UserError(
-                f"effect {effect.name!r} scales {' and '.join(effect.scales)}, which base law {base!r} lacks"
-            )
-        for index, factor in scaled:
+        for index, factor in scaled_by(effect, coefficients):
             entry = coefficients[index]
             if factor.free_symbols & fast:
                 fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
             else:
                 coefficients[index] = replace(entry, expression=entry.expression * factor)
-    elastic = _in_series(effects, symbols.x, "the elastic path")
+    elastic = _in_series(effects, symbols.x)
     in_series = {symbols.x: elastic.replaces[symbols.x] if elastic else symbols.y}
 
     def whole(expression: sp.Expr) -> sp.Expr:
@@ -102,7 +97,7 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
         )
 
     parameters = tuple(parameter for effect in effects for parameter in effect.parameters)
-    before = _in_series(effects, symbols.y, "the whole clamp")
+    before = _in_series(effects, symbols.y)
     clamp = path(effect for effect in effects if effect.part != "rig" and effect is not before)
     clamp = behind(before, clamp) if before else clamp
     rig = path(effect for effect in effects if effect.part == "rig")
@@ -137,17 +132,29 @@ def scaled_by(effect: Effect, coefficients: Sequence[Coefficient]) -> list[tuple
     ]
 
 
-def _in_series(effects: Iterable[Effect], signal: sp.Symbol, what: str) -> Effect | None:
-    """Give the effect that replaces a signal, None where there is none.
+def refuse_misfits(effects: tuple[Effect, ...], base: str) -> None:
+    """Refuse effects that can't be composed, without composing them, which takes up to a second.
 
     Raises:
-        UserError: two effects do.
+        UserError: as `compose`.
     """
-    found = [effect for effect in effects if signal in effect.replaces]
-    if len(found) > 1:
-        names = " and ".join(repr(effect.name) for effect in found)
-        raise UserError(f"effects {names} both stand in series with {what}; leave one out")
-    return found[0] if found else None
+    _refuse_clashes(effects)
+    coefficients = [coefficient for effect in effects for coefficient in effect.coefficients]
+    for effect in effects:
+        if effect.scales and not scaled_by(effect, coefficients):
+            raise UserError(
+                f"effect {effect.name!r} scales {' and '.join(effect.scales)}, which base law {base!r} lacks"
+            )
+    for signal, what in ((symbols.x, "the elastic path"), (symbols.y, "the whole clamp")):
+        found = [effect.name for effect in effects if signal in effect.replaces]
+        if len(found) > 1:
+            names = " and ".join(map(repr, found))
+            raise UserError(f"effects {names} both stand in series with {what}; leave one out")
+
+
+def _in_series(effects: Iterable[Effect], signal: sp.Symbol) -> Effect | None:
+    """Give the effect that replaces a signal, None where there is none."""
+    return next((effect for effect in effects if signal in effect.replaces), None)
 
 
 def _refuse_clashes(effects: tuple[Effect, ...]) -> None:

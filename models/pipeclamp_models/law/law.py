@@ -130,6 +130,16 @@ class Structure:
         """
         return _equations(replace(self, frozen=()), ("base", "clamp"))
 
+    def refuse_misfits(self) -> None:
+        """Refuse effects that can't be composed, without composing them.
+
+        Raises:
+            UserError: as `Equations.composed`.
+        """
+        from pipeclamp_models.law.compose import refuse_misfits
+
+        refuse_misfits(self.all_effects(), self.base)
+
     def own(self, values: Mapping[str, float]) -> dict[str, float]:
         """Give those values, by name, that are of the structure's parameters."""
         names = set(self.equations.names)
