@@ -26,7 +26,7 @@ STRUCTURES = [
     Structure("power", ("play", "condition:current_A")),
 ]
 FUNCTIONS = (
-    "coefficients", "coefficient_slopes", "force", "force_with_slopes", "update", "update_slopes", "walks",
+    "coefficients", "coefficient_slopes", "force", "force_with_slopes", "update", "update_slopes", "walks", "turns",
     "energy", "lag", "lag_slopes",
 )  # fmt: skip
 SIZES = {

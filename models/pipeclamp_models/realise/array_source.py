@@ -14,7 +14,7 @@ from pipeclamp_models.base.kept import kept
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.realise.bounded import bounded
-from pipeclamp_models.realise.llvm import slopes_source, walk_source
+from pipeclamp_models.realise.llvm import slopes_source, turn_source, walk_source
 from pipeclamp_models.realise.scalar import PRODUCTS
 from pipeclamp_models.realise.slopes import in_order, needed, slope_of
 from pipeclamp_models.realise.stepping import Definition, exact
@@ -68,13 +68,16 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
 
     Returns:
         `source`, which defines one function; of derivatives `index` too: places of what is differentiated and of what
-        it is differentiated by, of each that doesn't vanish. Of "walks" and "update_slopes" one entry for each set of
-        states that are stepped by themselves: `source` in LLVM's language; `columns`, what it takes of the update's
-        arguments, for a walk those without the states; of a walk `states`, their places; of slopes `index`.
+        it is differentiated by, of each that doesn't vanish. Of "walks", "turns" and "update_slopes" one entry for each
+        set of states that are stepped by themselves: `source` in LLVM's language; `columns`, what it takes of the
+        update's arguments, for walks and turns those without the states, whose places are `states`; of slopes `index`,
+        of turns too: end and beginning of each within the set.
     """
     asked = _asked(equations, function)
     if function == "walks":
         return {"walks": [_walk(part, asked) for part in _stepped_apart(asked)]}
+    if function == "turns":
+        return {"turns": [_turn(part, asked) for part in _stepped_apart(asked)]}
     if function == "update_slopes":
         return {"parts": [_step_slopes(part, asked) for part in _stepped_apart(asked)]}
     return _named(asked, function)
@@ -152,7 +155,7 @@ def _asked(equations: Composed, function: str) -> Asked:
             return Asked(slow, [entry.expression for entry in equations.coefficients], by=parameters)
         case "force" | "force_with_slopes":
             return Asked(fast, [equations.force], by=by)
-        case "update" | "update_slopes" | "walks":
+        case "update" | "update_slopes" | "walks" | "turns":
             stages = [(stage.symbol, stage.expression) for stage in equations.stages]
             return Asked(fast, [state.update for state in equations.states], stages, by, states)
         case "energy":
@@ -192,17 +195,31 @@ def _stepped_apart(asked: Asked) -> list[Asked]:
 
 def _walk(part: Asked, asked: Asked) -> dict[str, Any]:
     """Write how a set of states is stepped along motions: see `array_source`."""
+    lean, taken, columns = _marched(part, asked)
+    source = kept(
+        f"walk {[*map(str, part.states)]} {lean.content()}",
+        lambda: walk_source(taken, part.states, lean.expressions, lean.stages),
+    )
+    return {**columns, "source": source}
+
+
+def _turn(part: Asked, asked: Asked) -> dict[str, Any]:
+    """Write what a whole motion makes of a set of states, with its slopes: see `array_source`."""
+    lean, taken, columns = _marched(part, asked)
+    source, index = kept(
+        f"turn {[*map(str, part.states)]} {lean.content()}",
+        lambda: turn_source(taken, part.states, lean.expressions, lean.stages),
+    )
+    return {**columns, "source": source, "index": index}
+
+
+def _marched(part: Asked, asked: Asked) -> tuple[Asked, list[sp.Symbol], dict[str, Any]]:
+    """Give what a march of a set of states is written from, what it takes, and the places of both in the whole."""
     lean = part.lean()
     taken = [symbol for symbol in lean.arguments if symbol not in part.states]
     others = [symbol for symbol in asked.arguments if symbol not in asked.states]
-    return {
-        "states": [asked.states.index(symbol) for symbol in part.states],
-        "columns": [others.index(symbol) for symbol in taken],
-        "source": kept(
-            f"walk {[*map(str, part.states)]} {lean.content()}",
-            lambda: walk_source(taken, part.states, lean.expressions, lean.stages),
-        ),
-    }
+    states = [asked.states.index(symbol) for symbol in part.states]
+    return lean, taken, {"states": states, "columns": [others.index(symbol) for symbol in taken]}
 
 
 def _step_slopes(part: Asked, asked: Asked) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.law.law import Equations
-from pipeclamp_models.realise.walks import Compiled, StepSlopes, Walk
+from pipeclamp_models.realise.walks import Compiled, StepSlopes, Turn, Walk
 
 FAST_ARGUMENTS = ("y", "v", "a", "y_previous", "h")
 """The fast signals that functions take, in order."""
@@ -38,7 +38,7 @@ class ArrayRealisation:
     Arguments of `coefficients` are the slow signals, the parameters and v_r, y_r; `force` takes the fast signals,
     the states, the coefficients, the parameters and v_r, y_r; `update` the same as `force`; `lag` the parameters. The
     derivative functions return a list; the matching index, or places, say what stands where; what is absent is zero.
-    What goes along motions, `walks` and `update_slopes`, is machine code.
+    What goes along motions, `walks`, `turns` and `update_slopes`, is machine code.
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -99,6 +99,13 @@ class ArrayRealisation:
     def walks(self) -> Sequence[Walk]:
         """How the states are stepped along motions, those together that need each other."""
         return [Walk(one["states"], one["columns"], one["source"]) for one in self.written("walks")["walks"]]
+
+    @cached_property
+    def turns(self) -> Sequence[Turn]:
+        """What whole motions make of the states, those together that need each other."""
+        return [
+            Turn(one["states"], one["columns"], one["index"], one["source"]) for one in self.written("turns")["turns"]
+        ]
 
     @cached_property
     def energy(self) -> Compiled:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial, reduce
 
+import numpy as np
 import sympy as sp
 from llvmlite import ir
 from sympy.codegen.cfunctions import expm1
@@ -17,6 +18,7 @@ from sympy.codegen.cfunctions import expm1
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.realise.machine import LIBRARY
 from pipeclamp_models.realise.scalar import PRODUCTS
+from pipeclamp_models.realise.slopes import needed
 from pipeclamp_models.realise.stepping import Definition
 
 DOUBLE, INTEGER, BYTE = ir.DoubleType(), ir.IntType(64), ir.IntType(8)
@@ -65,6 +67,10 @@ class Writer:
         if expression not in self._slopes:
             self._slopes[expression] = self._differentiated(expression)
         return self._slopes[expression]
+
+    def size(self, value: ir.Value) -> ir.Value:
+        """Write how large a value is, whatever its sign."""
+        return self._call("fabs", value)
 
     def _written(self, one: sp.Basic) -> ir.Value:
         builder = self.builder
@@ -258,7 +264,7 @@ class MarchWriter:
 
     In machine code it is `function(rows, samples, columns, strides, start, results)`: `columns` are the addresses of
     the arguments' first numbers, `strides` two for each, the bytes from row to row and from sample to sample; `start`
-    holds the states before the first sample, (J, R), and `results` takes what is written, (K, R, n).
+    holds the states before the first sample, (J, R), and `results` takes what is written, (K, R, n), or (K, R).
     """
 
     def __init__(self, name: str, columns: int) -> None:
@@ -290,12 +296,17 @@ class MarchWriter:
         place = self.builder.add(self.builder.mul(ir.Constant(INTEGER, state), self.rows), row)
         return self.builder.load(self.builder.gep(self.start, [place], source_etype=DOUBLE), typ=DOUBLE)
 
-    def write(self, result: int, row: ir.Value, sample: ir.Value, value: ir.Value) -> None:
-        """Write a result at a sample."""
+    def write(self, result: int, row: ir.Value, value: ir.Value, sample: ir.Value | None = None) -> None:
+        """Write a result of a row, at a sample where there is one of each."""
         builder = self.builder
-        line = builder.add(builder.mul(ir.Constant(INTEGER, result), self.rows), row)
-        place = builder.add(builder.mul(line, self.samples), sample)
+        place = builder.add(builder.mul(ir.Constant(INTEGER, result), self.rows), row)
+        if sample is not None:
+            place = builder.add(builder.mul(place, self.samples), sample)
         builder.store(value, builder.gep(self.results, [place], source_etype=DOUBLE))
+
+    def held(self, count: int) -> list[ir.Value]:
+        """Give places for numbers that go along from sample to sample."""
+        return [self.builder.alloca(DOUBLE) for _ in range(count)]
 
     @contextmanager
     def through(self, count: ir.Value) -> Iterator[ir.Value]:
@@ -334,8 +345,7 @@ def walk_source(
         stages: what is computed on the way.
     """
     march = MarchWriter("walk", len(arguments))
-    builder = march.builder
-    kept = [builder.alloca(DOUBLE) for _ in states]
+    builder, kept = march.builder, march.held(len(states))
     with march.through(march.rows) as row:
         for place, address in enumerate(kept):
             builder.store(march.started(place, row), address)
@@ -345,8 +355,68 @@ def walk_source(
             writer = Writer(builder, known, stages)
             for place, (address, value) in enumerate(zip(kept, map(writer.value, updates), strict=True)):
                 builder.store(value, address)
-                march.write(place, row, sample, value)
+                march.write(place, row, value, sample)
     return march.written()
+
+
+def turn_source(
+    arguments: Sequence[sp.Symbol],
+    states: Sequence[sp.Symbol],
+    updates: Sequence[sp.Expr],
+    stages: Sequence[Definition],
+) -> tuple[str, list[tuple[int, int]]]:
+    """Write a march that steps states and gives of each row those at its end, how large each became, and slopes.
+
+    The slopes are those of the states at the end by those at the beginning: the steps' slopes, multiplied on the way.
+    What is taken is as of `walk_source`; places of end and beginning of each slope that doesn't vanish come with it.
+    """
+    march = MarchWriter("turn", len(arguments))
+    builder, count = march.builder, len(states)
+    index = _reached(states, updates, stages)
+    kept, largest = march.held(count), march.held(count)
+    product = dict(zip(index, march.held(len(index)), strict=True))
+    with march.through(march.rows) as row:
+        for place in range(count):
+            builder.store(march.started(place, row), kept[place])
+            builder.store(_number(0.0), largest[place])
+        for (end, beginning), address in product.items():
+            builder.store(_number(float(end == beginning)), address)
+        with march.through(march.samples) as sample:
+            before = [builder.load(address, typ=DOUBLE) for address in kept]
+            so_far = {pair: builder.load(address, typ=DOUBLE) for pair, address in product.items()}
+            known = dict(zip((*arguments, *states), (*march.arguments(row, sample), *before), strict=True))
+            writer = Writer(builder, known, stages, states)
+            for place, update in enumerate(updates):
+                value = writer.value(update)
+                builder.store(value, kept[place])
+                size, most = writer.size(value), builder.load(largest[place], typ=DOUBLE)
+                # what is no number stays none
+                builder.store(builder.select(builder.fcmp_ordered(">=", most, size), most, size), largest[place])
+                slopes = writer.slopes(update)
+                for beginning in range(count):
+                    terms = [
+                        builder.fmul(slopes[symbol], so_far[between, beginning])
+                        for between, symbol in enumerate(states)
+                        if symbol in slopes and (between, beginning) in so_far
+                    ]
+                    if (place, beginning) in product:
+                        builder.store(reduce(builder.fadd, terms, _number(0.0)), product[place, beginning])
+        for result, address in enumerate([*kept, *largest, *product.values()]):
+            march.write(result, row, builder.load(address, typ=DOUBLE))
+    return march.written(), index
+
+
+def _reached(
+    states: Sequence[sp.Symbol], updates: Sequence[sp.Expr], stages: Sequence[Definition]
+) -> list[tuple[int, int]]:
+    """Give the pairs of states of which the first depends on the second, in however many steps, and each on itself."""
+    reached = np.eye(len(states), dtype=np.bool_)
+    for place, update in enumerate(updates):
+        used = set().union(*(part.free_symbols for _, part in needed(stages, [update])), update.free_symbols)
+        reached[place] |= [symbol in used for symbol in states]
+    for between in range(len(states)):
+        reached |= np.outer(reached[:, between], reached[between])
+    return [(int(end), int(beginning)) for end, beginning in np.argwhere(reached)]
 
 
 def slopes_source(
@@ -372,6 +442,6 @@ def slopes_source(
             slopes = writer.slopes(expression)
             for column, symbol in enumerate(by):
                 if symbol in slopes:
-                    march.write(len(index), row, sample, slopes[symbol])
+                    march.write(len(index), row, slopes[symbol], sample)
                     index.append((place, column))
     return march.written(), index

@@ -98,22 +98,26 @@ class March:
         last = self._last()
         from_rest = last._columns(np.zeros((rows, 1)))
         moved = last._walk(rest, from_rest)
-        start, columns = moved[:, :, 0], self._columns(self.motion.y_previous)
+        start, columns = moved[:, :, 0].copy(), self._columns(self.motion.y_previous)
         scale = 1e-300 + np.max(np.abs(start), axis=0)
+        to_begin, inverse = (np.zeros((rows, count, count)) for _ in range(2))
+        left = np.arange(rows)
         for _ in range(SETTLING_CYCLES):
-            trajectory = self._walk(start, columns)
-            by_step = self._slopes(start, trajectory, columns)
-            by_states = self._by_states(by_step, samples)
-            change = trajectory[:, :, -1] - start
-            to_begin = np.eye(count) - composed(np.moveaxis(by_states, 1, 0))
+            after, largest, by_start = self._turn(start[:, left], _of_rows(columns, left))
+            change = after - start[:, left]
+            back = np.eye(count) - by_start
             # A row without numbers stays one; no other may suffer for it.
-            to_begin[~np.isfinite(to_begin).all(axis=(1, 2))] = np.eye(count)
-            inverse = np.linalg.pinv(to_begin, rcond=SETTLED)
-            size = scale + np.max(np.abs(trajectory), axis=(0, 2))
-            unsettled = ~np.all(np.abs(change) <= SETTLED * size, axis=0)
-            if not np.any(unsettled):
+            back[~np.isfinite(back).all(axis=(1, 2))] = np.eye(count)
+            to_begin[left], inverse[left] = back, np.linalg.pinv(back, rcond=SETTLED)
+            moves = ~np.all(np.abs(change) <= SETTLED * (scale[left] + np.max(largest, axis=0)), axis=0)
+            change, left = change[:, moves], left[moves]
+            if not len(left):
                 break
-            start = start + np.einsum("rjk,kr->jr", inverse, change)
+            start[:, left] += np.einsum("rjk,kr->jr", inverse[left], change)
+        unsettled = np.isin(np.arange(rows), left)
+        trajectory = self._walk(start, columns)
+        by_step = self._slopes(start, trajectory, columns)
+        by_states = self._by_states(by_step, samples)
         adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
         slopes = np.zeros((rows, samples, count, 0))
         if derivatives:
@@ -149,6 +153,18 @@ class March:
             states[walk.states] = walk(start, arguments, self.motion.y.shape)
         return states
 
+    def _turn(self, start: Array, columns: Columns) -> tuple[Array, Array, Array]:
+        """Step along all samples; give the states (J, R) at the end, how large each became, and slopes, (R, J, J)."""
+        moving, held = columns
+        arguments = [*moving, *held]
+        (count, rows), samples = start.shape, self.motion.y.shape[1]
+        after, largest, slopes = np.empty_like(start), np.empty_like(start), np.zeros((rows, count, count))
+        for turn in self.compiled.turns:
+            places = turn.states
+            own = turn(start, arguments, (rows, samples))
+            after[places], largest[places], slopes[:, np.array(places)[:, None], places] = own
+        return after, largest, slopes
+
     def _slopes(self, start: Array, trajectory: Array, columns: Columns) -> Slopes:
         """Give the slopes of each step that don't vanish.
 
@@ -180,6 +196,12 @@ class March:
         for (state, parameter), slope in slopes.by_parameter.items():
             by_parameters[:, :, state, self.moving.index(parameter)] += slope
         return by_parameters
+
+
+def _of_rows(columns: Columns, rows: npt.NDArray[np.intp]) -> Columns:
+    """Give what a step takes on some of the rows."""
+    moving, held = columns
+    return [each[rows] for each in moving], [each[rows] for each in held]
 
 
 def trail(start: Array, by_states: Array, inputs: Array) -> Array:

@@ -20,13 +20,15 @@ class MachineMarch:
         self._source = source
         self._columns = columns
 
-    def __call__(self, arguments: Sequence[Array], start: Array, results: int, shape: tuple[int, int]) -> Array:
-        """Give the results, shape (K, R, n).
+    def __call__(
+        self, arguments: Sequence[Array], start: Array, results: tuple[int, ...], shape: tuple[int, int]
+    ) -> Array:
+        """Give the results.
 
         Args:
             arguments: each (R, n) or what broadcasts to it.
             start: states before the first sample, (J, R).
-            results: their count, K.
+            results: their shape, (K, R, n) or (K, R), as it was written.
             shape: (R, n).
         """
         from pipeclamp_models.realise.machine import machine_function
@@ -34,7 +36,7 @@ class MachineMarch:
         taken = [np.broadcast_to(np.asarray(arguments[place], dtype=np.float64), shape) for place in self._columns]
         places = np.array([each.ctypes.data for each in taken], dtype=np.uintp)
         strides = np.array([each.strides for each in taken], dtype=np.int64)
-        written = np.empty((results, *shape))
+        written = np.empty(results)
         begin = np.ascontiguousarray(start, dtype=np.float64)
         addresses = (each.ctypes.data for each in (places, strides, begin, written))
         machine_function(self._name, self._source)(*shape, *addresses)
@@ -60,7 +62,32 @@ class Walk:
             arguments: the update's, without the states, each (R, n) or what broadcasts to it.
             shape: (R, n).
         """
-        return self._march(arguments, start[self.states], len(self.states), shape)
+        return self._march(arguments, start[self.states], (len(self.states), *shape), shape)
+
+
+class Turn:
+    """What a whole motion makes of a set of states.
+
+    Attributes:
+        states: their places among the law's.
+    """
+
+    def __init__(self, states: Sequence[int], columns: Sequence[int], index: Sequence[Sequence[int]], source: str):
+        self.states = list(states)
+        self._ends, self._beginnings = (list(each) for each in zip(*index, strict=True))
+        self._march = MachineMarch("turn", columns, source)
+
+    def __call__(self, start: Array, arguments: Sequence[Array], shape: tuple[int, int]) -> tuple[Array, Array, Array]:
+        """Give the set's states at the end, (J, R), how large each became, (J, R), and their slopes, (R, J, J).
+
+        The slopes are by the states at the beginning; what is taken is as of `Walk`.
+        """
+        rows, count = shape[0], len(self.states)
+        results = (2 * count + len(self._ends), rows)
+        found = self._march(arguments, start[self.states], results, shape)
+        slopes = np.zeros((rows, count, count))
+        slopes[:, self._ends, self._beginnings] = found[2 * count :].T
+        return found[:count], found[count : 2 * count], slopes
 
 
 class StepSlopes:
@@ -72,4 +99,4 @@ class StepSlopes:
 
     def __call__(self, arguments: Sequence[Array], shape: tuple[int, int]) -> Array:
         """Give the slopes at each sample, (K, R, n); arguments are the update's, each what broadcasts to (R, n)."""
-        return self._march(arguments, np.empty((0, shape[0])), self._count, shape)
+        return self._march(arguments, np.empty((0, shape[0])), (self._count, *shape), shape)
