@@ -16,7 +16,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.limits import Limits, drivable, limits_words, parse_limits, stated_levels
 from pipeclamp_identification.diagnosis.next_test import Proposal, next_test
-from pipeclamp_identification.diagnosis.outlook import PROFILES, beside
+from pipeclamp_identification.diagnosis.outlook import PROFILES, deviations_of
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of
@@ -72,14 +72,14 @@ def test_what_can_be_driven_keeps_all_limits(limits: Limits, profile: Profile, l
 def test_a_distance_is_that_of_noise_and_doubt(difference: list[float], doubt: list[float], scale: float):
     one, ways = np.array(difference)[None, :, None], scale * np.array(doubt).reshape(1, 5, 2)
     squared = one[0, :, 0] @ np.linalg.solve(np.eye(5) + ways[0] @ ways[0].T, one[0, :, 0])
-    assert beside(one, ways)[0] == pytest.approx(np.sqrt(max(squared, 0.0)), rel=1e-6, abs=1e-6)
+    assert deviations_of(one, ways)[0] == pytest.approx(np.sqrt(max(squared, 0.0)), rel=1e-6, abs=1e-6)
 
 
 def test_doubt_beyond_measure_takes_its_direction_alone():
     """1e12 times the noise: summed with it, no matrix that can be inverted in double precision."""
     across, along = np.eye(5)[None, :, :1], np.eye(5)[None, :, 1:2]
     doubt = 1e12 * np.concatenate([along, along], axis=2)
-    assert beside(across + along, doubt)[0] == pytest.approx(1.0)
+    assert deviations_of(across + along, doubt)[0] == pytest.approx(1.0)
 
 
 @given(ends=ranges(1e-3, 1e3), level=positive(1e-4, 1e4))

@@ -9,7 +9,7 @@ from pipeclamp_models.law.law import Structure, smoothing
 from pipeclamp_models.law.outline import number_in
 from pipeclamp_models.realise.arrays import realise
 from pipeclamp_models.realise.force import force_of_equations
-from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_models.realise.sizes import data_sizes
 from pipeclamp_models.realise.states import composed
 
@@ -22,17 +22,10 @@ STRUCTURES = [
 ]
 
 
-def cycles() -> Motion:
-    theta = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
-    A, f = np.array([[0.2], [0.5], [1.0]]), np.array([[1.0], [4.0], [2.0]])
-    y, v, a = A * np.cos(theta), -2 * np.pi * f * A * np.sin(theta), -((2 * np.pi * f) ** 2) * A * np.cos(theta)
-    slow = {"A": A, "f": f, "T": np.full_like(A, 293.15)}
-    return Motion(y, v, a, slow, 1 / (f * SAMPLES))
-
-
 @pytest.mark.parametrize("structure", STRUCTURES, ids=lambda one: "+".join((one.base, *one.effects)))
 def test_a_turn_is_all_steps_of_a_cycle(structure):
-    motion, equations = cycles(), structure.equations
+    motion = sinusoids(np.array([0.2, 0.5, 1.0]), np.array([1.0, 4.0, 2.0]), np.full(3, 293.15), SAMPLES)
+    equations = structure.equations
     sizes = data_sizes(motion.slow, np.full(3, 1500.0))
     values = [number_in(parameter.starts[0], sizes) for parameter in equations.parameters]
     found = force_of_equations(equations, values, smoothing(0.2, 1.0), motion)

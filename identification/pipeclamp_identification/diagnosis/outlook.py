@@ -81,7 +81,7 @@ def foreseer(judged: Judged, diagnosis: Diagnosis) -> Foreseer:
     information[evenly, evenly] += 12.0 / (upper - lower)[opened] ** 2
     scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
     known, ways = np.linalg.eigh(information / np.outer(scale, scale))
-    told = known > TOLD * known[-1]
+    told = known > TOLD * known.max(initial=0.0)
     return Foreseer(judged, places, ways[:, told] / np.sqrt(known[told]) / scale[:, None])
 
 
@@ -238,11 +238,11 @@ def _distance(
     distance = np.zeros(len(difference))
     lower = np.linalg.cholesky(granted[finite])
     white = np.linalg.solve(lower, difference[finite, :, None])
-    distance[finite] = np.min([beside(white, np.linalg.solve(lower, doubt[finite])) for doubt in doubts], axis=0)
+    distance[finite] = np.min([deviations_of(white, np.linalg.solve(lower, doubt[finite])) for doubt in doubts], axis=0)
     return distance
 
 
-def beside(difference: Array, doubt: Array) -> Array:
+def deviations_of(difference: Array, doubt: Array) -> Array:
     """Give the length of differences, (R, m, 1), in deviations of unit noise and of doubt, (R, m, q); shape (R,).
 
     By the doubt's singular values, as doubt that is far larger than noise leaves no sum of the two to be inverted.

@@ -81,8 +81,7 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
                 fast_factors[entry.symbol] = fast_factors.get(entry.symbol, entry.symbol) * factor
             else:
                 coefficients[index] = replace(entry, expression=entry.expression * factor)
-    elastic = _in_series(effects, symbols.x)
-    in_series = {symbols.x: elastic.replaces[symbols.x] if elastic else symbols.y}
+    in_series = {symbols.x: next((each.replaces[symbols.x] for each in _replacing(symbols.x, effects)), symbols.y)}
 
     def whole(expression: sp.Expr) -> sp.Expr:
         return expression.xreplace(fast_factors).xreplace(in_series)
@@ -97,7 +96,7 @@ def compose(effects: tuple[Effect, ...], base: str) -> Composed:
         )
 
     parameters = tuple(parameter for effect in effects for parameter in effect.parameters)
-    before = _in_series(effects, symbols.y)
+    before = next(iter(_replacing(symbols.y, effects)), None)
     clamp = path(effect for effect in effects if effect.part != "rig" and effect is not before)
     clamp = behind(before, clamp) if before else clamp
     rig = path(effect for effect in effects if effect.part == "rig")
@@ -146,15 +145,15 @@ def refuse_misfits(effects: tuple[Effect, ...], base: str) -> None:
                 f"effect {effect.name!r} scales {' and '.join(effect.scales)}, which base law {base!r} lacks"
             )
     for signal, what in ((symbols.x, "the elastic path"), (symbols.y, "the whole clamp")):
-        found = [effect.name for effect in effects if signal in effect.replaces]
+        found = _replacing(signal, effects)
         if len(found) > 1:
-            names = " and ".join(map(repr, found))
+            names = " and ".join(repr(effect.name) for effect in found)
             raise UserError(f"effects {names} both stand in series with {what}; leave one out")
 
 
-def _in_series(effects: Iterable[Effect], signal: sp.Symbol) -> Effect | None:
-    """Give the effect that replaces a signal, None where there is none."""
-    return next((effect for effect in effects if signal in effect.replaces), None)
+def _replacing(signal: sp.Symbol, effects: Iterable[Effect]) -> list[Effect]:
+    """Give the effects that put another displacement in a signal's place: one at most where they can be composed."""
+    return [effect for effect in effects if signal in effect.replaces]
 
 
 def _refuse_clashes(effects: tuple[Effect, ...]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -75,9 +75,14 @@ def array_source(equations: Composed, function: str) -> dict[str, Any]:
     """
     asked = _asked(equations, function)
     if function == "walks":
-        return {"walks": [_walk(part, asked) for part in _stepped_apart(asked)]}
+        return {
+            "walks": [
+                _marched(part, asked, "walk", lambda *of: {"source": walk_source(*of)})
+                for part in _stepped_apart(asked)
+            ]
+        }
     if function == "turns":
-        return {"turns": [_turn(part, asked) for part in _stepped_apart(asked)]}
+        return {"turns": [_marched(part, asked, "turn", _turn) for part in _stepped_apart(asked)]}
     if function == "update_slopes":
         return {"parts": [_step_slopes(part, asked) for part in _stepped_apart(asked)]}
     return _named(asked, function)
@@ -193,33 +198,25 @@ def _stepped_apart(asked: Asked) -> list[Asked]:
     return found
 
 
-def _walk(part: Asked, asked: Asked) -> dict[str, Any]:
-    """Write how a set of states is stepped along motions: see `array_source`."""
-    lean, taken, columns = _marched(part, asked)
-    source = kept(
-        f"walk {[*map(str, part.states)]} {lean.content()}",
-        lambda: walk_source(taken, part.states, lean.expressions, lean.stages),
-    )
-    return {**columns, "source": source}
-
-
-def _turn(part: Asked, asked: Asked) -> dict[str, Any]:
-    """Write what a whole motion makes of a set of states, with its slopes: see `array_source`."""
-    lean, taken, columns = _marched(part, asked)
-    source, index = kept(
-        f"turn {[*map(str, part.states)]} {lean.content()}",
-        lambda: turn_source(taken, part.states, lean.expressions, lean.stages),
-    )
-    return {**columns, "source": source, "index": index}
-
-
-def _marched(part: Asked, asked: Asked) -> tuple[Asked, list[sp.Symbol], dict[str, Any]]:
-    """Give what a march of a set of states is written from, what it takes, and the places of both in the whole."""
+def _marched(part: Asked, asked: Asked, name: str, write: Callable[..., Mapping[str, Any]]) -> dict[str, Any]:
+    """Write a march of a set of states, with the places of the states and of what it takes: see `array_source`."""
     lean = part.lean()
     taken = [symbol for symbol in lean.arguments if symbol not in part.states]
     others = [symbol for symbol in asked.arguments if symbol not in asked.states]
-    states = [asked.states.index(symbol) for symbol in part.states]
-    return lean, taken, {"states": states, "columns": [others.index(symbol) for symbol in taken]}
+    return {
+        "states": [asked.states.index(symbol) for symbol in part.states],
+        "columns": [others.index(symbol) for symbol in taken],
+        **kept(
+            f"{name} {[*map(str, part.states)]} {lean.content()}",
+            lambda: write(taken, part.states, lean.expressions, lean.stages),
+        ),
+    }
+
+
+def _turn(*of: Any) -> dict[str, Any]:
+    """Write what a whole motion makes of a set of states, with its slopes."""
+    source, index = turn_source(*of)
+    return {"source": source, "index": index}
 
 
 def _step_slopes(part: Asked, asked: Asked) -> dict[str, Any]:

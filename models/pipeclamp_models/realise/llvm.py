@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial, reduce
+from typing import TypeVar
 
 import numpy as np
 import sympy as sp
@@ -29,6 +30,7 @@ COMPARISONS: Mapping[type[sp.Rel], str] = {
     sp.StrictLessThan: "<", sp.LessThan: "<=", sp.StrictGreaterThan: ">", sp.GreaterThan: ">=", sp.Equality: "==",
 }  # fmt: skip
 
+Key = TypeVar("Key")
 Slopes = Mapping[sp.Symbol, ir.Value]
 """Slopes of a value by some symbols; those that aren't there vanish."""
 
@@ -283,18 +285,29 @@ class MarchWriter:
     def _at(self, address: ir.Value, kind: ir.Type, place: int) -> ir.Value:
         return self.builder.load(self.builder.gep(address, [ir.Constant(INTEGER, place)], source_etype=kind), typ=kind)
 
-    def arguments(self, row: ir.Value, sample: ir.Value) -> list[ir.Value]:
-        """Read the arguments at a sample."""
+    def arguments(self, names: Sequence[sp.Symbol], row: ir.Value, sample: ir.Value) -> dict[sp.Symbol, ir.Value]:
+        """Read the arguments at a sample, named in their order."""
         builder, found = self.builder, []
         for address, by_row, by_sample in self._columns:
             away = builder.add(builder.mul(row, by_row), builder.mul(sample, by_sample))
             found.append(builder.load(builder.gep(address, [away], source_etype=BYTE), typ=DOUBLE))
-        return found
+        return dict(zip(names, found, strict=True))
 
-    def started(self, state: int, row: ir.Value) -> ir.Value:
-        """Read a state before the first sample."""
-        place = self.builder.add(self.builder.mul(ir.Constant(INTEGER, state), self.rows), row)
-        return self.builder.load(self.builder.gep(self.start, [place], source_etype=DOUBLE), typ=DOUBLE)
+    def held(self, names: Sequence[Key]) -> dict[Key, ir.Value]:
+        """Give places for numbers that go along from sample to sample."""
+        return {name: self.builder.alloca(DOUBLE) for name in names}
+
+    def read(self, held: Mapping[Key, ir.Value]) -> dict[Key, ir.Value]:
+        """Read the numbers at such places."""
+        return {name: self.builder.load(address, typ=DOUBLE) for name, address in held.items()}
+
+    def begin(self, held: Mapping[sp.Symbol, ir.Value], row: ir.Value) -> None:
+        """Put the states before the first sample there."""
+        builder = self.builder
+        for state, address in enumerate(held.values()):
+            place = builder.add(builder.mul(ir.Constant(INTEGER, state), self.rows), row)
+            started = builder.load(builder.gep(self.start, [place], source_etype=DOUBLE), typ=DOUBLE)
+            builder.store(started, address)
 
     def write(self, result: int, row: ir.Value, value: ir.Value, sample: ir.Value | None = None) -> None:
         """Write a result of a row, at a sample where there is one of each."""
@@ -303,10 +316,6 @@ class MarchWriter:
         if sample is not None:
             place = builder.add(builder.mul(place, self.samples), sample)
         builder.store(value, builder.gep(self.results, [place], source_etype=DOUBLE))
-
-    def held(self, count: int) -> list[ir.Value]:
-        """Give places for numbers that go along from sample to sample."""
-        return [self.builder.alloca(DOUBLE) for _ in range(count)]
 
     @contextmanager
     def through(self, count: ir.Value) -> Iterator[ir.Value]:
@@ -345,16 +354,15 @@ def walk_source(
         stages: what is computed on the way.
     """
     march = MarchWriter("walk", len(arguments))
-    builder, kept = march.builder, march.held(len(states))
+    kept = march.held(states)
     with march.through(march.rows) as row:
-        for place, address in enumerate(kept):
-            builder.store(march.started(place, row), address)
+        march.begin(kept, row)
         with march.through(march.samples) as sample:
-            before = [builder.load(address, typ=DOUBLE) for address in kept]
-            known = dict(zip((*arguments, *states), (*march.arguments(row, sample), *before), strict=True))
-            writer = Writer(builder, known, stages)
-            for place, (address, value) in enumerate(zip(kept, map(writer.value, updates), strict=True)):
-                builder.store(value, address)
+            known = {**march.arguments(arguments, row, sample), **march.read(kept)}
+            writer = Writer(march.builder, known, stages)
+            for place, (state, update) in enumerate(zip(states, updates, strict=True)):
+                value = writer.value(update)
+                march.builder.store(value, kept[state])
                 march.write(place, row, value, sample)
     return march.written()
 
@@ -371,37 +379,33 @@ def turn_source(
     What is taken is as of `walk_source`; places of end and beginning of each slope that doesn't vanish come with it.
     """
     march = MarchWriter("turn", len(arguments))
-    builder, count = march.builder, len(states)
-    index = _reached(states, updates, stages)
-    kept, largest = march.held(count), march.held(count)
-    product = dict(zip(index, march.held(len(index)), strict=True))
+    builder, index = march.builder, _reached(states, updates, stages)
+    kept, largest, product = march.held(states), march.held(states), march.held(index)
     with march.through(march.rows) as row:
-        for place in range(count):
-            builder.store(march.started(place, row), kept[place])
-            builder.store(_number(0.0), largest[place])
+        march.begin(kept, row)
+        for address in largest.values():
+            builder.store(_number(0.0), address)
         for (end, beginning), address in product.items():
             builder.store(_number(float(end == beginning)), address)
         with march.through(march.samples) as sample:
-            before = [builder.load(address, typ=DOUBLE) for address in kept]
-            so_far = {pair: builder.load(address, typ=DOUBLE) for pair, address in product.items()}
-            known = dict(zip((*arguments, *states), (*march.arguments(row, sample), *before), strict=True))
+            so_far = march.read(product)
+            known = {**march.arguments(arguments, row, sample), **march.read(kept)}
             writer = Writer(builder, known, stages, states)
-            for place, update in enumerate(updates):
+            for state, update in zip(states, updates, strict=True):
                 value = writer.value(update)
-                builder.store(value, kept[place])
-                size, most = writer.size(value), builder.load(largest[place], typ=DOUBLE)
+                builder.store(value, kept[state])
+                size, most = writer.size(value), builder.load(largest[state], typ=DOUBLE)
                 # what is no number stays none
-                builder.store(builder.select(builder.fcmp_ordered(">=", most, size), most, size), largest[place])
-                slopes = writer.slopes(update)
-                for beginning in range(count):
-                    terms = [
-                        builder.fmul(slopes[symbol], so_far[between, beginning])
-                        for between, symbol in enumerate(states)
-                        if symbol in slopes and (between, beginning) in so_far
-                    ]
-                    if (place, beginning) in product:
-                        builder.store(reduce(builder.fadd, terms, _number(0.0)), product[place, beginning])
-        for result, address in enumerate([*kept, *largest, *product.values()]):
+                builder.store(builder.select(builder.fcmp_ordered(">=", most, size), most, size), largest[state])
+            for end, beginning in index:
+                slopes = writer.slopes(updates[end])
+                terms = [
+                    builder.fmul(slopes[state], so_far[between, beginning])
+                    for between, state in enumerate(states)
+                    if state in slopes and (between, beginning) in so_far
+                ]
+                builder.store(reduce(builder.fadd, terms, _number(0.0)), product[end, beginning])
+        for result, address in enumerate([*kept.values(), *largest.values(), *product.values()]):
             march.write(result, row, builder.load(address, typ=DOUBLE))
     return march.written(), index
 
@@ -436,7 +440,7 @@ def slopes_source(
     march = MarchWriter("slopes", len(arguments))
     index: list[tuple[int, int]] = []
     with march.through(march.rows) as row, march.through(march.samples) as sample:
-        known = dict(zip(arguments, march.arguments(row, sample), strict=True))
+        known = march.arguments(arguments, row, sample)
         writer = Writer(march.builder, known, stages, by)
         for place, expression in enumerate(expressions):
             slopes = writer.slopes(expression)

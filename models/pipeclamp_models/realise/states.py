@@ -100,20 +100,20 @@ class March:
         moved = last._walk(rest, from_rest)
         start, columns = moved[:, :, 0].copy(), self._columns(self.motion.y_previous)
         scale = 1e-300 + np.max(np.abs(start), axis=0)
-        to_begin, inverse = (np.zeros((rows, count, count)) for _ in range(2))
-        left = np.arange(rows)
+        to_begin = np.zeros((rows, count, count))
+        left, taken = np.arange(rows), columns
         for _ in range(SETTLING_CYCLES):
-            after, largest, by_start = self._turn(start[:, left], _of_rows(columns, left))
+            after, largest, by_start = self._turn(start[:, left], taken)
             change = after - start[:, left]
             back = np.eye(count) - by_start
             # A row without numbers stays one; no other may suffer for it.
             back[~np.isfinite(back).all(axis=(1, 2))] = np.eye(count)
-            to_begin[left], inverse[left] = back, np.linalg.pinv(back, rcond=SETTLED)
+            to_begin[left] = back
             moves = ~np.all(np.abs(change) <= SETTLED * (scale[left] + np.max(largest, axis=0)), axis=0)
-            change, left = change[:, moves], left[moves]
+            left, taken = left[moves], _of_rows(taken, moves)
             if not len(left):
                 break
-            start[:, left] += np.einsum("rjk,kr->jr", inverse[left], change)
+            start[:, left] += np.einsum("rjk,kr->jr", np.linalg.pinv(back[moves], rcond=SETTLED), change[:, moves])
         unsettled = np.isin(np.arange(rows), left)
         trajectory = self._walk(start, columns)
         by_step = self._slopes(start, trajectory, columns)
@@ -124,7 +124,8 @@ class March:
             by_parameters = self._by_parameters(by_step, samples)
             begin = last._by_parameters(last._slopes(rest, moved, from_rest), 1)[:, 0]
             once = trail(begin, by_states, by_parameters)[:, -1]
-            slopes = trail(begin + inverse @ (once - begin), by_states, by_parameters)
+            to_period = np.linalg.pinv(to_begin, rcond=SETTLED) @ (once - begin)
+            slopes = trail(begin + to_period, by_states, by_parameters)
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled)
 
     def _last(self) -> March:
@@ -198,7 +199,7 @@ class March:
         return by_parameters
 
 
-def _of_rows(columns: Columns, rows: npt.NDArray[np.intp]) -> Columns:
+def _of_rows(columns: Columns, rows: npt.NDArray[np.bool_]) -> Columns:
     """Give what a step takes on some of the rows."""
     moving, held = columns
     return [each[rows] for each in moving], [each[rows] for each in held]
