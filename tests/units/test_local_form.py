@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from banded import SPREAD, banded
+from scipy.optimize import approx_fprime
+from scipy.stats import multivariate_normal
 
+from pipeclamp_identification.fitting.local_form import EASY, unlikeliness
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import KrigedShare, LocalForm, read_law, write_law
-from pipeclamp_models.law.local_form import Kriged
+from pipeclamp_models.law.local_form import Kriged, likeness, squares
 from pipeclamp_system.bands.response import response_bands
 from pipeclamp_system.bands.varied import varied
 from pipeclamp_system.steady.response import amplitudes_of, run_response
@@ -37,6 +40,24 @@ def test_at_tests_it_is_what_they_show_and_far_away_nothing_is_known():
     assert (mean, left) == pytest.approx((0.0, 0.05))
     between = Kriged.of(form, one).at({"A": 0.15, "f": 4.0})[1]
     assert 2e-4 < between < 0.05
+
+
+def test_how_likely_lengths_and_deviation_are_and_its_slopes():
+    drawn = np.random.default_rng(5)
+    tested, shares = drawn.normal(size=(30, 2)), 0.05 * drawn.normal(size=30)
+    variances = drawn.uniform(1e-4, 1e-3, 30)
+    expected, at = np.array([0.0, 0.0, np.log(0.04)]), np.array([-0.3, 0.5, np.log(0.06)])
+    apart = squares(tested, tested)
+
+    def unlikely(logarithms):
+        return unlikeliness(logarithms, apart, shares, variances, expected)[0]
+
+    among = 0.06**2 * (likeness(apart, np.exp(at[:2])) + EASY * np.eye(30)) + np.diag(variances)
+    likely = multivariate_normal(np.zeros(30), among).logpdf(shares) - 0.5 * np.sum((at - expected) ** 2)
+    assert unlikely(at) == pytest.approx(-likely - 15 * np.log(2 * np.pi))
+    assert unlikeliness(at, apart, shares, variances, expected)[1] == pytest.approx(
+        approx_fprime(at, unlikely, 1e-6), rel=1e-4
+    )
 
 
 def test_a_law_is_surer_near_its_tests():

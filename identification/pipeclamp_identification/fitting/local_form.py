@@ -10,7 +10,7 @@ from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.file import KrigedShare, LocalForm
-from pipeclamp_models.law.local_form import coordinate, likeness
+from pipeclamp_models.law.local_form import coordinate, likeness, squares
 from pipeclamp_models.law.range import rounded
 
 FEWEST = 8
@@ -73,31 +73,47 @@ def _kriged(names: Sequence[str], found: _Found, spread: Array) -> KrigedShare:
 def _likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
     """Give the likeliest deviation and lengths; that a length is as the tests are spread is likely beforehand."""
     # fits alone need it, not every command that reads a law
-    from scipy.linalg import cho_factor, cho_solve
     from scipy.optimize import minimize
 
     count = tested.shape[1]
     if whole == 0.0:
         return 0.0, np.ones(count), shares, variances
-
-    def unlikely(logarithms: Array) -> float:
-        variance = float(np.exp(2 * logarithms[-1]))
-        among = variance * likeness(tested, tested, np.exp(logarithms[:-1]))
-        among += np.diag(variances + EASY * variance)
-        try:
-            root = cho_factor(among, lower=True)
-        except np.linalg.LinAlgError:
-            return 1e12
-        fits = 0.5 * float(shares @ cho_solve(root, shares)) + float(np.log(np.diag(root[0])).sum())
-        beforehand = float(np.sum(logarithms[:-1] ** 2)) + (logarithms[-1] - np.log(whole)) ** 2
-        return float(fits + 0.5 * beforehand)
-
-    middle = np.append(np.zeros(count), np.log(whole))
+    expected = np.append(np.zeros(count), np.log(whole))
+    known = squares(tested, tested), shares, variances, expected
     starts = [np.append(np.full(count, np.log(length)), np.log(whole)) for length in (NEAR, FAR)]
-    tried = [
-        minimize(unlikely, start, method="L-BFGS-B", bounds=[(at - FARTHEST, at + FARTHEST) for at in middle])
-        for start in starts
-    ]
+    bounds = [(at - FARTHEST, at + FARTHEST) for at in expected]
+    tried = [minimize(unlikeliness, start, known, method="L-BFGS-B", jac=True, bounds=bounds) for start in starts]
     best = min(tried, key=lambda one: float(one.fun)).x
     deviation = float(np.exp(best[-1]))
     return deviation, np.exp(best[:-1]), shares, variances + EASY * deviation**2
+
+
+def unlikeliness(
+    logarithms: Array, apart: Array, shares: Array, variances: Array, expected: Array
+) -> tuple[float, Array]:
+    """Give the negative logarithm of how likely lengths and a deviation are, but for a constant, and its slopes.
+
+    C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, Eqs. 5.8 and 5.9.
+
+    Args:
+        logarithms: of the lengths and, last, of the deviation, (c + 1,).
+        apart: squared distances of the tests, (R, R, c).
+        shares: in the tests, (R,).
+        variances: of what scatters in them, (R,).
+        expected: `logarithms` that are likeliest beforehand, (c + 1,); each errs by 1.
+    """
+    from scipy.linalg.lapack import dpotrf, dpotri
+
+    lengths, variance = np.exp(logarithms[:-1]), float(np.exp(2 * logarithms[-1]))
+    alike = variance * likeness(apart, lengths)
+    root, failed = dpotrf(alike + np.diag(variances + EASY * variance), lower=True)
+    if failed:
+        return 1e12, np.zeros_like(logarithms)
+    below, _ = dpotri(root, lower=True)  # and zeros above
+    inverse = below + np.tril(below, -1).T
+    weights, off = inverse @ shares, logarithms - expected
+    value = 0.5 * float(shares @ weights + off @ off) + float(np.log(np.diag(root)).sum())
+    moved = (inverse - np.outer(weights, weights)) * alike
+    by_lengths = 0.5 * np.tensordot(moved, apart, 2) / lengths**2
+    by_deviation = moved.sum() + EASY * variance * (np.trace(inverse) - float(weights @ weights))
+    return value, np.append(by_lengths, by_deviation) + off

@@ -24,10 +24,14 @@ def coordinate(name: str, values: Array) -> Array:
     return np.log(values) if name in LOGARITHMIC else np.asarray(values, dtype=np.float64)
 
 
-def likeness(one: Array, other: Array, lengths: Array) -> Array:
-    """Give the correlation of shares at conditions, (n, c) and (m, c), by lengths, (c,); shape (n, m)."""
-    apart = (one[:, None] - other[None]) / lengths
-    return np.asarray(np.exp(-0.5 * np.sum(apart**2, axis=2)))
+def squares(one: Array, other: Array) -> Array:
+    """Give the squared distances of conditions, (n, c) and (m, c), along each; shape (n, m, c)."""
+    return np.asarray((one[:, None] - other[None]) ** 2)
+
+
+def likeness(apart: Array, lengths: Array) -> Array:
+    """Give the correlation of shares at conditions by their squared distances, (n, m, c), and lengths, (c,)."""
+    return np.asarray(np.exp(-0.5 * (apart @ lengths**-2.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +62,7 @@ class Kriged:
         lengths = np.array([share.lengths[name] for name in names])
         inverse: Array = np.zeros((len(tested),) * 2)
         if variance > 0:  # else the law isn't off in it
-            among = variance * likeness(tested, tested, lengths) + np.diag(share.variances)
+            among = variance * likeness(squares(tested, tested), lengths) + np.diag(share.variances)
             inverse = np.asarray(np.linalg.inv(among), dtype=np.float64)
         return cls(names, tested, lengths, variance, inverse, inverse @ np.array(share.shares))
 
@@ -69,14 +73,16 @@ class Kriged:
             conditions: A (mm), f (Hz), T (K) and so on; one that isn't named is taken as in the middle of the tests.
         """
         place = self._coordinates([conditions])
-        shown = self.variance * likeness(place, self.tested, self.lengths)[0] @ self.known
+        shown = self.variance * likeness(squares(place, self.tested), self.lengths)[0] @ self.known
         return float(shown), float(np.sqrt(self.left([conditions])[0, 0]))
 
     def left(self, conditions: Sequence[Mapping[str, float]]) -> Array:
         """Give the covariance of the shares at several conditions that the tests leave, shape (m, m)."""
         places = self._coordinates(conditions)
-        with_tests = self.variance * likeness(places, self.tested, self.lengths)
-        left = self.variance * likeness(places, places, self.lengths) - with_tests @ self.inverse @ with_tests.T
+        with_tests = self.variance * likeness(squares(places, self.tested), self.lengths)
+        left = (
+            self.variance * likeness(squares(places, places), self.lengths) - with_tests @ self.inverse @ with_tests.T
+        )
         own = np.sqrt(np.maximum(np.diag(left), 0.0))
         return np.asarray(np.clip(left, -np.outer(own, own), np.outer(own, own)))
 
