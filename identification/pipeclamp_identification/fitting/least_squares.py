@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.fitting.covariance import covariance_of
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_identification.fitting.priors import priors_of, spreads_of
@@ -482,7 +483,7 @@ def _finish(
         law=Law(structure, dict(zip(equations.names, values.tolist(), strict=True)), *law.smoothing),
         equations=equations,
         fitted=tuple(equations.names[index] for index in free),
-        covariance=_covariance(scaled, norms, by_run, law.observations.compared(law_force), roots[free] ** 2),
+        covariance=covariance_of(scaled, norms, by_run, law.observations.compared(law_force), roots[free] ** 2),
         frozen=frozen,
         at_bound=frozenset(at_bound),
         law_force=law_force,
@@ -495,26 +496,3 @@ def _finish(
 def _last_of_largest(shares: Array) -> int:
     """Give the last of the largest entries: rounding mustn't choose between parameters that only show together."""
     return int(np.flatnonzero(shares > (1 - ALIKE) * shares.max())[-1])
-
-
-def _covariance(scaled: Array, norms: Array, residual: Array, compared: int, precision: Array) -> Array:
-    """Give the covariance from the scaled Jacobian (residuals, P), its norms (P,) and the residuals by run (R, m).
-
-    So many of the residuals are compared: the others are zero, whatever the law. `precision` is that of the priors.
-
-    Residuals of one run share their causes (its temperature, its scatter), so they are counted run by run: the
-    covariance is the sandwich of run sums, where there are runs enough for it, and never below the one that trusts the
-    stated uncertainties.
-    """
-    runs, count = residual.shape[0], scaled.shape[1]
-    if count == 0:
-        return np.zeros((0, 0))
-    spread = max(1.0, float(np.sum(residual**2)) / max(compared - count, 1))
-    inverse = np.linalg.pinv(scaled.T @ scaled + spread * np.diag(precision / norms**2), hermitian=True)
-    plain = inverse * spread
-    if runs > 2 * count:
-        scores = np.einsum("rmp,rm->rp", scaled.reshape(runs, -1, count), residual)
-        sandwich = inverse @ (scores.T @ scores) @ inverse * runs / (runs - count)
-        scale = np.sqrt(np.maximum(np.diag(sandwich) / np.diag(plain), 1.0))
-        plain = plain * np.outer(scale, scale)
-    return np.asarray(plain / np.outer(norms, norms))
