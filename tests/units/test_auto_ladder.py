@@ -6,7 +6,8 @@ import pytest
 
 from pipeclamp_identification.workflow import auto
 
-HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01}
+HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "play": 0.12}
+"""Error on left-out conditions by the effect that was added last."""
 
 
 def law(*effects):
@@ -16,6 +17,22 @@ def law(*effects):
 def found(verdict, kind=None, *effects):
     return SimpleNamespace(
         verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple
+    )
+
+
+def answering(answers, monkeypatch):
+    """Give tests whose diagnosis is told by a law's effects, and what each effect does to the error."""
+
+    def add(file, effect, tests, **options):
+        after = law(*file.effects, effect)
+        heldout = (HELD_OUT["".join(file.effects[-1:])], HELD_OUT[effect])
+        return SimpleNamespace(effect=effect, after=after, heldout=heldout)
+
+    monkeypatch.setattr(auto, "add_effect", add)
+    return SimpleNamespace(
+        diagnose=lambda file, **options: answers[file.effects],
+        superfluous=lambda file, keep, progress: None,
+        better_structure=lambda file, progress: None,
     )
 
 
@@ -32,17 +49,40 @@ def test_of_several_that_may_be_the_cause_one_is_taken_only_beside_a_part(first,
         ("oil_damper",): found("ambiguous", "cause", "memory", "slip_spread"),
         ("oil_damper", "memory"): found("complete"),
     }
-    tests = SimpleNamespace(
-        diagnose=lambda file, **options: answers[file.effects], superfluous=lambda file, keep, progress: None
-    )
-
-    def add(file, effect, tests, **options):
-        after = law(*file.effects, effect)
-        heldout = (HELD_OUT["".join(file.effects[-1:])], HELD_OUT[effect])
-        return SimpleNamespace(effect=effect, after=after, heldout=heldout)
-
-    monkeypatch.setattr(auto, "add_effect", add)
+    tests = answering(answers, monkeypatch)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert (settled.found.verdict, [(rung.change.effect, rung.kind) for rung in settled.ladder]) == ends
     told = [word for rung in settled.ladder for word in rung.words]
     assert any("slip_spread would have done much the same" in word for word in told) == (ends[0] == "complete")
+
+
+def test_of_several_that_take_a_part_the_next_is_tried_where_the_best_does_not_help(monkeypatch):
+    answers = {(): found("ambiguous", "part", "bouc_wen", "memory", "slip_spread"), ("memory",): found("complete")}
+    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
+    assert [rung.change.effect for rung in settled.ladder] == ["memory"]
+    tried, others = settled.ladder[0].words
+    assert tried.startswith("bouc_wen was tried and not added")
+    assert others == "slip_spread would have done much the same"
+
+
+def test_where_none_of_several_helps_the_best_was_tried_in_vain(monkeypatch):
+    answers = {(): found("ambiguous", "part", "bouc_wen", "play")}
+    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
+    assert not settled.ladder
+    assert settled.in_vain.effect == "bouc_wen"
+    assert settled.words()[0].startswith("bouc_wen was tried and not added")
+
+
+def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatch):
+    """As where nothing is named: the law may stand on the wrong base, or have an effect that stands for another."""
+    answers = {(): found("missing", "part", "play"), ("memory:2",): found("complete")}
+    tests = answering(answers, monkeypatch)
+    tests.better_structure = lambda file, progress: "memory:2"
+
+    def exchanged(file, structure, tests, **options):
+        return SimpleNamespace(effect=f"-> {structure}", after=law(structure), heldout=(0.10, 0.08))
+
+    monkeypatch.setattr(auto, "exchange", exchanged)
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert (settled.found.verdict, settled.in_vain) == ("complete", None)
+    assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("-> memory:2", "revision")]

@@ -65,11 +65,7 @@ class Settled:
             )
             words += [f"  {word}" for word in rung.words]
         if self.in_vain:
-            before, after = self.in_vain.heldout
-            words.append(
-                f"{self.in_vain.effect} was tried and not added: the error on left-out conditions didn't fall "
-                f"({before:.2%} -> {after:.2%}); tests at further conditions would tell whether it is real"
-            )
+            words.append(f"{_didnt_fall(self.in_vain)}; tests at further conditions would tell whether it is real")
         return words
 
 
@@ -87,10 +83,11 @@ def add_until_settled(
 ) -> Settled:
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
 
-    Of several effects that take much the same part the best is added; of several that may be the cause none is, but
-    where the law has a part already: the proposed test would tell. After each addition the effects so far are asked
-    again: one that the law does as well without goes, for good. Where nothing is named, the other base laws are
-    tried, and in the place of each effect those that act alike; what does better beyond doubt takes the place.
+    Of several effects that take much the same part the best is added, or the next where a refit with the best doesn't
+    lower the error; of several that may be the cause none is, but where the law has a part already: the proposed test
+    would tell. After each addition the effects so far are asked again: one that the law does as well without goes, for
+    good. Where nothing is named, or nothing that is helps, the other base laws are tried, and in the place of each
+    effect those that act alike; what does better beyond doubt takes the place.
 
     Args:
         file: the law to begin with.
@@ -109,26 +106,49 @@ def add_until_settled(
         seen(found, file)
         if len(ladder) >= most or not _goes_on(found, ladder) or found.effects[:1] in gone:
             return Settled(file, found, tuple(ladder))
-        if found.verdict == "unknown":
-            rung = _with_something_exchanged(file, tests, command, progress)
-            if rung is None:
-                return Settled(file, found, tuple(ladder))
-            ladder.append(rung)
-            file = rung.change.after
+        tried: list[Addition] = []
+        if found.verdict != "unknown":
+            tried = _until_one_helps(file, found, tests, command, declared, progress)
+        if tried and _helps(tried[-1]):
+            kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
+            ladder.append(Rung(tried[-1], kind, (*_told(found, tried), *found.cautions())))
+            file, name = tried[-1].after, found.effects[len(tried) - 1]
+            while (rung := _without_a_spare(file, name, tests, command, progress)) is not None:
+                ladder.append(rung)
+                gone.add((rung.change.effect.removeprefix("- "),))
+                file = rung.change.after
             continue
-        addition = add_effect(
-            file, found.effects[0], tests,
-            command=command, date=file.date, declared=declared, start=found.values, progress=progress,
-        )  # fmt: skip
-        if addition.heldout[1] >= addition.heldout[0]:
-            return Settled(file, found, tuple(ladder), in_vain=addition)
-        kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
-        ladder.append(Rung(addition, kind, (*found.rung(), *_rivals(found), *found.cautions())))
-        file = addition.after
-        while (rung := _without_a_spare(file, found.effects[0], tests, command, progress)) is not None:
-            ladder.append(rung)
-            gone.add((rung.change.effect.removeprefix("- "),))
-            file = rung.change.after
+        rung = _with_something_exchanged(file, tests, command, progress)
+        if rung is None:
+            return Settled(file, found, tuple(ladder), in_vain=tried[0] if tried else None)
+        ladder.append(rung)
+        file = rung.change.after
+
+
+def _until_one_helps(
+    file: LawFile,
+    found: Diagnosed,
+    tests: Tests,
+    command: str,
+    declared: Sequence[Declaration],
+    progress: Progress,
+) -> list[Addition]:
+    """Add each of the named effects to a law until one lowers the error on left-out conditions; give what was tried."""
+    tried: list[Addition] = []
+    for name in found.effects:
+        start = None if tried else found.values
+        tried.append(
+            add_effect(
+                file, name, tests, command=command, date=file.date, declared=declared, start=start, progress=progress
+            )
+        )
+        if _helps(tried[-1]):
+            break
+    return tried
+
+
+def _helps(addition: Addition) -> bool:
+    return addition.heldout[1] < addition.heldout[0]
 
 
 def _goes_on(found: Diagnosed, ladder: Sequence[Rung]) -> bool:
@@ -142,10 +162,20 @@ def _goes_on(found: Diagnosed, ladder: Sequence[Rung]) -> bool:
     return found.verdict in ("missing", "unknown")
 
 
-def _rivals(found: Diagnosed) -> tuple[str, ...]:
-    if len(found.effects) == 1:
-        return ()
-    return (f"{' or '.join(found.effects[1:])} would have done much the same",)
+def _told(found: Diagnosed, tried: Sequence[Addition]) -> tuple[str, ...]:
+    """Say what the effect that was added takes, or what was tried in vain before it; and what would do as well."""
+    before = tuple(_didnt_fall(addition) for addition in tried[:-1])
+    others = found.effects[len(tried) :]
+    rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
+    return (*(before or found.rung()), *rivals)
+
+
+def _didnt_fall(addition: Addition) -> str:
+    before, after = addition.heldout
+    return (
+        f"{addition.effect.removeprefix('+ ')} was tried and not added: the error on left-out conditions didn't fall "
+        f"({before:.2%} -> {after:.2%})"
+    )
 
 
 def _without_a_spare(file: LawFile, keep: str, tests: Tests, command: str, progress: Progress) -> Rung | None:
