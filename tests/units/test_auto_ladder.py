@@ -86,3 +86,29 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     settled = auto.add_until_settled(law(), tests, command="test")
     assert (settled.found.verdict, settled.in_vain) == ("complete", None)
     assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("-> memory:2", "revision")]
+
+
+def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypatch):
+    answers = {
+        (): found("missing", "part", "oil_damper"),
+        ("oil_damper",): found("missing", "part", "memory"),
+        ("memory",): found("ambiguous", "part", "bouc_wen", "oil_damper"),
+    }
+    tests = answering(answers, monkeypatch)
+    tests.superfluous = lambda file, keep, progress: "oil_damper" if len(file.effects) == 2 else None
+
+    def remove(file, effect, tests, **options):
+        after = law(*(name for name in file.effects if name != effect))
+        return SimpleNamespace(effect=f"- {effect}", after=after, heldout=(0.01, 0.01))
+
+    monkeypatch.setattr(auto, "remove_effect", remove)
+    added, add = [], auto.add_effect
+
+    def noted(file, effect, tests, **options):
+        added.append(effect)
+        return add(file, effect, tests, **options)
+
+    monkeypatch.setattr(auto, "add_effect", noted)
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert settled.file.effects == ("memory",)
+    assert added == ["oil_damper", "memory", "bouc_wen"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -100,22 +100,21 @@ def add_until_settled(
         UserError: the data can't serve the law.
     """
     ladder: list[Rung] = []
-    gone: set[tuple[str, ...]] = set()
+    gone: set[str] = set()
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
         seen(found, file)
-        if len(ladder) >= most or not _goes_on(found, ladder) or found.effects[:1] in gone:
+        if len(ladder) >= most or not _goes_on(found, ladder) or gone.intersection(found.effects[:1]):
             return Settled(file, found, tuple(ladder))
-        tried: list[Addition] = []
-        if found.verdict != "unknown":
-            tried = _until_one_helps(file, found, tests, command, declared, progress)
+        names = [name for name in found.effects if name not in gone]
+        tried = _until_one_helps(file, names, found.values, tests, command, declared, progress)
         if tried and _helps(tried[-1]):
             kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
-            ladder.append(Rung(tried[-1], kind, (*_told(found, tried), *found.cautions())))
-            file, name = tried[-1].after, found.effects[len(tried) - 1]
+            ladder.append(Rung(tried[-1], kind, (*_told(found, names, tried), *found.cautions())))
+            file, name = tried[-1].after, names[len(tried) - 1]
             while (rung := _without_a_spare(file, name, tests, command, progress)) is not None:
                 ladder.append(rung)
-                gone.add((rung.change.effect.removeprefix("- "),))
+                gone.add(rung.change.effect.removeprefix("- "))
                 file = rung.change.after
             continue
         rung = _with_something_exchanged(file, tests, command, progress)
@@ -127,16 +126,20 @@ def add_until_settled(
 
 def _until_one_helps(
     file: LawFile,
-    found: Diagnosed,
+    names: Sequence[str],
+    values: Mapping[str, float] | None,
     tests: Tests,
     command: str,
     declared: Sequence[Declaration],
     progress: Progress,
 ) -> list[Addition]:
-    """Add each of the named effects to a law until one lowers the error on left-out conditions; give what was tried."""
+    """Add one effect or another to a law, until one lowers the error on left-out conditions; give what was tried.
+
+    The fit of the first begins at the values that are given.
+    """
     tried: list[Addition] = []
-    for name in found.effects:
-        start = None if tried else found.values
+    for name in names:
+        start = None if tried else values
         tried.append(
             add_effect(
                 file, name, tests, command=command, date=file.date, declared=declared, start=start, progress=progress
@@ -162,10 +165,10 @@ def _goes_on(found: Diagnosed, ladder: Sequence[Rung]) -> bool:
     return found.verdict in ("missing", "unknown")
 
 
-def _told(found: Diagnosed, tried: Sequence[Addition]) -> tuple[str, ...]:
+def _told(found: Diagnosed, names: Sequence[str], tried: Sequence[Addition]) -> tuple[str, ...]:
     """Say what the effect that was added takes, or what was tried in vain before it; and what would do as well."""
     before = tuple(_didnt_fall(addition) for addition in tried[:-1])
-    others = found.effects[len(tried) :]
+    others = names[len(tried) :]
     rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
     return (*(before or found.rung()), *rivals)
 
