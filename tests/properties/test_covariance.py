@@ -36,10 +36,7 @@ def fitted(jacobian, force):
 @pytest.mark.parametrize("scatter", [0.0, 0.05])
 @pytest.mark.parametrize("runs", [8, 16, 24, 27, 48])
 def test_95_percent_hold_the_truth_however_many_runs_there_are(runs, scatter):
-    """Runs whose stiffness and damping scatter by 5 %, and such that don't.
-
-    Errors that trust the stated noise alone hold the worst parameter of 24 runs of the former in 72 %.
-    """
+    """Runs whose stiffness and damping scatter by 5 %, and such that don't."""
     jacobian, drawn, held = jacobian_of(runs), np.random.default_rng(runs), []
     for _ in range(200):
         off = scatter * drawn.normal(size=(runs, 4))

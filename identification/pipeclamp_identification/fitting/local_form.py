@@ -97,7 +97,7 @@ def unlikeliness(
 
     Args:
         logarithms: of the lengths and, last, of the deviation, (c + 1,).
-        apart: squared distances of the tests, (R, R, c).
+        apart: squared distances of the tests along each condition, (R, R, c).
         shares: in the tests, (R,).
         variances: of what scatters in them, (R,).
         expected: `logarithms` that are likeliest beforehand, (c + 1,); each errs by 1.

@@ -73,18 +73,20 @@ class Kriged:
             conditions: A (mm), f (Hz), T (K) and so on; one that isn't named is taken as in the middle of the tests.
         """
         place = self._coordinates([conditions])
-        shown = self.variance * likeness(squares(place, self.tested), self.lengths)[0] @ self.known
+        shown = self._shared(place, self.tested)[0] @ self.known
         return float(shown), float(np.sqrt(self.left([conditions])[0, 0]))
 
     def left(self, conditions: Sequence[Mapping[str, float]]) -> Array:
         """Give the covariance of the shares at several conditions that the tests leave, shape (m, m)."""
         places = self._coordinates(conditions)
-        with_tests = self.variance * likeness(squares(places, self.tested), self.lengths)
-        left = (
-            self.variance * likeness(squares(places, places), self.lengths) - with_tests @ self.inverse @ with_tests.T
-        )
+        with_tests = self._shared(places, self.tested)
+        left = self._shared(places, places) - with_tests @ self.inverse @ with_tests.T
         own = np.sqrt(np.maximum(np.diag(left), 0.0))
         return np.asarray(np.clip(left, -np.outer(own, own), np.outer(own, own)))
+
+    def _shared(self, one: Array, other: Array) -> Array:
+        """Give the covariance of the shares at conditions, (n, c) and (m, c), before any test; shape (n, m)."""
+        return self.variance * likeness(squares(one, other), self.lengths)
 
     def _coordinates(self, conditions: Sequence[Mapping[str, float]]) -> Array:
         middle = np.median(self.tested, axis=0)
