@@ -3,6 +3,7 @@
 import string
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
 from typing import Any
@@ -261,6 +262,21 @@ def test_a_computation_that_ends_as_its_time_does_is_stopped_or_not_at_all():
         with suppress(UserError), time_limit(0.004, UserError("too long")):
             while time.monotonic() < end:
                 pass
+
+
+def test_time_that_is_over_before_the_computation_begins_is_told_alike(monkeypatch):
+    """As on a busy machine, where the clock that stops it takes longer to start than the time that is given."""
+    start = threading.Timer.start
+
+    def slowly(timer):
+        start(timer)
+        until = time.monotonic() + 1.0
+        while time.monotonic() < until:
+            pass
+
+    monkeypatch.setattr(threading.Timer, "start", slowly)
+    with pytest.raises(UserError, match="too long"), time_limit(0.004, UserError("too long")):
+        pytest.fail("it began")
 
 
 def test_a_computation_without_end_is_stopped():

@@ -37,9 +37,9 @@ def time_limit(seconds: float, error: Exception) -> Iterator[None]:
 
     timer = threading.Timer(seconds, stop)
     timer.daemon = True
-    timer.start()
     try:
         try:
+            timer.start()
             yield
         except _OutOfTime:
             raised = True
