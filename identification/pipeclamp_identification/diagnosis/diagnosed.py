@@ -26,6 +26,9 @@ HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("ambiguous", "part"): "One of these takes part of what is missing, and this data can't tell which: {}.",
     ("unknown", None): "Something is missing, and no effect of the catalogue can be named for it.",
 }
+COMPLETE_BUT_FOR_FORM = (
+    "Complete, but for its form: what is left beside scatter is small, and no effect of the catalogue takes most of it."
+)
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 
 
@@ -90,6 +93,8 @@ class Diagnosed:
 
     def headline(self) -> str:
         """Give the verdict in words."""
+        if self.verdict == "complete" and not self.diagnosis.is_adequate(self.diagnosis.law):
+            return COMPLETE_BUT_FOR_FORM
         return HEADLINES[self.verdict, self.kind].format(" or ".join(self.effects))
 
     def words(self) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from pipeclamp_models.base.arrays import Array
 INDEPENDENT = 0.05
 """A change of which the law's parameters leave less than this share is one that they make themselves."""
 BY_CHANCE = 2.0
-"""Standard errors by which scatter may have added to what follows the conditions."""
+"""Standard errors by which scatter may have added to what follows the conditions, or hidden of it."""
 LOW_HARMONICS = 7
 """Most of what loops can miss shows up to this harmonic."""
 
@@ -56,6 +56,7 @@ class LackOfFit:
             alone, or as stiffness or damping that follows one condition, whichever is least likely, times four.
         share: force that follows the conditions, rms in N, as a share of the force noise per sample.
         sure_share: the same, less what scatter may have added to it by chance.
+        most_share: the same, with what scatter may have taken from it by chance.
         by_channel: its mean square in each harmonic part, N2, shape (2 H + 1,); below zero where noise happened to be
             small.
     """
@@ -63,6 +64,7 @@ class LackOfFit:
     p_value: float
     share: float
     sure_share: float
+    most_share: float
     by_channel: Array
 
     @property
@@ -110,11 +112,12 @@ def lack_of_fit(
     error = expected * np.sqrt(2 / np.maximum(freedoms, 1.0)) / runs
     error[1:] /= 2
     excess = float(by_channel.sum())
-    share, sure_share = (
+    chance = BY_CHANCE * float(np.linalg.norm(error))
+    share, sure_share, most_share = (
         float(np.sqrt(max(one, 0.0) / float(np.mean(noise_rms**2))))
-        for one in (excess, excess - BY_CHANCE * float(np.linalg.norm(error)))
+        for one in (excess, excess - chance, excess + chance)
     )
-    return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, by_channel)
+    return LackOfFit(min(1.0, len(p_values) * min(p_values)), share, sure_share, most_share, by_channel)
 
 
 def _least_likely(directed: Array, residual: Array, basis: Array, free: int) -> float:

@@ -16,6 +16,7 @@ from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_besi
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     BEYOND_DOUBT_DRAWS_SHARE,
+    FORM_NOISE_SHARE,
     HALF_LEFT_SHARE,
     HALF_TAKEN_SHARE,
     MATERIAL_PART_SHARE,
@@ -146,6 +147,8 @@ def weigh(
         if weighed is not None:
             return weighed
     if scales.form_allowed:
+        if law.lack.most_share > FORM_NOISE_SHARE:
+            return _nothing("unknown", _hidden_words(law.lack, problem))
         return _nothing("complete", _form_words(law.lack, best=usable[0] if usable else None, law=law))
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
@@ -335,6 +338,14 @@ def _form_words(lack: LackOfFit, best: Judged | None, law: Judged) -> str:
     return (
         f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) still follow the conditions: {asked}, "
         "so it passes for the form of the effects that the law has"
+    )
+
+
+def _hidden_words(lack: LackOfFit, problem: Problem) -> str:
+    return (
+        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
+        f"catalogue takes half of it; scatter from run to run may hide up to {lack.most_share:.2g} times, and these "
+        f"{len(problem.loops.run)} runs are too few to tell; repeat some of them three times each"
     )
 
 

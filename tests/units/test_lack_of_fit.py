@@ -1,0 +1,43 @@
+"""What of the residuals follows the conditions, and how much of it scatter from run to run may hide."""
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.diagnosis.evidence import LackOfFit, lack_of_fit
+from pipeclamp_identification.diagnosis.left_out import Whitened
+from pipeclamp_identification.diagnosis.noise import NoiseModel
+from pipeclamp_identification.fitting.smooth_trends import smooth_functions
+
+AMPLITUDES, FREQUENCIES = (0.1, 0.2, 0.5, 1.0), (4.0, 8.0, 15.0, 30.0)
+CHANNELS, NOISE, SCATTER, HIDDEN = 7, 0.1, 0.3, 0.2
+DRAWS = 200
+
+
+def told(random: np.random.Generator, repeats: int) -> LackOfFit:
+    """Draw residuals of which HIDDEN, rms in N, follows log A and each part scatters by SCATTER from run to run."""
+    A, f = np.repeat(np.array([(A, f) for A in AMPLITUDES for f in FREQUENCIES]), repeats, axis=0).T
+    runs = len(A)
+    follows = np.log(A) - np.mean(np.log(A))
+    residual = SCATTER * random.standard_normal((runs, CHANNELS))
+    residual[:, 1] += np.sqrt(2) * HIDDEN * follows / np.sqrt(np.mean(follows**2))
+    none = np.zeros_like(residual)
+    model = NoiseModel(np.full_like(residual, SCATTER**2), none, none, 0.0, 0.0)
+    fitted = Whitened(residual / SCATTER, np.zeros((runs, CHANNELS, 1)), np.zeros(0))
+    smooth = smooth_functions(A, f, np.full(runs, 293.15), (), [None] * runs)
+    return lack_of_fit(fitted, residual, model, smooth, np.zeros((1, 1, runs, CHANNELS)), np.full(runs, NOISE))
+
+
+@pytest.mark.parametrize("repeats", [1, 3])
+def test_what_scatter_may_hide_bounds_what_is_there(repeats):
+    random = np.random.default_rng(7)
+    draws = [told(random, repeats) for _ in range(DRAWS)]
+    true = HIDDEN / NOISE
+    assert all(each.sure_share <= each.share <= each.most_share for each in draws)
+    assert np.mean([each.most_share > true for each in draws]) > 0.9
+    assert np.mean([each.sure_share < true for each in draws]) > 0.9
+
+
+def test_repeats_leave_scatter_less_to_hide():
+    random = np.random.default_rng(7)
+    once, thrice = (np.median([told(random, repeats).most_share for _ in range(DRAWS)]) for repeats in (1, 3))
+    assert HIDDEN / NOISE < thrice < 0.85 * once
