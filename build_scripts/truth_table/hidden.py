@@ -228,6 +228,18 @@ def relaxation_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, s
     return Part(force=size * base.k10 * arms)
 
 
+def inner_mass(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Mass inside on a spring, in its steady state; rough: two of them, whose frequencies differ."""
+    frequency, losses = 3.0 + 6.0 * shape["any"], 0.15 + 0.35 * shape["several"]
+    force = np.zeros_like(motion.y)
+    own = np.array([0.8, 1.25] if rough else [1.0]) * 2 * np.pi * frequency
+    for order, tone in motion.tones:
+        w = 2 * np.pi * order * motion.f
+        follows = np.mean([turn**2 / (turn**2 - w**2 + 2j * losses * turn * w) for turn in own])
+        force += np.real((1 - follows) * tone[:, None] * np.exp(1j * w * motion.time))
+    return Part(force=size * base.k10 * force)
+
+
 def oil_damper(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Oil damper with a relief valve; rough: a valve that opens little by little."""
     relief, opened = size * typical(base), 20.0 * shape["any"] + 5.0
@@ -345,6 +357,7 @@ EFFECTS: dict[str, Kind] = {
     "delay": Kind(delay, most=1.0),
     "relaxation_spread": Kind(relaxation_spread, most=0.8),
     "oil_damper": Kind(oil_damper, most=0.3),
+    "inner_mass": Kind(inner_mass, most=0.5),
     "stribeck": Kind(stribeck, most=0.3),
     "displacement_friction": Kind(displacement_friction, most=0.3),
     "self_centring": Kind(self_centring, most=0.8),

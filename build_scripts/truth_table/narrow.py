@@ -13,6 +13,7 @@ IMITATIONS = {
     ("relaxation", "stiffness_frequency"): BAND, ("stiffness_frequency", "inertia"): BAND,
     ("relaxation", "inertia"): BAND, ("relaxation", "viscous"): BAND,
     ("oil_damper", "relaxation"): BAND, ("oil_damper", "memory"): STROKE, ("oil_damper", "viscous"): BAND,
+    ("inner_mass", "relaxation"): BAND, ("inner_mass", "stiffness_frequency"): BAND,
     ("relaxation_spread", "relaxation"): BAND, ("relaxation_spread", "stiffness_frequency"): BAND,
     ("hardening", "end_stop"): STROKE, ("gap", "end_stop"): STROKE, ("gap", "memory"): STROKE,
     ("play", "gap"): STROKE,

@@ -36,6 +36,7 @@ CONTRACT = [
     "relaxation",
     "relaxation_spread",
     "oil_damper",
+    "inner_mass",
     "damping_temperature",
     "contact_growth",
     "stiffness_frequency",

@@ -19,6 +19,7 @@ STRUCTURES = [
     Structure("power", ("bouc_wen", "relaxation_spread")),
     Structure("power", ("slip_spread", "play")),
     Structure("power", ("oil_damper",)),
+    Structure("power", ("inner_mass",)),
 ]
 
 

@@ -106,6 +106,10 @@ AKCELYAN = (
     "Akcelyan, Lignos and Hikino: Adaptive Numerical Method Algorithms for Nonlinear Viscous and Bilinear Oil Damper "
     "Models Subjected to Dynamic Loading, Soil Dynamics and Earthquake Engineering 113, 488-502 (2018)"
 )
+SINGH = (
+    "Singh, Kim and Ravindra: Linear analysis of automotive hydro-mechanical mount with emphasis on decoupler "
+    "characteristics, Journal of Sound and Vibration 158(2), 219-243 (1992)"
+)
 REID = "Reid: Free vibration and hysteretic damping, Journal of the Royal Aeronautical Society 60, 283 (1956)"
 HILL = (
     "Hill: The Utility of Ring Springs in Seismic Isolation Systems, PhD thesis, University of Canterbury, "
