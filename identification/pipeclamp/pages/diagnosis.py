@@ -74,8 +74,8 @@ def _card(candidate: Judged, law: Judged) -> Card:
     name, effect = candidate.effects[0], _effect(candidate)
     words = [
         f"In the picture: {effect.looks_like}.",
-        f"It takes the error on left-out conditions from {law.heldout_nrmse:.2%} to {candidate.heldout_nrmse:.2%} and "
-        f"takes {explained_share(candidate, law):.0%} of what is missing.",
+        f"It takes the estimated error on left-out conditions from {law.heldout_nrmse:.2%} to "
+        f"{candidate.heldout_nrmse:.2%}, and {explained_share(candidate, law):.0%} of what is missing.",
         f"Imitated by {', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}.",
         f"Against it: {'; '.join(against(candidate, law)) or 'nothing in this data'}.",
     ]

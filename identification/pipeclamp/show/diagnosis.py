@@ -51,12 +51,12 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
     rows.append(("law as it is", 100 * law.heldout_nrmse, *further, 0.0, "–"))
     header = (
         "with",
-        "error on left-out A, f / %",
+        "estimated error on left-out A, f / %",
         *(f"on left-out {name} / %" for name in law.heldout_by),
         "of what is missing it takes / %",
         "speaks against it",
     )
-    caption = "every candidate refitted jointly with the law"
+    caption = "every candidate refitted jointly with the law; errors on left-out tests estimated from these fits"
     return Table(header, rows, f"{caption}; {', '.join(idle)}: of no help" if idle else caption)
 
 

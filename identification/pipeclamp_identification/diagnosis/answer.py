@@ -29,7 +29,7 @@ class LawErrors(AnswerModel):
 
 
 class HeldoutErrors(AnswerModel):
-    """Errors on groups of conditions that were left out."""
+    """Errors on groups of conditions that were left out, estimated from the fits to all."""
 
     law: float
     best: float
@@ -56,7 +56,7 @@ class CandidateAnswer(AnswerModel):
     """An effect, or two, refitted jointly with the law."""
 
     effect: str = Field(description="as `add` takes it; two are joined by +")
-    heldout_nrmse: float = Field(description="error on left-out groups of A and f")
+    heldout_nrmse: float = Field(description="error on left-out groups of A and f, estimated from the fit to all")
     heldout_by: Mapping[str, float] = Field(description="the same on other groups that were left out")
     lack_of_fit: float = Field(description="what follows the conditions and isn't explained, over the force noise")
     explained: float = Field(description="share of the mean-square lack of fit that it takes, on left-out conditions")
