@@ -229,8 +229,8 @@ def relaxation_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, s
 
 
 def inner_mass(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Mass inside on a spring, in its steady state; rough: two of them, whose frequencies differ."""
-    frequency, losses = 3.0 + 6.0 * shape["any"], 0.15 + 0.35 * shape["several"]
+    """Mass inside on a spring, in its steady state, its resonance among the tests; rough: two, whose frequencies differ."""
+    frequency, losses = 2.0 + 3.0 * shape["any"], 0.15 + 0.35 * shape["several"]
     force = np.zeros_like(motion.y)
     own = np.array([0.8, 1.25] if rough else [1.0]) * 2 * np.pi * frequency
     for order, tone in motion.tones:

@@ -41,7 +41,7 @@ EFFECT = Effect(
     imitated_by=("relaxation", "stiffness_frequency", "inertia", "viscous", "relaxation_spread"),
     told_apart_by="frequencies on both sides of the inner resonance: damping falls again beyond it, and the stiffness "
     "levels off above the one at rest",
-    special_cases=("relaxation",),
+    special_cases=("relaxation", "viscous", "quadratic_damping", "inertia"),
     parameters=(
         Parameter(
             k_i, "N/mm", "stiffness of the spring that drives the mass", (0.3 * F_typical / A_typical,) * 4, lower=0.0
