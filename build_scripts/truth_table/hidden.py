@@ -229,7 +229,7 @@ def relaxation_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, s
 
 
 def inner_mass(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Mass inside on a spring, in its steady state, its resonance among the tests; rough: two, whose frequencies differ."""
+    """Mass inside on a spring that resonates among the tests, in its steady state; rough: two of them, apart."""
     frequency, losses = 2.0 + 3.0 * shape["any"], 0.15 + 0.35 * shape["several"]
     force = np.zeros_like(motion.y)
     own = np.array([0.8, 1.25] if rough else [1.0]) * 2 * np.pi * frequency
