@@ -8,7 +8,8 @@ from pipeclamp.pages.page import Card, Section
 from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
 from pipeclamp.pages.sketch import sketch
 from pipeclamp.pages.waterfall import LEFT_OUT, Rung
-from pipeclamp.show.diagnosis import against, before_physics, candidate_table, helpful, sentence
+from pipeclamp.show.diagnosis import against, before_physics, candidate_table, helpful
+from pipeclamp.show.sentences import sentence
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.next_test import Proposal

@@ -43,7 +43,7 @@ def loops_picture(panels: Sequence[LoopPanel], title: str, names: tuple[str, str
         rows=rows,
         cols=columns,
         subplot_titles=[panel.title for panel in panels],
-        horizontal_spacing=0.06,
+        horizontal_spacing=0.1,
         vertical_spacing=min(0.12, 0.35 / rows),
     )
     for index, panel in enumerate(panels):

@@ -67,11 +67,6 @@ def helpful(diagnosis: Diagnosis) -> list[Judged]:
     return found or list(diagnosis.candidates[:1])
 
 
-def sentence(words: str) -> str:
-    """Give words as a sentence."""
-    return f"{words[0].upper()}{words[1:]}."
-
-
 def before_physics(found: Diagnosed) -> list[str]:
     """Say what goes before any physics: sensors that fail or drift, and groups of runs that differ."""
     groups = group_words(found.groups)

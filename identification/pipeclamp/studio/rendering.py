@@ -10,6 +10,7 @@ import jinja2
 
 from pipeclamp.api.tests import Tests
 from pipeclamp.pages.page import templates_of
+from pipeclamp.show.sentences import sentence
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import discovery_in
@@ -106,12 +107,5 @@ def page(template: str, **content: Any) -> str:
 def _environment() -> jinja2.Environment:
     environment = templates_of("pipeclamp.studio")
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
-    environment.filters["sentence"] = _sentence
+    environment.filters["sentence"] = sentence
     return environment
-
-
-def _sentence(words: str) -> str:
-    """Give words as a sentence; a name of the catalogue that begins them stays as `add` takes it."""
-    first = words.split(maxsplit=1)[0] if words.split() else ""
-    begun = words if set("_:") & set(first) else f"{words[:1].upper()}{words[1:]}"
-    return begun if begun.endswith(".") else f"{begun}."
