@@ -44,7 +44,8 @@ EFFECT = Effect(
     special_cases=("relaxation", "viscous", "quadratic_damping", "inertia"),
     parameters=(
         Parameter(
-            k_i, "N/mm", "stiffness of the spring that drives the mass", (0.3 * F_typical / A_typical,) * 4, lower=0.0
+            k_i, "N/mm", "stiffness of the spring that drives the mass", (0.3 * F_typical / A_typical,) * 4, lower=0.0,
+            typical=0.1 * F_typical / A_typical,
         ),
         Parameter(
             f_i, "Hz", "frequency of the mass on its spring", frequencies,
