@@ -61,6 +61,23 @@ def test_the_hidden_term_is_found_and_can_be_added(campaigns, pipeclamp, tmp_pat
     assert again.nrmse == pytest.approx(found.nrmse, rel=0.01)
 
 
+def test_a_part_that_stood_for_the_term_goes(campaigns, pipeclamp, tmp_path):
+    """Where nothing of the catalogue can be named, the search for a term is the next command; it asks the parts again."""
+    tests = campaigns / "with"
+    law = pc.identify(tests, effects=["bouc_wen"]).save(tmp_path / "law.json")
+    told = pipeclamp("diagnose", law, tests).stdout
+    term, law2 = tmp_path / "law_term.toml", tmp_path / "law_2.json"
+    assert f"pipeclamp discover {law} {tests} -o {term} --auto {law2}" in told.replace("\n", "")
+    told = pipeclamp("discover", law, tests, "-o", term, "--auto", law2, "--json", tmp_path / "answer.json").stdout
+    answer = json.loads((tmp_path / "answer.json").read_text(encoding="utf-8"))
+    assert answer["spare"] == ["bouc_wen"]
+    assert "The law does as well without bouc_wen" in told
+    assert answer["heldout_after"] < 1.1 * answer["noise_nrmse"]
+    found = pc.open_law(law2)
+    assert found.effects == (answer["effect"],)
+    assert pc.compare(found, tests).nrmse < 1.1 * answer["noise_nrmse"]
+
+
 def test_nothing_is_proposed_where_nothing_is_missing(campaigns, pipeclamp, tmp_path):
     tests = campaigns / "without"
     law = pc.identify(tests).save(tmp_path / "law.json")

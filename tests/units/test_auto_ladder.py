@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pipeclamp_identification.workflow import auto
+from pipeclamp_identification.workflow import auto, change
 
 HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "play": 0.12}
 """Error on left-out conditions by the effect that was added last."""
@@ -101,7 +101,7 @@ def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypa
         after = law(*(name for name in file.effects if name != effect))
         return SimpleNamespace(effect=f"- {effect}", after=after, heldout=(0.01, 0.01))
 
-    monkeypatch.setattr(auto, "remove_effect", remove)
+    monkeypatch.setattr(change, "remove_effect", remove)
     added, add = [], auto.add_effect
 
     def noted(file, effect, tests, **options):

@@ -15,6 +15,7 @@ class Found:
     verdict: str
     effects: tuple[str, ...] = ()
     proposal: str | None = None
+    calls_for_a_term: bool = False
 
 
 @pytest.mark.parametrize(
@@ -29,6 +30,11 @@ class Found:
         (Found("ambiguous", proposal="a sine"), "law.json", "pipeclamp diagnose law.json tests --drive next_test.csv"),
         (Found("ambiguous"), "law.json", "pipeclamp compare law.json tests --report compare.html"),
         (Found("unknown"), "law.json", "pipeclamp compare law.json tests --report compare.html"),
+        (
+            Found("unknown", calls_for_a_term=True),
+            "law_2.json",
+            "pipeclamp discover law_2.json tests -o law_2_term.toml --auto law_3.json",
+        ),
     ],
 )
 def test_the_next_command(found, law, expected):

@@ -23,6 +23,7 @@ def discovery_words(proposal: Proposal) -> list[str]:
         f"Acts like {found.term.acts_like}.",
         f"{proposal.formula()}.",
         f"RMS error on left-out conditions {before:.2%} -> {after:.2%} of RMS force{scatter}.",
+        *(f"The law does as well without {name}, now that it has the term: it went." for name in proposal.spare),
         "A formula that these tests support, no proof of a physical cause.",
     ]
     if found.rivals:

@@ -11,6 +11,7 @@ from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
@@ -81,6 +82,14 @@ class Diagnosed:
         """Parameters of the law with what is named first, by name; empty where nothing is named."""
         named = self.diagnosis.found.named
         return {} if named is None else named.result.law.values
+
+    @property
+    def calls_for_a_term(self) -> bool:
+        """Whether a term beyond the catalogue is worth a search: nothing is named for what follows the conditions."""
+        diagnosis = self.diagnosis
+        elsewhere = bool(self.sensors()) or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
+        enough = int(diagnosis.problem.groups.max()) + 1 >= FEWEST_GROUPS
+        return self.verdict == "unknown" and enough and not elsewhere
 
     def sensors(self) -> tuple[str, ...]:
         """Say which sensors failed or drift: that goes before any physics."""

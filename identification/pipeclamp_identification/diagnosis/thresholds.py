@@ -54,6 +54,8 @@ LARGER_MEMBER_SQUARES = 10.0
 """Difference in squares on left-out groups that is no reason for an effect's larger member."""
 FEWEST_RUNS = 4
 """Fewer can't show what a law lacks."""
+FEWEST_GROUPS = 6
+"""Fewer groups of A and f can't show a term beyond the catalogue: some are kept back from the search for it."""
 
 LINE_NOISE_RATIO = 2.0
 """A line is locked to time when half of the runs show it so many times above the noise: a few spectra have outliers of

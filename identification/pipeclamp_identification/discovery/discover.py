@@ -19,7 +19,7 @@ from pipeclamp_identification.diagnosis.problem import (
     prepare,
     weighed_again,
 )
-from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.columns import Column, Evaluation, all_columns
 from pipeclamp_identification.discovery.grammar import LEVELS, RATE, STRENGTH, Term, terms
 from pipeclamp_identification.discovery.guards import (
@@ -43,8 +43,8 @@ from pipeclamp_models.law.law import Structure, with_effect
 
 MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
-KEPT_BACK, FEWEST_GROUPS = 5, 6
-"""Of so many groups of A and f one is kept back from the search; fewer groups than that leave too little to search."""
+KEPT_BACK = 5
+"""Of so many groups of A and f one is kept back from the search."""
 MOST_HEARD = 3
 """Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
 LISTED = 3

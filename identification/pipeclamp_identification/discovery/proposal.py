@@ -52,6 +52,7 @@ class DiscoveryAnswer(AnswerModel):
     tried: int = Field(description="terms that were evaluated")
     reason: str = Field(description="why nothing is proposed; empty where something is")
     next_test: str | None = Field(description="the test that would tell the term from its rivals, in words")
+    spare: tuple[str, ...] = Field(description="effects that went: the law does as well without them, with the term")
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,7 @@ class Proposal:
         declaration: the proposed effect, with its fitted values to start from.
         guards: what was asked of the best term.
         reason: why nothing is proposed; empty where something is.
+        spare: effects that went, for the law does as well without them, now that it has the term.
     """
 
     search: Search
@@ -77,6 +79,7 @@ class Proposal:
     declaration: Declaration | None
     guards: tuple[Guard, ...]
     reason: str
+    spare: tuple[str, ...]
 
     @property
     def proposed(self) -> bool:
@@ -108,6 +111,7 @@ class Proposal:
             tried=self.search.tried,
             reason=self.reason,
             next_test=found.next_test or None if found else None,
+            spare=self.spare,
         )
 
     def formula(self) -> str | None:

@@ -62,6 +62,11 @@ class MetricDiagnosed:
         return self.diagnosis.kind
 
     @property
+    def calls_for_a_term(self) -> bool:
+        """Never: a term acts along a loop, which metrics don't hold."""
+        return False
+
+    @property
     def values(self) -> Mapping[str, float]:
         """Nothing: the fit to two numbers a run is quick, and finds its own beginning."""
         return {}

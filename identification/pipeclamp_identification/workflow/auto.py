@@ -8,15 +8,13 @@ from typing import Literal
 
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.workflow.change import Addition, add_effect, exchange, remove_effect
+from pipeclamp_identification.workflow.change import Addition, add_effect, as_well_without, exchange, without_a_spare
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LastDiagnosis, LawFile
 
 MOST_RUNGS = 12
-STILL_AS_GOOD = 1.025
-"""An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
 
 
 @dataclass(frozen=True)
@@ -112,10 +110,10 @@ def add_until_settled(
             kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
             ladder.append(Rung(tried[-1], kind, (*_told(found, names, tried), *found.cautions())))
             file, name = tried[-1].after, names[len(tried) - 1]
-            while (rung := _without_a_spare(file, name, tests, command, progress)) is not None:
-                ladder.append(rung)
-                gone.add(rung.change.effect.removeprefix("- "))
-                file = rung.change.after
+            while change := without_a_spare(file, name, tests, command=command, date=file.date, progress=progress):
+                ladder.append(Rung(change, "revision", (as_well_without(change, name),)))
+                gone.add(change.effect.removeprefix("- "))
+                file = change.after
             continue
         rung = _with_something_exchanged(file, tests, command, progress)
         if rung is None:
@@ -179,17 +177,6 @@ def _didnt_fall(addition: Addition) -> str:
         f"{addition.effect.removeprefix('+ ')} was tried and not added: the error on left-out conditions didn't fall "
         f"({before:.2%} -> {after:.2%})"
     )
-
-
-def _without_a_spare(file: LawFile, keep: str, tests: Tests, command: str, progress: Progress) -> Rung | None:
-    """Take out an effect that the law does as well without."""
-    spare = tests.superfluous(file, keep, progress)
-    if spare is None:
-        return None
-    change = remove_effect(file, spare, tests, command=command, date=file.date, progress=progress)
-    if change.heldout[1] > change.heldout[0] * STILL_AS_GOOD:
-        return None
-    return Rung(change, "revision", (f"the law does as well without {spare}, now that it has {keep}",))
 
 
 def _with_something_exchanged(file: LawFile, tests: Tests, command: str, progress: Progress) -> Rung | None:

@@ -14,6 +14,10 @@ from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 
 
+STILL_AS_GOOD = 1.025
+"""An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
+
+
 @dataclass(frozen=True)
 class Addition:
     """What adding an effect did.
@@ -83,6 +87,26 @@ def remove_effect(
         raise UserError(f"effect {effect!r} isn't in the law; it has {', '.join(old.effects) or 'no effects'}")
     new = replace(old, effects=tuple(name for name in old.effects if name != effect))
     return _changed(file, new, f"- {effect}", tests, command=command, date=date, progress=progress)
+
+
+def without_a_spare(
+    file: LawFile, keep: str, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
+) -> Addition | None:
+    """Take out an effect that a law does as well without; None where each is needed; see `add_effect`.
+
+    Args:
+        keep: the effect that was added last, which isn't asked.
+    """
+    spare = tests.superfluous(file, keep, progress)
+    if spare is None:
+        return None
+    change = remove_effect(file, spare, tests, command=command, date=date, progress=progress)
+    return change if change.heldout[1] <= change.heldout[0] * STILL_AS_GOOD else None
+
+
+def as_well_without(change: Addition, keep: str) -> str:
+    """Say that an effect went, and for which one."""
+    return f"the law does as well without {change.effect.removeprefix('- ')}, now that it has {keep}"
 
 
 def exchange(

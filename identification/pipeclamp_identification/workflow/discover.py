@@ -8,7 +8,7 @@ from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.discovery.guards import Guard, passive
 from pipeclamp_identification.discovery.proposal import Proposal, refused, renamed, with_fitted
 from pipeclamp_identification.fitting.identify import software
-from pipeclamp_identification.workflow.change import add_effect
+from pipeclamp_identification.workflow.change import Addition, add_effect, without_a_spare
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
@@ -28,6 +28,8 @@ def discover(
 ) -> Proposal:
     """Find a term that a law lacks and no catalogue has, or say why none is proposed.
 
+    Effects that the law does as well without, now that it has the term, go: a part may have stood for it.
+
     Args:
         file: the law.
         tests: records of sines.
@@ -45,7 +47,7 @@ def discover(
     found = search(file, tests.sines, tests.loops, declared=declared, jobs=jobs, progress=progress)
     noise = found.diagnosed.comparison.known_noise
     guards = found.found.guards if found.found else ()
-    proposal = Proposal(found, file, None, None, noise, None, guards, found.reason)
+    proposal = Proposal(found, file, None, None, noise, None, guards, found.reason, ())
     if found.found is None or not found.found.passed:
         return proposal
     progress("refit with the term to all tests")
@@ -60,11 +62,18 @@ def discover(
     whole = Guard("on all tests", after < before, f"on left-out conditions of all tests {before:.2%} -> {after:.2%}")
     if not whole.passed:
         return refused(proposal, whole)
-    energy = passive(added.after, file)
+    spare: list[Addition] = []
+    law = added.after
+    while change := without_a_spare(law, term.id, tests, command=command, date=file.date, progress=progress):
+        spare.append(change)
+        law = change.after
+    energy = passive(law, file)
     if not energy.passed:
         return refused(proposal, energy)
     source = f"discovered from the tests {tests.name} by {software()}: a formula that fits, no proof of a cause"
-    declaration = with_fitted(term, added.after, source)
-    others = tuple(one for one in added.after.declared if one.id != term.id)
-    law = added.after.model_copy(update={"declared": (*others, declaration)})
-    return Proposal(found, file, law, added.heldout, noise, declaration, (*guards, whole, energy), "")
+    declaration = with_fitted(term, law, source)
+    others = tuple(one for one in law.declared if one.id != term.id)
+    law = law.model_copy(update={"declared": (*others, declaration)})
+    heldout = (before, spare[-1].heldout[1] if spare else after)
+    gone = tuple(change.effect.removeprefix("- ") for change in spare)
+    return Proposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)

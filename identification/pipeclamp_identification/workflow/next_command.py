@@ -32,6 +32,9 @@ def next_command(
         if driven:
             return _line("join", tests, NEXT_TEST, "-o", f"{PurePath(tests).name}_and_{NEXT_TEST}")
         return _line("diagnose", law, tests, "--drive", f"{NEXT_TEST}.csv")
+    if found.calls_for_a_term:
+        term = str(PurePath(law).with_name(f"{_stem(law)}_term.toml"))
+        return _line("discover", law, tests, "-o", term, "--auto", _following(law))
     return _line("compare", law, tests, "--report", "compare.html")
 
 

@@ -65,6 +65,10 @@ class Diagnosed(Protocol):
         """Parameters of the law with what is named first, by name, for its fit to begin at; empty where nothing is."""
 
     @property
+    def calls_for_a_term(self) -> bool:
+        """Whether a term beyond the catalogue is worth a search (`discover`)."""
+
+    @property
     def proposal(self) -> Proposed | None:
         """The test to run next, where rivals are left and one within the limits tells them apart."""
 
