@@ -62,7 +62,7 @@ def test_the_hidden_term_is_found_and_can_be_added(campaigns, pipeclamp, tmp_pat
 
 
 def test_a_part_that_stood_for_the_term_goes(campaigns, pipeclamp, tmp_path):
-    """Where nothing of the catalogue can be named, the search for a term is the next command; it asks the parts again."""
+    """Where nothing of the catalogue can be named, the search for a term comes next; it asks the parts again."""
     tests = campaigns / "with"
     law = pc.identify(tests, effects=["bouc_wen"]).save(tmp_path / "law.json")
     told = pipeclamp("diagnose", law, tests).stdout

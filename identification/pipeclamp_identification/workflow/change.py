@@ -13,7 +13,6 @@ from pipeclamp_models.law.file import HistoryStep, LawFile, law_of, stage_of, st
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 
-
 STILL_AS_GOOD = 1.025
 """An effect stays where the error on left-out conditions rises beyond this ratio without it: by a material part."""
 
