@@ -33,6 +33,7 @@ def answering(answers, monkeypatch):
         diagnose=lambda file, **options: answers[file.effects],
         superfluous=lambda file, keep, progress: None,
         better_structure=lambda file, progress: None,
+        simpler_structure=lambda file, names, progress: None,
     )
 
 
@@ -86,6 +87,34 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     settled = auto.add_until_settled(law(), tests, command="test")
     assert (settled.found.verdict, settled.in_vain) == ("complete", None)
     assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("-> memory:2", "revision")]
+
+
+def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(monkeypatch):
+    """Causes aren't asked: rivals of theirs were looked at when nothing else was missing."""
+    answers = {
+        (): found("missing", "part", "oil_damper"),
+        ("oil_damper",): found("missing", "cause", "memory"),
+        ("oil_damper", "memory"): found("complete"),
+        ("relaxation", "memory"): found("complete"),
+    }
+    tests, asked = answering(answers, monkeypatch), []
+
+    def simpler(file, names, progress):
+        asked.append(set(names))
+        return SimpleNamespace(effects=("relaxation", "memory")) if names else None
+
+    tests.simpler_structure = simpler
+
+    def exchanged(file, structure, tests, **options):
+        effect = "oil_damper -> relaxation"
+        return SimpleNamespace(effect=effect, after=law(*structure.effects), heldout=(0.01, 0.0101))
+
+    monkeypatch.setattr(auto, "exchange", exchanged)
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert settled.file.effects == ("relaxation", "memory")
+    assert [rung.kind for rung in settled.ladder] == ["part", "cause", "revision"]
+    assert "fewer parameters" in settled.ladder[-1].words[0]
+    assert asked == [{"oil_damper"}, set()]
 
 
 def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypatch):

@@ -16,7 +16,7 @@ from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
 from pipeclamp_identification.diagnosis.next_test import next_test
 from pipeclamp_identification.diagnosis.problem import judge, prepare
-from pipeclamp_identification.diagnosis.revision import ask_again, better_structure
+from pipeclamp_identification.diagnosis.revision import ask_again, better_structure, simpler_structure
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.observations import SAMPLES, points_enough
@@ -160,6 +160,20 @@ def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     better = better_structure(ask_again(taken, loops), silent)
     assert better == Structure("power", ("end_stop",))
     assert better_structure(ask_again(identify(tests, effects=better.effects).fit.law, loops), silent) is None
+
+
+@pytest.mark.parametrize(
+    ("hidden", "values", "expected"),
+    [
+        ("asymmetry", {"k2": 60.0}, "asymmetry"),
+        ("gas_spring", {"F_g": 300.0, "q_g": 0.7, "n_g": 1.4}, None),
+    ],
+)
+def test_a_simpler_effect_takes_the_place_of_one_that_does_no_better(campaign, hidden, values, expected):
+    tests, taken = campaign((hidden,), **values), "gas_spring"
+    asked = ask_again(identify(tests, effects=(taken,)).fit.law, loops_of(tests))
+    assert simpler_structure(asked, (), silent) is None
+    assert simpler_structure(asked, (taken,), silent) == (expected and Structure("power", (expected,)))
 
 
 def test_no_next_test_without_rivals(campaign):

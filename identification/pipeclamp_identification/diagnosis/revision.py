@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -75,11 +75,36 @@ def superfluous(asked: Asked, keep: str, progress: Progress) -> str | None:
             judged = judge((), without, [without.own(asked.values)], asked.problem)
         except UserError:  # another effect modifies what only this one has
             continue
-        gain = gains(asked.law, judged, asked.problem)
-        doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else np.inf
-        if gain.sum() < doubt and explained_share(asked.law, judged) < MATERIAL_PART_SHARE:
-            spare.append((float(gain.sum()), name))
+        if _does_as_well(judged, asked):
+            spare.append((float(gains(asked.law, judged, asked.problem).sum()), name))
     return min(spare)[1] if spare else None
+
+
+def _does_as_well(other: Judged, asked: Asked) -> bool:
+    """Tell whether the law is no better than another one on left-out conditions, beyond its doubt or materially."""
+    gain = gains(asked.law, other, asked.problem)
+    doubt = np.sqrt(len(gain) * np.var(gain, ddof=1)) if len(gain) > 1 else np.inf
+    return bool(gain.sum() < doubt and explained_share(asked.law, other) < MATERIAL_PART_SHARE)
+
+
+def simpler_structure(asked: Asked, names: Collection[str], progress: Progress) -> Structure | None:
+    """Give the law with an effect of fewer parameters in one's place that acts alike; None where none does as well.
+
+    It does as well on left-out conditions, and the fit to all tests prefers it, its parameters counted.
+
+    Args:
+        asked: the law.
+        names: the effects that are asked.
+        progress: is told what is being done.
+    """
+    swaps = [
+        (name, other)
+        for name, other in _alike(asked)
+        if name in names and len(find_effect(other).parameters) < len(asked.structure.effect(name).parameters)
+    ]
+    found = [each for each in _swapped(asked, swaps, progress) if not each.objections]
+    simpler = [each for each in found if each.akaike < asked.law.akaike and _does_as_well(each, asked)]
+    return min(simpler, key=lambda judged: judged.akaike).result.law.structure if simpler else None
 
 
 def better_structure(asked: Asked, progress: Progress) -> Structure | None:
@@ -87,34 +112,42 @@ def better_structure(asked: Asked, progress: Progress) -> Structure | None:
 
     To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt.
     """
-    found = [*_with_another_of_a_family(asked, progress), *_on_another_base(asked, progress)]
+    found = [*_swapped(asked, _alike(asked), progress), *_on_another_base(asked, progress)]
     better = [each for each in found if not each.objections and takes_part(each, asked.law, asked.problem)]
     return min(better, key=lambda judged: judged.squares).result.law.structure if better else None
 
 
-def _with_another_of_a_family(asked: Asked, progress: Progress) -> list[Judged]:
-    """Put what acts alike in the place of each effect: all roughly, the best closely."""
+def _alike(asked: Asked) -> Iterator[tuple[str, str]]:
+    """Give each effect of the law with each of the catalogue that acts alike."""
     known = candidate_names(asked.structure, asked.problem.loops.conditions)
-    rough: list[Fit] = []
     for name in asked.structure.effects:
-        for other in (other for other in known if _act_alike(asked.structure.effect(name), other)):
-            progress(f"{other} in place of {name}")
-            effects = tuple(other if one == name else one for one in asked.structure.effects)
-            structure = replace(asked.structure, effects=effects)
-            try:
-                starts = starting_points(structure, asked.problem.coarse, structure.own(asked.values))
-                promising = most_promising_first(structure, asked.problem.coarse, starts)
-                rough.append(roughly(structure, promising, asked.problem))
-            except UserError:  # another effect modifies what only the one before has
-                continue
+        yield from ((name, other) for other in known if _act_alike(asked.structure.effect(name), other))
+
+
+def _swapped(asked: Asked, swaps: Iterable[tuple[str, str]], progress: Progress) -> list[Judged]:
+    """Put another effect in the place of one, for each of these pairs: all roughly, the best closely."""
+    rough: list[Fit] = []
+    for name, other in swaps:
+        progress(f"{other} in place of {name}")
+        effects = tuple(other if one == name else one for one in asked.structure.effects)
+        structure = replace(asked.structure, effects=effects)
+        try:
+            starts = starting_points(structure, asked.problem.coarse, structure.own(asked.values))
+            promising = most_promising_first(structure, asked.problem.coarse, starts)
+            rough.append(roughly(structure, promising, asked.problem))
+        except UserError:  # another effect modifies what only the one before has
+            continue
     rough.sort(key=lambda fit: fit.cost)
     return [judge((), fit.law.structure, [fit.law.values], asked.problem) for fit in rough[:MOST_SWAPPED]]
 
 
 def _act_alike(effect: Effect, other: str) -> bool:
-    """Tell whether one of two effects is known to imitate the other."""
+    """Tell whether one of two effects is known to imitate the other, or is a special case of it."""
     twin = find_effect(other) if other in entries() else None
-    return twin is not None and (twin.id in effect.imitated_by or effect.id in twin.imitated_by)
+    if twin is None:
+        return False
+    near = (*effect.imitated_by, *effect.special_cases), (*twin.imitated_by, *twin.special_cases)
+    return twin.id in near[0] or effect.id in near[1]
 
 
 def _on_another_base(asked: Asked, progress: Progress) -> list[Judged]:

@@ -8,7 +8,14 @@ from typing import Literal
 
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.workflow.change import Addition, add_effect, as_well_without, exchange, without_a_spare
+from pipeclamp_identification.workflow.change import (
+    Addition,
+    add_effect,
+    as_well_without,
+    exchange,
+    stays_as_good,
+    without_a_spare,
+)
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -85,7 +92,8 @@ def add_until_settled(
     lower the error; of several that may be the cause none is, but where the law has a part already: the proposed test
     would tell. After each addition the effects so far are asked again: one that the law does as well without goes, for
     good. Where nothing is named, or nothing that is helps, the other base laws are tried, and in the place of each
-    effect those that act alike; what does better beyond doubt takes the place.
+    effect those that act alike; what does better beyond doubt takes the place. Where the law is complete,
+    simpler effects that act alike are tried in the place of each part.
 
     Args:
         file: the law to begin with.
@@ -103,7 +111,13 @@ def add_until_settled(
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
         seen(found, file)
         if len(ladder) >= most or not _goes_on(found, ladder) or gone.intersection(found.effects[:1]):
-            return Settled(file, found, tuple(ladder))
+            whole = found.verdict == "complete" and len(ladder) < most
+            rung = _with_something_simpler(file, ladder, tests, command, progress) if whole else None
+            if rung is None:
+                return Settled(file, found, tuple(ladder))
+            ladder.append(rung)
+            file = rung.change.after
+            continue
         names = [name for name in found.effects if name not in gone]
         tried = _until_one_helps(file, names, found.values, tests, command, declared, progress)
         if tried and _helps(tried[-1]):
@@ -185,6 +199,23 @@ def _with_something_exchanged(file: LawFile, tests: Tests, command: str, progres
     if structure is None:
         return None
     change = exchange(file, structure, tests, command=command, date=file.date, progress=progress)
-    if change.heldout[1] >= change.heldout[0]:
+    if not _helps(change):
         return None
     return Rung(change, "revision", (f"{change.effect}: the error on left-out conditions falls beyond doubt",))
+
+
+def _with_something_simpler(
+    file: LawFile, ladder: Sequence[Rung], tests: Tests, command: str, progress: Progress
+) -> Rung | None:
+    """Put a simpler effect in the place of a part that it acts like; None where none does as well.
+
+    A part was taken while more was missing, which may have bent what it was chosen by.
+    """
+    parts = {rung.change.effect.removeprefix("+ ") for rung in ladder if rung.kind == "part"}
+    structure = tests.simpler_structure(file, parts.intersection(file.effects), progress)
+    if structure is None:
+        return None
+    change = exchange(file, structure, tests, command=command, date=file.date, progress=progress)
+    if not stays_as_good(change):
+        return None
+    return Rung(change, "revision", (f"{change.effect}: the law does as well with fewer parameters",))

@@ -5,7 +5,7 @@ A diagnosis, and what only it needs, is imported where it is asked for: fits and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -153,6 +153,10 @@ class MetricTests:
 
     def superfluous(self, file: LawFile, keep: str, progress: Progress) -> str | None:
         """Two numbers a run are too few to take effects out again by."""
+        return None
+
+    def simpler_structure(self, file: LawFile, names: Collection[str], progress: Progress) -> Structure | None:
+        """Two numbers a run are too few to exchange an effect by."""
         return None
 
     def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:

@@ -5,7 +5,7 @@ What one of these alone needs (comparison, diagnosis, metrics) is imported where
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -192,6 +192,12 @@ class RecordTests:
         if set(file.effects) <= {keep}:
             return None
         return superfluous(ask_again(law_of(file), self.loops), keep, progress)
+
+    def simpler_structure(self, file: LawFile, names: Collection[str], progress: Progress) -> Structure | None:
+        """Give a law with a simpler effect in the place of one, see `Tests.simpler_structure`."""
+        from pipeclamp_identification.diagnosis.revision import ask_again, simpler_structure
+
+        return simpler_structure(ask_again(law_of(file), self.loops), names, progress) if names else None
 
     def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
         """Give a law with one thing exchanged that does better, see `Tests.better_structure`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -233,6 +233,20 @@ class Tests(Protocol):
         Args:
             file: the law.
             keep: the effect that was added last, which isn't asked.
+            progress: is told what is being done.
+
+        Raises:
+            UserError: the tests can't serve the law.
+        """
+
+    def simpler_structure(self, file: LawFile, names: Collection[str], progress: Progress) -> Structure | None:
+        """Give a law with an effect of fewer parameters, which acts alike and does as well, in the place of one.
+
+        None where none does or can be told.
+
+        Args:
+            file: the law.
+            names: the effects that are asked.
             progress: is told what is being done.
 
         Raises:
