@@ -93,8 +93,12 @@ class Scales:
 
     @property
     def usable(self) -> list[Judged]:
-        """Candidates that better the law, and may take a part of what is missing at least; best first."""
-        return [each for each in self.candidates if not each.objections and _betters(each, self.law)]
+        """Candidates that better the law, and may take a part of what is missing at least; best first.
+
+        A general effect whose special case leaves about as much isn't among them.
+        """
+        able = [each for each in self.candidates if not each.objections and _betters(each, self.law)]
+        return [each for each in able if not any(_leaves_as_little(other, each) for other in able)]
 
     @property
     def sound(self) -> list[Judged]:
@@ -249,6 +253,12 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
 def _without_general(alike: Sequence[Judged]) -> list[Judged]:
     """Leave out effects that do no better than a special case of theirs."""
     return [each for each in alike if not any(_is_special_case(_added(other), _added(each)) for other in alike)]
+
+
+def _leaves_as_little(special: Judged, general: Judged) -> bool:
+    """Tell whether a special case of an effect leaves over no more than twice of what the effect does."""
+    alike = _is_special_case(_added(special), _added(general))
+    return alike and explained_share(general, special) < HALF_TAKEN_SHARE
 
 
 def _is_special_case(effect: Effect, general: Effect) -> bool:

@@ -15,6 +15,7 @@ from pipeclamp_identification.fitting.covariance import covariance_of
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_identification.fitting.priors import priors_of, spreads_of
+from pipeclamp_identification.fitting.starts import combined, most_promising, starts_of_effects
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
@@ -229,7 +230,7 @@ def fit(
         structure: the law's structure; parameters that its base or `frozen` hold stay there.
         observations: what is fitted.
         start: values to start from, by name; the other parameters start where their effects say. Without a value here,
-            an effect with several starts is tried from each of them.
+            an effect with several starts is tried from each of them, see `most_promising`.
         tolerance: relative change of cost or parameters below which the fit ends.
         progress: is told what is being done.
 
@@ -248,7 +249,8 @@ def fit(
     A, f = observations.motion.slow["A"], observations.motion.slow["f"]
     smooth = smoothing(float(np.min(A)), float(np.min(f)))
     best: tuple[float, Array] | None = None
-    starts = _starts(equations, start or {}, scales)
+    choices = starts_of_effects(equations, start or {}, scales)
+    starts = most_promising(choices, lambda at: linearised(structure, observations, at).cost_after_one_step())
     with one_thread():
         law = _Remembered(observations, equations, smooth)
         for attempt, values in enumerate(starts):
@@ -268,7 +270,7 @@ def starting_points(
     structure: Structure, observations: Observations, given: Mapping[str, float]
 ) -> list[dict[str, float]]:
     """Give the points that a fit starts from: each effect's own starts in combination, given values as they are."""
-    return _starts(structure.equations, given, data_scales(observations))
+    return combined(starts_of_effects(structure.equations, given, data_scales(observations)))
 
 
 @dataclass(frozen=True)
@@ -355,28 +357,6 @@ def parameter_bounds(equations: Equations, scales: Sizes) -> tuple[Array, Array]
     lower = np.array([number_in(parameter.lower, scales) for parameter in equations.parameters])
     upper = np.array([number_in(parameter.upper, scales) for parameter in equations.parameters])
     return lower, upper
-
-
-def _starts(equations: Equations, given: Mapping[str, float], scales: Sizes) -> list[dict[str, float]]:
-    """Give the starting points: for each effect with several starts, every one of them in combination."""
-    choices: list[list[dict[str, float]]] = []
-    for _, group in itertools.groupby(equations.parameters, key=lambda parameter: parameter.effect):
-        parameters = list(group)
-        count = max(len(parameter.starts) for parameter in parameters)
-        if all(parameter.name in given for parameter in parameters):
-            count = 1
-        choices.append(
-            [
-                {
-                    parameter.name: given.get(
-                        parameter.name, number_in(parameter.starts[min(index, len(parameter.starts) - 1)], scales)
-                    )
-                    for parameter in parameters
-                }
-                for index in range(count)
-            ]
-        )
-    return [{name: value for part in parts for name, value in part.items()} for parts in itertools.product(*choices)]
 
 
 def _minimise(

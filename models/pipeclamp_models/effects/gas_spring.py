@@ -34,6 +34,7 @@ EFFECT = Effect(
     looks_like="the loop's back is bent to one side, more steeply towards the end where the column is short: even "
     "harmonics in phase, and with them the odd ones",
     imitated_by=("asymmetry", "exponential_stiffening", "cubic_stiffness", "offset"),
+    special_cases=("asymmetry",),
     told_apart_by="larger amplitudes: the force on the short side grows beyond any bound towards the column's end, and "
     "on the long side it doesn't fall below -F_g",
     parameters=(

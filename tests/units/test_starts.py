@@ -1,0 +1,40 @@
+"""Where fits start: all combinations of few starts, and of many the most promising ones, by a few evaluations."""
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.fitting.starts import MOST_STARTS, combined, most_promising
+
+CHOICES = [[{name: float(value)} for value in range(count)] for name, count in (("a", 4), ("b", 1), ("c", 5), ("d", 3))]
+BEST = {"a": 2.0, "b": 0.0, "c": 3.0, "d": 1.0}
+
+
+def cost(start):
+    return sum((start[name] - value) ** 2 for name, value in BEST.items()) + 0.3 * abs(start["a"] * start["c"] - 6.0)
+
+
+def test_few_starts_are_all_combined_without_a_look_at_them():
+    found = most_promising(CHOICES[:2], cost=None)
+    assert found == combined(CHOICES[:2]) == [{"a": float(value), "b": 0.0} for value in range(4)]
+
+
+def test_of_many_the_most_promising_are_taken_by_a_few_evaluations():
+    asked = []
+    found = most_promising(CHOICES, lambda start: asked.append(start) or cost(start))
+    assert len(asked) == 4 + 5 + 3
+    assert len(found) == MOST_STARTS
+    assert found[0] == min(combined(CHOICES), key=cost) == BEST
+    assert len({tuple(start.values()) for start in found}) == MOST_STARTS
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_best_of_many_is_near_the_best_of_all(seed):
+    """Costs that add up, and what couples them a little: what one effect starts from hardly asks for the others."""
+    random = np.random.default_rng(seed)
+    alone = {name: random.uniform(0, 1, len(starts)) for name, starts in zip("abcd", CHOICES, strict=True)}
+
+    def coupled(start):
+        return sum(alone[name][int(value)] for name, value in start.items()) + 0.02 * np.sin(sum(start.values()))
+
+    every = sorted(map(coupled, combined(CHOICES)))
+    assert min(map(coupled, most_promising(CHOICES, coupled))) <= every[1]
