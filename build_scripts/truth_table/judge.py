@@ -284,8 +284,9 @@ def _many(case: Case, steps: Sequence[Noted], found: set[str]) -> str:
     ):
         return "wrong"
     if found - case.truth:
-        # of several that take much the same part the first was added
-        parts = {case.known_as(step.effects[0]) for step in steps if step.kind == "part"}
+        # of several that take much the same part the first was added; of several causes too it is called a part
+        as_parts = (step for step in steps if step.kind == "part" or step.verdict == "ambiguous")
+        parts = {case.known_as(step.effects[0]) for step in as_parts}
         return "other_part" if found - case.truth <= parts else "wrong"
     if found == case.truth:
         return "right"

@@ -133,10 +133,10 @@ def weigh(
     usable, sound = scales.usable, scales.sound
     pair: Judged | None = None
     if sound:
-        best = likeliest(sound)
         # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
-        best = best if scales.explains(best) and not scales.explains(sound[0]) else sound[0]
-        if scales.explains(best):
+        asked = (sound[0], likeliest(sound), *_takers(sound, law))
+        best = next((each for each in asked if scales.explains(each)), None)
+        if best is not None:
             return _cause(best, sound, scales)
     if usable and not scales.form_allowed:
         promises = screened(structure, problem, law, tell)
@@ -157,6 +157,16 @@ def weigh(
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
     return _nothing("unknown", _immaterial_words(usable[0], law), pair)
+
+
+def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
+    """Give the effects that take half of what is missing on left-out conditions, in N, that which takes most first.
+
+    What the form of the law's other effects is off in quiet harmonics can weigh more than they do in squares.
+    """
+    shares = [(explained_share(each, law), each) for each in sound]
+    able = [entry for entry in shares if entry[0] >= HALF_TAKEN_SHARE]
+    return [each for _, each in sorted(able, key=lambda entry: -entry[0])]
 
 
 def _nothing(verdict: Verdict, reason: str, pair: Judged | None = None) -> Weighed:

@@ -1,11 +1,11 @@
-"""A general effect is named only where it takes half of what its special case leaves."""
+"""Which of several candidates is named: no general one without need, nor what only mends a form."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from pipeclamp_identification.diagnosis.weighing import Scales
+from pipeclamp_identification.diagnosis.weighing import Scales, Tolerance, weigh
 from pipeclamp_models.law.law import Structure
 
 
@@ -35,3 +35,14 @@ def test_beside_its_special_case(general, special, left, named):
 def test_beside_what_it_only_acts_like():
     """Of those the better one is named, or both where the data can't tell."""
     assert usable(candidate("gap", 7.0, 90.0), candidate("play", 8.0, 100.0)) == ["gap", "play"]
+
+
+def test_what_explains_is_named_though_squares_prefer_what_mends_a_form():
+    """Squares are in units of the noise: a form that is off in quiet harmonics can weigh more there than in N."""
+    hardening, gap = candidate("hardening", 96.0, 80.0), candidate("gap", 10.0, 90.0)
+    for each, share in ((hardening, 1.6), (gap, 0.3)):
+        each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
+    law = candidate("", 100.0, 100.0)
+    law.lack = SimpleNamespace(p_value=0.0, share=1.7, sure_share=1.6)
+    found = weigh(law.result.law.structure, None, law, [hardening, gap], Tolerance(0.1, 0.1, 0.75), 1, print)
+    assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("gap",))
