@@ -55,6 +55,8 @@ def test_compare_takes_them(pipeclamp, mixed, tmp_path, sines):
         assert f"<h2>{title}</h2>" in page
     for sentence in found["where"]["words"]:
         assert sentence in " ".join(done.stdout.split())
+    following = "diagnose emwm2" if sines else "build-fmu emwm2 -o emwm2.fmu --track"  # which takes loops alone
+    assert f"Next: pipeclamp {following}" in " ".join(done.stdout.split())
     same = pc.compare("emwm2", campaign)
     assert json.loads(json.dumps(same.to_dict())) == found
     assert same.noise_nrmse is None

@@ -62,7 +62,7 @@ class Comparison(Shown):
         """Give the page, as `pipeclamp compare --report` writes it."""
         from pipeclamp.pages.sections import comparison_page, comparison_title
 
-        following = after_comparison(self.law.origin, self.tests.origin)
+        following = after_comparison(self.law.origin, self.tests.origin, loops=self.tests.tests.has_loops)
         page = comparison_page([(self.law.file, self._held)], following)
         return *comparison_title([self.law.file], self.tests.name), page
 
@@ -125,7 +125,8 @@ class LawsComparison(Shown):
         best = min(self._held, key=lambda pair: pair[1].nrmse)[0]
         origin = next(law.origin for law in self.laws if law.file is best)
         title = comparison_title([law.file for law in self.laws], self.tests.name)
-        return *title, comparison_page(self._held, after_comparison(origin, self.tests.origin))
+        following = after_comparison(origin, self.tests.origin, loops=self.tests.tests.has_loops)
+        return *title, comparison_page(self._held, following)
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a law: its name, what it is made of, and its error as a share of the rms force."""

@@ -302,7 +302,7 @@ def compare(
         held = [(file, tests.compare(file)) for file in files]
         view = comparison_view(held[0][1]) if len(held) == 1 else laws_view(held)
     best = min(range(len(held)), key=lambda index: held[index][1].nrmse)
-    following = after_comparison(laws[best], str(campaign))
+    following = after_comparison(laws[best], str(campaign), loops=tests.has_loops)
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import comparison_page, comparison_title

@@ -48,8 +48,15 @@ def after_change(law: str, tests: str) -> str:
     return _line("diagnose", law, tests)
 
 
-def after_comparison(law: str, tests: str) -> str:
-    """Give the shell line to run after a comparison: what is missing, if anything; arguments as for `next_command`."""
+def after_comparison(law: str, tests: str, *, loops: bool) -> str:
+    """Give the shell line to run after a comparison: what is missing, if anything.
+
+    Args:
+        law, tests: as for `next_command`.
+        loops: whether any run is a loop, which a diagnosis asks for: not where all motions are free.
+    """
+    if not loops:
+        return _line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
     return _line("diagnose", law, tests, "--report", "diagnosis.html")
 
 
