@@ -53,6 +53,23 @@ def campaign(tmp_path_factory):
 def test_scatter_alone_is_complete(campaign):
     diagnosis = diagnose(Structure("power"), campaign())
     assert (diagnosis.verdict, diagnosis.effects) == ("complete", ())
+    assert " 0.00%" not in diagnosis.reasons[0]
+
+
+def test_what_passes_for_form_is_never_told_as_nothing(campaign):
+    """A complete law that leaves something which follows the conditions says so in all places."""
+    tests = campaign(("viscous",), c1=2.0)
+    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    found = diagnosed(file, tests)
+    assert not found.diagnosis.is_adequate(found.diagnosis.law)
+    weighed = replace(
+        found.diagnosis.found, verdict="complete", effects=(), kind=None, named=None, reasons=("it follows them",)
+    )
+    passing = replace(found, diagnosis=replace(found.diagnosis, found=weighed))
+    page = render("", "", diagnosis_page(file, passing, "next"))
+    assert f"{found.diagnosis.law.lack.rms:.3g} N that follow the conditions" in page
+    assert "Complete: what is left is scatter" not in page
+    assert "Nothing that follows the conditions" not in page
 
 
 def test_a_law_that_ages_is_prepared_at_as_many_points_as_its_tests(campaign):

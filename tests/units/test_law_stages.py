@@ -3,7 +3,7 @@
 import pytest
 
 from pipeclamp.pages.sections import comparison_page
-from pipeclamp.pages.waterfall import LEFT_OUT, USED, rungs_of, waterfall_picture
+from pipeclamp.pages.waterfall import ESTIMATED, LEFT_OUT, USED, Rung, rungs_of, waterfall_picture, with_promised
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import compare
@@ -58,3 +58,18 @@ def test_laws_of_one_name_are_told_apart(climbed):
     assert difference.explorer["laws"] == labels
     errors = [row[2] for row in answer.tables[0].rows]
     assert errors[0] > errors[1] == errors[2]
+
+
+def test_an_estimated_error_never_takes_the_place_of_that_of_fits(climbed):
+    """Two quantities have two names; what comes takes its share of the error that was estimated as its own is."""
+    _, _, added, _ = climbed
+    rungs = rungs_of(added)
+    now, coming = Rung("law as it is", {ESTIMATED: 0.02}), Rung("or + a + b", {ESTIMATED: 0.01}, promised=True)
+    assert with_promised(rungs, now, [])[-1] == rungs[-1]
+    *_, last, more = with_promised(rungs, now, [coming])
+    assert last.errors == {**rungs[-1].errors, ESTIMATED: 0.02}
+    assert more == coming
+    label = waterfall_picture([*rungs[:-1], last, more], None, "falling").data[0].x[-1]
+    assert label == "or + a<br>+ b<br>would take 75%"
+    untold = [Rung("power", {USED: 0.02})]
+    assert with_promised(untold, now, [])[-1].errors == {USED: 0.02, ESTIMATED: 0.02}

@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Card, Section
 from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
 from pipeclamp.pages.sketch import sketch
-from pipeclamp.pages.waterfall import LEFT_OUT, Rung
+from pipeclamp.pages.waterfall import ESTIMATED, Rung
 from pipeclamp.show.diagnosis import against, before_physics, candidate_table, helpful
 from pipeclamp.show.sentences import sentence
 from pipeclamp_identification.campaign.drive import DrivePlan
@@ -42,11 +42,11 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
     alone = named or diagnosis.candidates[:1]
     together = [diagnosis.pair] if diagnosis.pair else []
     return [
-        Rung("law as it is", {LEFT_OUT: diagnosis.law.heldout_nrmse}),
+        Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),
         *(
             Rung(
                 f"{'or ' if place and len(judged.effects) == 1 else ''}+ {' + '.join(judged.effects)}",
-                {LEFT_OUT: judged.heldout_nrmse},
+                {ESTIMATED: judged.heldout_nrmse},
                 promised=True,
             )
             for place, judged in enumerate([*alone, *together])
@@ -93,7 +93,13 @@ def _law_described(diagnosis: Diagnosis) -> str:
 
 
 def _left_over_sentences(answer: Diagnosed) -> list[str]:
-    return [sentence(word) for word in answer.left_over()] or ["Nothing that follows the conditions."]
+    if told := [sentence(word) for word in answer.left_over()]:
+        return told
+    diagnosis = answer.diagnosis
+    if answer.verdict == "complete" and not diagnosis.is_adequate(diagnosis.law):
+        lack = diagnosis.law.lack
+        return [f"{lack.rms:.3g} N that follow the conditions, {lack.share:.2g} times the noise: see the answer above."]
+    return ["Nothing that follows the conditions."]
 
 
 def _screened(diagnosis: Diagnosis) -> list[str]:

@@ -14,7 +14,7 @@ from pipeclamp.pages.law import law_sections
 from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_promised
 from pipeclamp.pages.metrics import metrics_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.waterfall import Rung, rungs_of, waterfall_picture
+from pipeclamp.pages.waterfall import Rung, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.law import fit_words, laws_table, parameters_table, stages_table
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
@@ -176,8 +176,7 @@ def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
     rungs = rungs_of(file)
     if next_rungs:
         now, *coming = next_rungs
-        last = rungs[-1] if rungs else now
-        rungs = [*rungs[:-1], replace(last, errors={**last.errors, **now.errors}), *coming]
+        rungs = with_promised(rungs, now, coming)
     if len(rungs) < 2:
         return []
     fit = file.fit

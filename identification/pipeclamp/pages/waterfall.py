@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import plotly.graph_objects as go
 
@@ -12,7 +12,9 @@ from pipeclamp_models.law.file import LawFile
 
 RUNG_WIDTH = 130
 USED, LEFT_OUT = "on the tests used", "on left-out conditions"
-COLOURS = {USED: "#9fb3c8", LEFT_OUT: SERIES[0]}
+ESTIMATED = "on left-out conditions, estimated from the fit to all"
+"""Another quantity than the error of fits that never saw the conditions: a diagnosis has no time for those."""
+COLOURS = {USED: "#9fb3c8", LEFT_OUT: SERIES[0], ESTIMATED: "#5f9bd1"}
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,20 @@ def rungs_of(file: LawFile) -> list[Rung]:
         Rung(step.step, {USED: step.nrmse} | ({} if step.heldout_nrmse is None else {LEFT_OUT: step.heldout_nrmse}))
         for step in file.history
     ]
+
+
+def with_promised(rungs: Sequence[Rung], now: Rung, coming: Sequence[Rung]) -> list[Rung]:
+    """Give a law's way, and what would come next.
+
+    Args:
+        rungs: the law's way; its last one is the law as it is.
+        now: the law as it is, with its error as the rungs that would come have theirs.
+        coming: what would come.
+    """
+    last = rungs[-1] if rungs else now
+    if coming or LEFT_OUT not in last.errors:
+        last = replace(last, errors={**last.errors, **now.errors})
+    return [*rungs[:-1], last, *coming]
 
 
 def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, error: str = "RMS error") -> go.Figure:
@@ -79,11 +95,11 @@ def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, 
 def _label(index: int, rungs: Sequence[Rung], scatter: float | None) -> str:
     """Give a rung's name, and below it the share that it took of what was missing before."""
     # one effect a line, so that the names stand beside each other; a blank keeps those alike apart
-    name = rungs[index].label.replace(" + ", "<br>+ ") + " " * sum(
+    name = rungs[index].label.replace(" + ", "<br>+ ").replace("or<br>+ ", "or + ") + " " * sum(
         rung.label == rungs[index].label for rung in rungs[:index]
     )
     before = next((rung for rung in reversed(rungs[:index]) if not rung.promised), None)
-    shared = [key for key in (LEFT_OUT, *rungs[index].errors) if before and key in rungs[index].errors]
+    shared = [key for key in (ESTIMATED, LEFT_OUT, *rungs[index].errors) if before and key in rungs[index].errors]
     shared = [key for key in shared if before and key in before.errors]
     if before is None or not shared:
         return name

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from pipeclamp.pages.alternative import words_of
-from pipeclamp.pages.waterfall import LEFT_OUT, USED, Rung, rungs_of, waterfall_picture
+from pipeclamp.pages.waterfall import ESTIMATED, USED, Rung, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import parameters_table
 from pipeclamp.show.table import cell
@@ -139,13 +139,12 @@ def waterfall_of(file: LawFile, told: Told | None) -> Picture:
     if not rungs and file.fit:
         rungs = [Rung(file.base, {USED: file.fit.nrmse})]
     if told and rungs:
-        if LEFT_OUT not in rungs[-1].errors:
-            rungs[-1] = replace(rungs[-1], errors={**rungs[-1].errors, LEFT_OUT: told.heldout_nrmse})
         named = [each for each in told.candidates if each.name in told.effects]
-        rungs += [
-            Rung(f"{'or ' if place else ''}+ {each.name}", {LEFT_OUT: each.heldout_nrmse}, promised=True)
+        coming = [
+            Rung(f"{'or ' if place else ''}+ {each.name}", {ESTIMATED: each.heldout_nrmse}, promised=True)
             for place, each in enumerate(named)
         ]
+        rungs = with_promised(rungs, Rung("law as it is", {ESTIMATED: told.heldout_nrmse}), coming)
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
     figure.update_yaxes(title_text="% of rms force")
     figure.update_layout(height=None, margin={"t": 10, "b": 75}, title_text=None)

@@ -33,6 +33,8 @@ from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.file import Verdict
 from pipeclamp_models.law.law import Structure, with_effect
 
+SHOWN_SCATTER = 5e-5
+"""Scatter from run to run that is less is shown as none."""
 BEYOND_COMPARISON = 1e200
 """Squares that count as infinite, but none of them as nothing."""
 
@@ -337,11 +339,11 @@ def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judg
 
 
 def _scatter_words(lack: LackOfFit, problem: Problem) -> str:
-    return (
-        f"what follows the conditions is {lack.share:.1%} of the force noise; the rest doesn't follow them: noise, and "
-        f"{problem.noise.stiffness_scatter:.2%} of stiffness and {problem.noise.damping_scatter:.2%} of damping from "
-        "run to run"
-    )
+    scatter = problem.noise.stiffness_scatter, problem.noise.damping_scatter
+    named = zip(scatter, ("stiffness", "damping"), strict=True)
+    shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
+    between = f", and {' and '.join(shown)} from run to run" if shown else ""
+    return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
 
 
 def _few_runs_words(lack: LackOfFit, problem: Problem) -> str:
