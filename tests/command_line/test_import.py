@@ -38,6 +38,8 @@ def test_from_exports_to_a_law_and_a_verdict(pipeclamp, exports, tmp_path):
     campaign, law = tmp_path / "clamp_7", tmp_path / "law.json"
     told = pipeclamp("import", exports, "-o", campaign, "--pattern", "T{temperature_C}", "--json", tmp_path / "i.json")
     assert "10 runs of 10 files" in told.stdout
+    assert f"Next: pipeclamp identify {campaign} -o law.json" in told.stdout.replace("\n", "")
+    assert "no temperature" not in told.stdout
     assert "Kolbenweg/µm" in told.stdout
     assert_same_campaign(campaign, ten_runs())
     pipeclamp("identify", campaign, "-o", law)

@@ -337,6 +337,6 @@ def _built(
         )
     build_python(source, output)
     return (
-        "FMI 2.0 co-simulation, python; it ends a tool's process where the path that it is unpacked to holds "
-        "characters that URIs encode, such as + ( ) or letters beyond ASCII: --kind native takes any path"
+        "FMI 2.0 co-simulation, run by Python. A tool that unpacks it to a path with + ( ) or letters beyond ASCII "
+        "crashes; an FMU of --kind native runs from any path"
     )

@@ -9,6 +9,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.campaign.description import ImportedColumn, ImportedFile
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.units.stated import Conversion
+from pipeclamp_identification.workflow.next_command import after_import
 
 MOST_NAMED = 3
 MOST_SHOWN = 60
@@ -75,22 +76,27 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
     lines = [head]
     if answer.cut:
         why = Counter(one.why for one in answer.cut)
-        lines.append(
-            f"{len(answer.cut)} parts are in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4])
-        )
+        parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
+        lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
     if answer.pattern:
         lines.append(f'the files\' names look as if they state settings; to take them: --pattern "{answer.pattern}"')
     unknown = [run.run for run in answer.runs if run.temperature_C is None]
     if unknown:
         lines.append(
-            f"no temperature is known of {len(unknown)} of {len(answer.runs)} runs: state it in runs.csv, or by "
+            f"no temperature is known of {_counted_of(len(unknown), len(answer.runs))}: state it in runs.csv, or by "
             "--pattern or --conditions when importing"
         )
+    if found.written and any(run.cycles for run in answer.runs):
+        lines.append(f"Next: {after_import(str(found.folder))}")
     return lines
 
 
 def _counted(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _counted_of(some: int, count: int) -> str:
+    return _counted(count, "run") if some == count else f"{some} of {count} runs"
 
 
 def _known(answer: ImportAnswer) -> str:

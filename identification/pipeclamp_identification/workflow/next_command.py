@@ -1,4 +1,4 @@
-"""The command to run after a diagnosis or a comparison."""
+"""The command to run after each step of the work."""
 
 from __future__ import annotations
 
@@ -36,6 +36,11 @@ def next_command(
         term = str(PurePath(law).with_name(f"{_stem(law)}_term.toml"))
         return _line("discover", law, tests, "-o", term, "--auto", _following(law))
     return _line("compare", law, tests, "--report", "compare.html")
+
+
+def after_import(tests: str) -> str:
+    """Give the shell line to run after an import: a law of its tests; arguments as for `next_command`."""
+    return _line("identify", tests, "-o", "law.json")
 
 
 def after_identification(law: str, tests: str) -> str:
