@@ -280,14 +280,14 @@ function explore(root, content) {
 
   function scale() {
     const known = runs.some((run) => run.squared_scatter !== null);
-    if (state.show === "loops") return "Each loop on its own scale; the worst is framed.";
-    if (state.show === "difference") return "Measured less law over displacement, as a share of each run's largest force, all on one scale; the worst is framed.";
-    if (!known) return "Error in percent of the rms force. Single cycles show no scatter, so that it isn't known how much of it is scatter; the worst is framed.";
+    if (state.show === "loops") return "Each loop on its own scale; framed: the largest error in percent of its rms force.";
+    if (state.show === "difference") return "Measured less law over displacement, as a share of each run's largest force, all on one scale; framed: the largest error in percent of its rms force.";
+    if (!known) return "Error in percent of the rms force. Single cycles show no scatter, so that it isn't known how much of it is scatter; framed: holds the run with the largest error in percent.";
     const parts = [1, 3, 10, 30].map((value) => {
       const { background, dark } = excessColour(value);
       return element("span", { className: dark ? "dark" : "", style: `background: ${background}`, textContent: value });
     });
-    return element("span", { className: "scale" }, "error over cycle-to-cycle scatter: ", ...parts, " 1 is as good as can be; the worst is framed");
+    return element("span", { className: "scale" }, "error over cycle-to-cycle scatter: ", ...parts, " 1 is as good as can be; framed: holds the run with the largest error in percent");
   }
 
   function update() {
