@@ -123,6 +123,11 @@ def test_force_that_cant_be_told_is_refused(given, expected):
         pc.open_law("emwm2").force(given.pop("y"), given.pop("v"), **given)
 
 
+def test_one_effect_may_be_named_by_itself(tests):
+    law = pc.identify(tests, effects="damping_temperature")
+    assert law.values == pc.identify(tests, effects=["damping_temperature"]).values
+
+
 def test_mistakes_are_user_errors(tests, tmp_path):
     for mistake in (
         lambda: pc.read_campaign(tmp_path / "nowhere"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from os import fspath
+from os import PathLike, fspath
 from pathlib import Path
 
 from pipeclamp.api.diagnosis import Diagnosis
@@ -22,7 +22,7 @@ from pipeclamp_models.law.declaration_files import read_effects
 @one_thread()
 def identify(
     tests: Tests | PathOrName,
-    effects: Sequence[PathOrName] = (),
+    effects: PathOrName | Sequence[PathOrName] = (),
     base: str = "power",
     *,
     method: Method = "joint",
@@ -34,7 +34,7 @@ def identify(
 
     Args:
         tests: the tests, or their folder or bundled name.
-        effects: effects of the catalogue by name, or declarations of your own by path (F.toml).
+        effects: effects of the catalogue by name, one or several, or declarations of your own by path (F.toml).
         base: "power" (Eq. 17 of Symmetry 2020, 12(8), 1283), "memory" (Eq. 14) or "series" (Eq. 10).
         method: "joint", or "surfaces", the paper's route by itself.
         freeze: values of parameters that are held, by name.
@@ -55,6 +55,7 @@ def identify(
     1.29%, k10 = 1451 N/mm
     """
     tests = tested(tests)
+    effects = _listed(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
     found = tests.tests.identify(
         base=base, effects=names, frozen=freeze, method=method, declared=declarations, progress=progress
@@ -67,7 +68,7 @@ def identify(
 def identify_per(
     tests: Tests | PathOrName,
     column: str,
-    effects: Sequence[PathOrName] = (),
+    effects: PathOrName | Sequence[PathOrName] = (),
     base: str = "power",
     *,
     progress: Progress = silent,
@@ -94,6 +95,7 @@ def identify_per(
     from pipeclamp_identification.workflow.per_group import identify_per as fitted
 
     tests = tested(tests)
+    effects = _listed(effects)
     names, declarations = read_effects([path_of(effect, "an effect") for effect in effects], ())
     laws = fitted(tests.tests, column, base=base, effects=names, declared=declarations, progress=progress)
     shown = [fspath(effect) for effect in effects]
@@ -173,3 +175,8 @@ def _read(tests: Tests) -> str:
 
 def _named(law: Law | PathOrName) -> str:
     return f"pc.open_law({Path(opened(law).origin).name!r})"
+
+
+def _listed(effects: PathOrName | Sequence[PathOrName]) -> Sequence[PathOrName]:
+    """Give effects as several: a name by itself is one, not its letters."""
+    return (effects,) if isinstance(effects, str | PathLike) else effects
