@@ -46,17 +46,19 @@ def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:
 
 
 def outcome(trial: Trial, found: Attribution) -> str:
-    """Judge an answer."""
-    named = {suspect.id for suspect in found.suspects}
+    """Judge an answer: a cause is right if it is the truth and no more, a part if it is one of what is hidden."""
+    truth, ambiguous = set(trial.truth), found.verdict == "ambiguous"
     if found.verdict == "complete":
-        return "right" if not trial.truth else "missed"
+        return "right" if not truth else "missed"
     if found.verdict == "unknown":
         return "can't tell"
-    if not set(trial.truth) or not set(trial.truth) <= named:
-        return "confidently wrong" if found.verdict == "wrong" else "ambiguous without the truth"
-    if found.verdict == "wrong":
-        return "right"
-    return "ambiguous with the truth"
+    sets = [{suspect.id for suspect in entry.suspects} for entry in found.named]
+    if found.kind == "part":
+        told = any(named <= truth for named in sets)
+        return f"{'ambiguous' if ambiguous else 'part'} {'with' if told else 'without'} the truth"
+    if ambiguous:
+        return f"ambiguous {'with' if truth in sets else 'without'} the truth"
+    return "right" if truth in sets else "confidently wrong"
 
 
 def tried(number: int, trial: Trial, folder: Path) -> str:
@@ -70,7 +72,8 @@ def tried(number: int, trial: Trial, folder: Path) -> str:
     names = ", ".join(entry.id for entry in found.named)
     print(
         f"{number:2d} {trial.design:10s} {'+'.join(trial.measured):12s} {trial.hidden:44s} {trial.noise:3.0%} "
-        f"{comparison.nrmse:6.1%} {took:5.1f} s  {result:26s} {found.verdict}: {names} (left {found.left:.2f})",
+        f"{comparison.nrmse:6.1%} {took:5.1f} s  {result:26s} "
+        f"{found.verdict} {found.kind or '-'}: {names} (left {found.left:.2f})",
         flush=True,
     )
     return result

@@ -11,6 +11,7 @@ from pipeclamp_identification.attribution.answer import system_comparison_answer
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.next_test import Proposal
 from pipeclamp_identification.attribution.verdict import FEWEST, Attribution, Candidate
+from pipeclamp_identification.diagnosis.kinds import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
 from pipeclamp_identification.on_pipe.where import how_much, where_words
 
@@ -24,12 +25,17 @@ def attribution_words(found: Attribution | None, proposal: Proposal | None) -> l
     words = [_headline(found)]
     if found.verdict in ("wrong", "ambiguous"):
         words += [f"{_capital(entry.told())}. {_left(entry, found)}" for entry in found.named]
+    if found.kind == "part":
+        words.append(f"{_capital(NO_PROOF)}.")
     if found.verdict == "ambiguous":
         kinds = {suspect.kind for suspect in found.suspects}
         if len(kinds) == 1:
             words.append(f"Whichever it is, it is {kinds.pop()}.")
         elif len({suspect.side for suspect in found.suspects}) == 1:
             words.append(f"Whichever it is, it is the {found.suspects[0].side}'s.")
+        shared = [one for one in found.suspects if all(one in entry.suspects for entry in found.named)]
+        if shared:
+            words.append(f"All of them hold {' and '.join(one.words for one in shared)}.")
     if found.branch_unknown:
         words.append(
             "It errs only where the model has several stable motions, and which of them was measured isn't said: sweep "
@@ -48,6 +54,11 @@ def attribution_words(found: Attribution | None, proposal: Proposal | None) -> l
 def _headline(found: Attribution) -> str:
     names = [entry.words for entry in found.named]
     match found.verdict:
+        case "wrong" if found.kind == "part":
+            return f"part of what is wrong: {names[0]}."
+        case "ambiguous" if found.kind == "part":
+            which = "; ".join(names)
+            return f"ambiguous: one of these is part of what is wrong, and this measurement can't tell which: {which}."
         case "complete":
             return "complete: nothing is found wrong with pipe, clamps or measurement; what is left is noise."
         case "wrong":

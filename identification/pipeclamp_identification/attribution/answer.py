@@ -7,6 +7,7 @@ from pydantic import Field
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.next_test import Proposal
 from pipeclamp_identification.attribution.verdict import Attribution, Verdict
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.on_pipe.answer import (
     BandsOnPipeAnswer,
     OnPipeAnswer,
@@ -38,6 +39,7 @@ class AttributionAnswer(AnswerModel):
     """What of pipe, clamps or measurement is wrong."""
 
     verdict: Verdict
+    kind: Kind | None = Field(description="cause: it explains what is wrong; part: it takes most of it")
     parameters: tuple[str, ...] = Field(description="all that the verdict names")
     alternatives: tuple[tuple[str, ...], ...] = Field(description="one of these is wrong, best first")
     sides: tuple[str, ...] = Field(description="pipe, clamp, measurement: those of what the verdict names")
@@ -62,6 +64,7 @@ def attribution_answer(found: Attribution, proposal: Proposal | None) -> Attribu
     """Give what was found to be wrong, and the test that would tell more."""
     return AttributionAnswer(
         verdict=found.verdict,
+        kind=found.kind,
         parameters=tuple(suspect.id for suspect in found.suspects),
         alternatives=tuple(tuple(suspect.id for suspect in entry.suspects) for entry in found.named),
         sides=tuple(sorted({suspect.side for suspect in found.suspects})),

@@ -32,6 +32,8 @@ class Suspect:
         told: says values and their standard errors in the engineer's units.
         starts: values at which a search begins besides 0.
         lower, upper: bounds of each parameter.
+        others: values of all parameters but the first that matter only where the first isn't neutral, a place say:
+            pairs are sought beginning from each of them.
     """
 
     id: str
@@ -43,12 +45,18 @@ class Suspect:
     starts: tuple[Values, ...]
     lower: Values
     upper: Values
+    others: tuple[Values, ...] = ()
 
     @property
     def neutral(self) -> Values:
         """Values that change nothing: 0, and for what then is without effect the middle of its bounds."""
         first, *others = zip(self.lower, self.upper, strict=True)
         return (max(0.0, first[0]), *((low + high) / 2 for low, high in others))
+
+    @property
+    def neutrals(self) -> tuple[Values, ...]:
+        """All values that change nothing and from which a search may begin."""
+        return tuple((self.neutral[0], *values) for values in self.others) or (self.neutral,)
 
 
 @dataclass(frozen=True)

@@ -309,4 +309,5 @@ def _masses(pipe: PipeDescription) -> Iterator[Suspect]:
         starts=tuple((share, place) for share in (0.03, 0.1) for place in places),
         lower=(0.0, 0.01),
         upper=(2.0, 0.99),
+        others=tuple((place,) for place in places),
     )

@@ -2,12 +2,13 @@
 
 Each suspect is refitted alone, and all of them together, to sines, to records of any motion, or to both. A suspect is
 judged by what it leaves over on frequencies that it was not fitted to, in units of the noise; one is named only if
-every other one leaves clearly more. Where no single one comes near to what all together reach, pairs are tried.
+every other one leaves clearly more. Where a second one beside a first promises clearly more than the best one alone,
+or all together do, pairs are refitted, and named likewise.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,6 +16,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from pipeclamp_identification.attribution.compared import Compared
+from pipeclamp_identification.attribution.pairs import promised_pairs, refitted_pairs
 from pipeclamp_identification.attribution.refit import (
     MOST_EVALUATIONS,
     Refit,
@@ -29,6 +31,7 @@ from pipeclamp_identification.attribution.sine_evidence import SineEvidence
 from pipeclamp_identification.attribution.suspect import Suspect
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.task import Task, task_of
+from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_models.base.progress import Progress
@@ -55,8 +58,8 @@ NOISE_ONLY_RMS = 1.4
 """Rms in units of the noise up to which what is left is noise."""
 EXPLAINED_SQUARES_SHARE = 0.7
 """Share of the squared misfit that a suspect must take away to be named although more than noise is left."""
-HOPEFUL, PAIRS = 3, 5
-"""Suspects that pairs are made of, each with all others, and pairs that are refitted."""
+PLAIN_SQUARES_SHARE = 0.9
+"""Likewise, of one that is named as a part although all together leave clearly less."""
 NEAR = 30.0
 """Suspects that leave more squares than this times the best one's are not refitted once the noise is known."""
 
@@ -117,6 +120,8 @@ class Attribution:
         together: all suspects refitted at once.
         left: rms of what the best leaves in units of the noise.
         task: what was fitted.
+        kind: of what is named: a cause leaves noise; a part takes most, and more is wrong, or something that acts
+            alike stands behind it.
         branch_unknown: whether it is "unknown" since what is named errs at sines alone of which it isn't known which of
             the model's stable motions was measured.
     """
@@ -128,6 +133,7 @@ class Attribution:
     together: Candidate
     left: float
     task: Task
+    kind: Kind | None = None
     branch_unknown: bool = False
 
     @property
@@ -240,31 +246,45 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
     stated = _candidate(compared, task, as_stated(task))
     everything = _candidate(compared, task, together)
 
-    def found(verdict: Verdict, named: Sequence[Candidate], candidates: Sequence[Candidate]) -> Attribution:
+    def found(
+        verdict: Verdict, named: Sequence[Candidate], candidates: Sequence[Candidate], kind: Kind | None = None
+    ) -> Attribution:
         left = (candidates[0] if verdict != "complete" else stated).refit.rms
-        return Attribution(verdict, tuple(named), tuple(candidates), stated, everything, left, task)
+        return Attribution(verdict, tuple(named), tuple(candidates), stated, everything, left, task, kind)
 
     best = singles[0]
     if not _better(best, stated):
         enough = stated.refit.rms <= NOISE_ONLY_RMS and not _needs_more(stated, everything)
         return found("complete" if enough else "unknown", (), singles)
-    if _needs_more(best, everything):
-        tell("refit pairs")
-        pairs = sorted(_pairs(compared, task, singles), key=lambda one: one.heldout)
-        singles = sorted([*singles, *pairs], key=lambda one: one.heldout)
-        if pairs and _better(pairs[0], best):
-            best = pairs[0]
-    explains = stated.refit.squared - best.refit.squared >= EXPLAINED_SQUARES_SHARE * (
-        stated.refit.squared - best.refit.residual.size
-    )
-    if _needs_more(best, everything) or (best.refit.rms > NOISE_ONLY_RMS and not explains):
+    pairs = _pairs(compared, task, singles, everything, tell)
+    singles = sorted([*singles, *pairs], key=lambda one: one.heldout)
+    if pairs and _better(pairs[0], best):
+        best = pairs[0]
+    needs_more = _needs_more(best, everything)
+    explained = (stated.refit.squared - best.refit.squared) / (stated.refit.squared - best.refit.residual.size)
+    noise_only = best.refit.rms <= NOISE_ONLY_RMS and not needs_more
+    if not noise_only and explained < (PLAIN_SQUARES_SHARE if needs_more else EXPLAINED_SQUARES_SHARE):
         return found("unknown", (), singles)
     if _hangs_on_a_branch(task, stated, best):
         return replace(found("unknown", (), singles), branch_unknown=True)
     same_size = [one for one in singles if len(one.suspects) == len(best.suspects)]
     rivals = [one for one in same_size if one.heldout - best.heldout < CLEARLY_MORE_SQUARES * best.overdispersion]
     rivals = [one for one in rivals if one is best or _better(one, stated)]
-    return found("wrong" if len(rivals) == 1 else "ambiguous", rivals, singles)
+    verdict: Verdict = "wrong" if len(rivals) == 1 else "ambiguous"
+    return found(verdict, rivals, singles, "cause" if noise_only else "part")
+
+
+def _pairs(
+    compared: Compared, task: Task, singles: Sequence[Candidate], everything: Candidate, tell: Progress
+) -> list[Candidate]:
+    """Give refitted pairs, best first; none where no second suspect promises clearly more than the best one alone."""
+    best, reach = singles[0], CLEARLY_MORE_SQUARES * everything.overdispersion
+    promised = promised_pairs(task, [one.refit for one in singles])
+    if promised[0].squared > best.refit.squared - reach and not _needs_more(best, everything):
+        return []
+    tell("refit pairs")
+    pairs = [_candidate(compared, task, one) for one in refitted_pairs(task, promised, reach)]
+    return sorted(pairs, key=lambda one: one.heldout)
 
 
 def _hangs_on_a_branch(task: Task, stated: Candidate, best: Candidate) -> bool:
@@ -288,21 +308,3 @@ def _needs_more(one: Candidate, everything: Candidate) -> bool:
         gained > chi2.isf(NEEDLESS_CHANCE, freedoms)
         and everything.refit.squared < MUCH_LESS_RMS_SHARE**2 * one.refit.squared
     )
-
-
-def _pairs(compared: Compared, task: Task, singles: Sequence[Candidate]) -> Iterator[Candidate]:
-    """Refit the pairs that promise most, each begun from one of them alone."""
-    hopeful = singles[:HOPEFUL]
-    starts = [
-        Start((one.suspects[0], other.suspects[0]), (*one.refit.values, *other.suspects[0].neutral), one.refit.computed)
-        for index, one in enumerate(hopeful)
-        for other in (*hopeful[index + 1 :], *singles[HOPEFUL:])
-    ]
-    promised = []
-    for start, begun in zip(starts, refit(task, starts, most=1), strict=True):
-        step = np.linalg.lstsq(begun.jacobian, -begun.residual, rcond=None)[0]
-        left = begun.residual + begun.jacobian @ step
-        promised.append((float(left @ left), start))
-    chosen = [start for _, start in sorted(promised, key=lambda entry: entry[0])[:PAIRS]]
-    for one in refit(task, chosen):
-        yield _candidate(compared, task, one)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
-from pipeclamp_identification.diagnosis.kinds import Kind
+from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
@@ -30,7 +30,6 @@ HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
 COMPLETE_BUT_FOR_FORM = (
     "Complete, but for its form: what is left beside scatter is small, and no effect of the catalogue takes most of it."
 )
-NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from pipeclamp_identification.diagnosis.diagnosed import NO_PROOF
-from pipeclamp_identification.diagnosis.kinds import Kind
+from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
