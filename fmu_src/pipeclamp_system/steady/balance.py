@@ -22,13 +22,17 @@ from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
 from pipeclamp_system.steady.continuation import Equation, Refinement, Solution, Steps, between, follow, solve
 from pipeclamp_system.steady.floquet import growth
-from pipeclamp_system.steady.harmonics import A_HARMONIC, FEWEST, left_out, packed, resized, unpacked, wanted
+from pipeclamp_system.steady.harmonics import A_HARMONIC, FEWEST, STILL, left_out, packed, resized, unpacked, wanted
 from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
 from pipeclamp_system.steady.tangents import linearised, tangents
 
 NUDGE = 1e-5
 """By which share of its size an unknown is moved for a derivative."""
+
+STEEP = 100.0
+"""Change of a motion over that of the frequency, both as shares, beyond which the path turns: what a motion is off by
+is told along the path there, not at the frequency."""
 
 SMALLEST = 1e-6
 """mm: no motion is taken for smaller."""
@@ -235,6 +239,42 @@ class SteadySystem:
         drive = np.array([level * self._excitation(float(at[0]))])
         return left_out(self._driven(forces, drive, self.responses(at, forces.shape[2] - 1))[0])
 
+    def _truncated(self, unknowns: Array, at: Array, drive: Array, forces: Complex) -> float:
+        """Give what a balanced motion is off by because harmonics are left out, as a share of it.
+
+        It lacks them, to first order, and its force doesn't answer to them: where force steps with the velocity, they
+        move the step, and with it the harmonics that are balanced. The larger of the two is given. What the harmonics
+        up to the last that a cycle's samples tell answer falls with 1/H at a step; those beyond are reckoned so, too.
+
+        Args:
+            unknowns: of the clamps' motion, (m,).
+            at: Hz, (1,).
+            drive: the sine's amplitude, (1,).
+            forces: all harmonics of the motion's forces, (1, clamps, h).
+        """
+        H = self._up_to(unknowns)
+        responses = self.responses(at, forces.shape[2] - 1)
+        first = self._driven(forces, drive, responses)
+        whole = first[:, : self.clamps].copy()
+        whole[:, :, : H + 1] = self.unpacked(unknowns[None])
+        again = self._driven(self._forces(whole, at), drive, responses)[:, : self.clamps, : H + 1]
+        two = float(at[0]) * np.array([1.0, 1 + NUDGE])
+        drives = np.array([self._excitation(one) for one in two.tolist()])
+        residual, by_unknowns, ahead = self._linearised(unknowns, two, drives, self.responses(two, H))
+        missing, size = packed(again)[0] - unknowns, self.sizes(unknowns[None])[0]
+        change = np.linalg.lstsq(by_unknowns, missing, rcond=None)[0]
+        along = np.linalg.lstsq(
+            np.column_stack([by_unknowns, (ahead[0] - residual) / (NUDGE * size)]), missing, rcond=None
+        )[0]
+        if np.linalg.norm(change) > STEEP * np.linalg.norm(along):
+            change = along[:-1]
+        moved = np.abs(self.unpacked(change[None])[0, :, 1:]) ** 2
+        squares = (np.abs(first[0, :, 1:]) ** 2).sum(axis=1)
+        held = np.maximum(squares[: self.clamps], STILL**2 * squares.max(initial=0.0))
+        answered = float(np.sqrt((moved.sum(axis=1) / np.where(held > 0, held, 1.0)).max(initial=0.0)))
+        rest = 1 - H / forces.shape[2]
+        return float(max(answered / rest, left_out(first[0])[H]))
+
     def at(self, frequency: float) -> SteadyState | None:
         """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""
         start = self.start(frequency)
@@ -314,6 +354,6 @@ class SteadySystem:
             forces=forces[0, :, : H + 1],
             conditions=np.array([[A[0], f[0]] for A, f in conditions]).reshape(count, 2),
             growth=growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency, adrift=adrift),
-            truncated=float(self._left_out(forces, at)[H]) if count else 0.0,
+            truncated=self._truncated(unknowns, at, drive, forces) if count else 0.0,
             beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
         )

@@ -187,6 +187,7 @@ def follow(
     _, by_unknowns, by_parameter = equation(start.unknowns, start.parameter)
     ahead = _direction(by_unknowns, by_parameter, largest, span)
     ahead = ahead if ahead[-1] > 0 else -ahead
+    finer: tuple[Solution, Array] | None = None
     yield start
     for _ in range(steps.most):
         scales = np.append(np.full(point.unknowns.size, largest), span)
@@ -199,6 +200,9 @@ def follow(
             onwards = _direction(by_unknowns, by_parameter, largest, span)
             turn = float(onwards @ np.append(before, ahead[-1]))
         if fitted is None or (abs(turn) < STRAIGHT and step > CAREFUL):
+            if finer is not None:
+                (point, ahead), finer = finer, None
+                continue
             step /= 2
             if step < steps.shortest:
                 return
@@ -214,8 +218,9 @@ def follow(
                 yield Solution(edge, at_edge)
             return
         yield point
-        asked = equation.asked(point.unknowns, point.parameter)
-        if asked < point.unknowns.size:  # from here on fewer will do
+        asked, finer = equation.asked(point.unknowns, point.parameter), None
+        if asked < point.unknowns.size:  # from here on fewer will do, or else the path goes on from as many
+            finer = point, ahead
             point = Solution(point.parameter, equation.resized(point.unknowns, asked))
             ahead = np.append(equation.resized(ahead[:-1], asked), ahead[-1])
             ahead = ahead / np.linalg.norm(ahead)

@@ -117,7 +117,7 @@ class FrequencyResponse:
         if worst.truncated <= DOUBTFUL:
             return [line]
         low, high = (edge(s.frequency for s in states if s.truncated > DOUBTFUL) for edge in (min, max))
-        more = "no more can be balanced; co-simulate there"
+        more = "the force steps there, or more can't be balanced; co-simulate there"
         if self.stated_harmonics:
             more = "leave harmonics out of [response], so that they follow the motion"
         return [doubt(f"{line}; more than {DOUBTFUL:.0%} from {low:.4g} to {high:.4g} Hz: {more}")]

@@ -1,0 +1,62 @@
+"""Dry friction in harmonic balance: found at any frequency, and what harmonics that are left out cost is said.
+
+The truth is event-located stick-slip of the cantilever's own modes (DOP853 to 1e-9, sliding either way or held by the
+constraint force while that is below F_c), 80 cycles from rest: half the peak-to-peak displacement of clamp and tip.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cantilever import cantilever, shaken
+
+from pipeclamp_models.pipe.description import read_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_system.description.system import read_system
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.described import steady_clamps
+from pipeclamp_system.steady.harmonics import TRUNCATED
+from pipeclamp_system.steady.states import half_range
+
+ACCELERATION = 3.0
+LAW = {"k10": 20.0, "c0": 0.02, "alpha0": 1.0, "F_c": 20.0}
+TRUTH = {5.0: (1.13846, 2.16210), 7.0: (1.76283, 3.36242), 9.0: (3.52294, 6.77659)}
+
+
+@pytest.fixture
+def system(tmp_path, write_law):
+    """Give a function that makes the cantilever's clamp with a law, and the number of harmonics."""
+
+    def made(values, effects, harmonics=None):
+        write_law(tmp_path / "law.json", values, "power", effects)
+        (tmp_path / "pipe.toml").write_text(cantilever(0.01, 60.0, probes={"tip": 3.0}), encoding="utf-8")
+        file = tmp_path / "system.toml"
+        file.write_text(shaken(1.0, 7.0, ACCELERATION), encoding="utf-8")
+        pipe = reduce(read_pipe(tmp_path / "pipe.toml"))
+        clamps = steady_clamps(read_system(file), pipe, tmp_path, None, "test")
+        return SteadySystem(pipe, clamps, lambda frequency: ACCELERATION, harmonics)
+
+    return made
+
+
+@pytest.mark.parametrize("frequency", sorted(TRUTH))
+def test_a_clamp_that_rubs_is_found_and_what_it_lacks_is_said(system, frequency):
+    state = system(LAW, ("coulomb",)).at(frequency)
+    assert state is not None
+    found = np.concatenate([half_range(state.clamps), half_range(state.probes)])
+    off = float(np.abs(found / TRUTH[frequency] - 1).max())
+    assert off < 0.015
+    assert off < 2 * state.truncated
+
+
+@pytest.mark.parametrize("frequency", sorted(TRUTH))
+@pytest.mark.parametrize("harmonics", [5, 25])
+def test_few_harmonics_of_a_step_are_not_taken_for_enough(system, frequency, harmonics):
+    state = system(LAW, ("coulomb",), harmonics).at(frequency)
+    off = abs(half_range(state.clamps)[0] / TRUTH[frequency][0] - 1)
+    assert off < 2 * state.truncated
+
+
+def test_a_smooth_law_lacks_no_more_than_before(system):
+    state = system(LAW | {"F_c": 0.0, "k30": 5.0}, ("coulomb",)).at(7.0)
+    assert state.truncated < TRUNCATED
