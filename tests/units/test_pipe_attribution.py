@@ -18,9 +18,9 @@ from pipeclamp_identification.attribution.answer import attribution_answer
 from pipeclamp_identification.attribution.compared import Compared
 from pipeclamp_identification.attribution.next_test import propose
 from pipeclamp_identification.attribution.noise import noise_of
-from pipeclamp_identification.attribution.refit import changed
+from pipeclamp_identification.attribution.refit import as_stated, changed
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
-from pipeclamp_identification.attribution.verdict import Attribution, _judged, attribute
+from pipeclamp_identification.attribution.verdict import Attribution, Candidate, _judged, attribute
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 
@@ -158,6 +158,30 @@ def test_what_errs_only_where_the_branch_is_not_known_is_not_named(compared, fou
         assert judged.branch_unknown == unknown
         assert (judged.verdict == "unknown") == unknown
         assert any("state sweep = 'up' or 'down'" in words for words in attribution_words(judged, None)) == unknown
+
+
+def test_a_rival_that_the_best_does_not_rule_out_is_named_though_it_is_not_beyond_doubt_itself(
+    compared, found, monkeypatch
+):
+    monkeypatch.setattr("pipeclamp_identification.attribution.verdict._pairs", lambda *_: [])
+    barely = found.task.sines.scaled(found.stated.refit.rms / 1.1)
+    task = replace(found.task, sines=barely)
+    stated = as_stated(task)
+    singles = [one for one in found.candidates if len(one.suspects) == 1]
+
+    def leaving(one: Candidate, share: float, gained: float) -> Candidate:
+        residual = stated.residual * share**0.5
+        return replace(one, refit=replace(one.refit, residual=residual), heldout=stated.squared - gained)
+
+    best, rival = leaving(singles[0], 0.6, 20.0), leaving(singles[1], 0.7, 10.0)
+    others = [leaving(one, 1.0, -1.0) for one in singles[2:]]
+    everything = replace(found.together.refit, residual=stated.residual * 0.55**0.5)
+    judged = _judged(compared, task, [best, rival, *others], everything, lambda what: None)
+    assert judged.verdict == "ambiguous"
+    assert judged.named == (best, rival)
+    ruled_out = replace(rival, heldout=stated.squared - 2.0)
+    judged = _judged(compared, task, [best, ruled_out, *others], everything, lambda what: None)
+    assert (judged.verdict, judged.kind) == ("wrong", "cause")
 
 
 def test_a_proposed_test_may_have_fewer_probes_than_the_measurement(bench, found):

@@ -269,7 +269,8 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
         return replace(found("unknown", (), singles), branch_unknown=True)
     same_size = [one for one in singles if len(one.suspects) == len(best.suspects)]
     rivals = [one for one in same_size if one.heldout - best.heldout < CLEARLY_MORE_SQUARES * best.overdispersion]
-    rivals = [one for one in rivals if one is best or _better(one, stated)]
+    # A rival needn't be beyond doubt by itself: it is enough that the best one doesn't rule it out.
+    rivals = [one for one in rivals if one is best or _may_help(one, stated)]
     verdict: Verdict = "wrong" if len(rivals) == 1 else "ambiguous"
     return found(verdict, rivals, singles, "cause" if noise_only else "part")
 
@@ -295,13 +296,18 @@ def _hangs_on_a_branch(task: Task, stated: Candidate, best: Candidate) -> bool:
 
 
 def _better(one: Candidate, other: Candidate) -> bool:
-    """Progress whether a candidate leaves clearly less than another one, and less by an amount that matters."""
+    """Tell whether a candidate leaves clearly less than another one, and less by an amount that matters."""
     clearly = other.heldout - one.heldout > CLEARLY_MORE_SQUARES * one.overdispersion
-    return clearly and one.refit.squared < WORTH_RMS_SHARE**2 * other.refit.squared
+    return clearly and _may_help(one, other)
+
+
+def _may_help(one: Candidate, other: Candidate) -> bool:
+    """Tell whether a candidate leaves less than another one, by an amount that matters."""
+    return one.heldout < other.heldout and one.refit.squared < WORTH_RMS_SHARE**2 * other.refit.squared
 
 
 def _needs_more(one: Candidate, everything: Candidate) -> bool:
-    """Progress whether all suspects together leave so much less that one alone (or one pair) can't be all."""
+    """Tell whether all suspects together leave so much less that one alone (or one pair) can't be all."""
     freedoms = len(everything.refit.values) - len(one.refit.values)
     gained = (one.refit.squared - everything.refit.squared) / everything.overdispersion
     return (
