@@ -10,7 +10,7 @@ import pytest
 
 from pipeclamp_system.cosim.energy import EnergyBalance
 from pipeclamp_system.cosim.result import CosimResult
-from pipeclamp_system.cosim.step_error import step_error
+from pipeclamp_system.cosim.step_error import order_of, step_error
 from pipeclamp_system.description.scheme import ORDER, Scheme
 from pipeclamp_system.description.system import SystemDescription
 
@@ -30,10 +30,12 @@ def system_of(scheme: Scheme, step: float) -> SystemDescription:
     )
 
 
-def result_of(scheme: Scheme, parts: float, clamp: Motion, probe: Motion | None = None) -> CosimResult:
+def result_of(
+    scheme: Scheme, parts: float, clamp: Motion, probe: Motion | None = None, force: Motion = np.sin
+) -> CosimResult:
     """Give a result of 20 cycles of 1 Hz whose clamp and probe move so."""
     time = np.linspace(0.0, 20.0, round(20 * parts) + 1)
-    columns = {"time": time, "clamp1.s": clamp(time), "tip.s": (probe or clamp)(time)}
+    columns = {"time": time, "clamp1.s": clamp(time), "tip.s": (probe or clamp)(time), "clamp1.f": force(time)}
     nothing = EnergyBalance(*(np.zeros_like(time) for _ in range(6)))
     return CosimResult(
         system=system_of(scheme, 1 / parts),
@@ -57,6 +59,19 @@ def test_an_error_of_phase_that_falls_at_the_scheme_s_order_is_found(scheme: Sch
     late = {parts: turned(0.01 * (32 / parts) ** ORDER[scheme]) for parts in (32, other)}
     results = {parts: result_of(scheme, parts, motion) for parts, motion in late.items()}
     assert step_error(results[32], results[other]) == pytest.approx(0.01, rel=0.02)
+
+
+@pytest.mark.parametrize("scheme", ["implicit", "iterated"])
+@pytest.mark.parametrize("other", [21, 64, 128])
+def test_a_force_that_steps_makes_every_scheme_one_of_order_1(scheme: Scheme, other: int) -> None:
+    def friction(time: np.ndarray) -> np.ndarray:
+        return 30.0 * np.sin(2 * pi * time) + 20.0 * np.sign(np.cos(2 * pi * time + 0.1))
+
+    results = {parts: result_of(scheme, parts, turned(0.01 * 32 / parts), force=friction) for parts in (32, other)}
+    assert order_of(results[32], results[other]) == 1
+    assert step_error(results[32], results[other]) == pytest.approx(0.01, rel=0.02)
+    smooth = {parts: result_of(scheme, parts, turned(0.0)) for parts in (32, other)}
+    assert order_of(smooth[32], smooth[other]) == ORDER[scheme]
 
 
 def test_the_worst_place_and_time_count() -> None:

@@ -52,6 +52,7 @@ class CosimResult:
         unsolved: by which share they still changed in the last run, where they were not solved.
         step_error: of the displacement, owed to the macro step, as a share of it; infinite where no other step could
             tell, None where none was asked.
+        order: power of the step with which that falls, as the other run tells; None where none was asked.
         beats: a swing of the amplitude of a clamp whose law is tracked; None where there is none.
     """
 
@@ -66,6 +67,7 @@ class CosimResult:
     runs: int = 1
     unsolved: float = 0.0
     step_error: float | None = None
+    order: int | None = None
     beats: Beats | None = None
 
     @property
@@ -178,7 +180,7 @@ class CosimResult:
         better = "" if self.scheme in ROLLS_BACK else ", or scheme = 'implicit'"
         if error == inf or np.ptp(np.diff(self.time)) > UNEVEN * self.step:
             return f"use a smaller step_s or energy_tolerance{better}"
-        right = self.step * (self.trusted_share / error) ** (1 / ORDER[self.scheme])
+        right = self.step * (self.trusted_share / error) ** (1 / (self.order or ORDER[self.scheme]))
         return f"use step_s = {MARGIN * right:.2g} or less{better}"
 
     def amplitude(self, column: str, share: float = 0.2, but: float = 0.0) -> float:

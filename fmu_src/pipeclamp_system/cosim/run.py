@@ -18,7 +18,7 @@ from pipeclamp_system.cosim.interrupts import held_back
 from pipeclamp_system.cosim.law_conditions import SOLVED, Solving
 from pipeclamp_system.cosim.recording import CLAMP_UNITS, Recording, pipe_watched, recorded_result
 from pipeclamp_system.cosim.result import CosimResult
-from pipeclamp_system.cosim.step_error import step_error
+from pipeclamp_system.cosim.step_error import order_of, step_error
 from pipeclamp_system.cosim.variables import PipeVariables, clamp_parameters, pipe_variables
 from pipeclamp_system.coupling.broyden import Tolerance
 from pipeclamp_system.coupling.march import Participant, Point, System, march
@@ -117,7 +117,7 @@ def _checked(
         except UserError:
             continue
         if other.hidden_share <= result.trusted_share and other.time.size != result.time.size:
-            return replace(result, step_error=step_error(result, other))
+            return replace(result, step_error=step_error(result, other), order=order_of(result, other))
     return result if doubtful else replace(result, step_error=math.inf)
 
 

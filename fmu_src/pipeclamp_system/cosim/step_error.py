@@ -2,7 +2,8 @@
 
 No balance of energy sees all of it: a force that is late or cut off is stiffness and mass too, and near a resonance the
 pipe magnifies what is missing, the more the less it is damped. Two runs in steps of h and r h, of a scheme of order p,
-differ by r^p - 1 times the error of the first (Richardson's extrapolation).
+differ by r^p - 1 times the error of the first (Richardson's extrapolation). Where a force steps, as dry friction's that
+turns, it steps somewhere within a macro step, and no scheme is better than of order 1.
 """
 
 from __future__ import annotations
@@ -37,7 +38,27 @@ def step_error(result: CosimResult, other: CosimResult) -> float:
     ratio = (result.time.size - 1) / (other.time.size - 1)
     if ratio == 1.0:
         return inf
-    return _difference(result, other) / abs(ratio ** ORDER[result.scheme] - 1)
+    return _difference(result, other) / abs(ratio ** order_of(result, other) - 1)
+
+
+def order_of(result: CosimResult, other: CosimResult) -> int:
+    """Give with which power of the step a result's error falls: its scheme's, or 1 where a clamp's force steps.
+
+    The largest change of a smooth force from point to point falls with the step; that of one which steps doesn't.
+    """
+    fine, coarse = sorted((result, other), key=lambda run: -run.time.size)
+    shorter = (coarse.time.size - 1) / (fine.time.size - 1)
+    for name in result.clamp_names:
+        changes = [_largest_change(run, f"{name}.f") for run in (fine, coarse)]
+        if changes[0] > np.sqrt(shorter) * changes[1]:
+            return 1
+    return ORDER[result.scheme]
+
+
+def _largest_change(run: CosimResult, column: str) -> float:
+    """Give the largest change from point to point in the last part of a run."""
+    begin = int(np.searchsorted(run.time, (1 - LAST_SHARE) * run.time[-1]))
+    return float(np.abs(np.diff(run.columns[column][begin:])).max(initial=0.0))
 
 
 def _difference(result: CosimResult, other: CosimResult) -> float:
