@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, inf
+from math import ceil, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,8 @@ from pipeclamp_models.base.one_thread import one_thread
 
 ELEMENT_PHASE = 0.4
 """beta l of the longest element at the highest frequency: eigenfrequencies err by 2e-5 of their value."""
+SHEAR_ERROR = 1e-4
+"""Share by which eigenfrequencies may err for a shear angle that is constant over each element."""
 CLOSEST = 2e-4
 """Of the beam's length: nodes closer than this would cost the stiffness matrix its digits, which hold E I/l^3."""
 
@@ -66,6 +68,22 @@ class Beam:
     def wave_number(self, omega: float) -> float:
         """Give beta in 1/m at an angular frequency in rad/s: beta^4 = omega^2 m/(E I)."""
         return float((omega**2 * self.mass_per_length / self.bending_stiffness) ** 0.25)
+
+    def longest_element(self, omega: float) -> float:
+        """Give the length of elements, m, with which modes up to an angular frequency in rad/s are right.
+
+        A bending wave of wave number k has the share E I k^2/(E I k^2 + kappa G A) of its stiffness energy in shear; a
+        shear angle that is constant over elements of length l overstates that by (k l)^2/12.
+        """
+        bent = ELEMENT_PHASE / self.wave_number(omega)
+        if self.shear_stiffness == inf:
+            return bent
+        mass, inertia = self.mass_per_length * omega**2, self.rotary_inertia * omega**2
+        a, b = self.shear_stiffness * self.bending_stiffness, mass * self.bending_stiffness
+        b += inertia * self.shear_stiffness
+        squared = (b + sqrt(b**2 - 4 * a * mass * (inertia - self.shear_stiffness))) / (2 * a)
+        share = self.bending_stiffness * squared / (self.bending_stiffness * squared + self.shear_stiffness)
+        return float(min(bent, sqrt(24 * SHEAR_ERROR / (share * squared))))
 
     def shear_ratio(self, length: float) -> float:
         """Give phi = 12 E I/(kappa G A l^2) of an element of a length in m."""

@@ -210,13 +210,15 @@ def finite_elements(description: PipeDescription) -> Assembly:
     if description.excitation.position_m is not None:
         points.append(description.excitation.position_m)
     held = tuple(attachment.position for attachment in attachments)
-    longest = min(ELEMENT_PHASE / beam.wave_number(2 * pi * description.modes.up_to_Hz), beam.length / 16)
+    omega = 2 * pi * description.modes.up_to_Hz
+    longest = min(ELEMENT_PHASE / beam.wave_number(omega), beam.length / 16)
     if beam.length / longest > MOST_NODES:
         raise UserError(
             f"pipe {description.name!r}: modes.up_to_Hz = {description.modes.up_to_Hz:g} needs "
             f"{beam.length / longest:.0f} elements, expected at most {MOST_NODES}; lower it, or check length_m "
             f"and the section"
         )
+    longest = min(longest, max(beam.longest_element(omega), beam.length / MOST_NODES))
     try:
         nodes = mesh(beam.length, held, tuple(points), longest)
     except ValueError as error:
