@@ -468,6 +468,18 @@ def test_a_diverging_run_is_stopped_in_its_step(bench: Path, scheme: str, step: 
     run_system(write_system(bench, "iterated", laws, step=step, stop=0.2))
 
 
+def test_a_stiff_clamp_in_too_long_a_step_is_not_told_to_use_the_scheme_that_it_has(
+    bench: Path, write_law: Callable[..., None]
+) -> None:
+    """A clamp of 100 times the pipe's stiffness: stable in steps of 1 ms, not of 4."""
+    write_law(bench / "hard.json", {"k10": 2000.0, "c0": 0.02, "alpha0": 1.0})
+    laws = {"clamp1": 'law = "hard.json"'}
+    with pytest.raises(UserError, match=r"diverges.*; use a smaller step_s$"):
+        run_system(write_system(bench, "iterated", laws, 20.0, 3.0, step=4e-3, stop=1.0))
+    settled = run_system(write_system(bench, "iterated", laws, 20.0, 3.0, step=1e-3, stop=1.0))
+    assert not settled.doubts()
+
+
 @pytest.mark.parametrize("scheme", ["parallel", "sequential"])
 def test_a_start_into_steep_friction_is_not_taken_for_divergence(
     bench: Path, write_law: Callable[..., None], scheme: str

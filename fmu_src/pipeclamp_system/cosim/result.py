@@ -152,7 +152,8 @@ class CosimResult:
             few = f"there are {self.steps_a_period:.2g} steps in a period of the excitation"
             found.append((few, f"expected at least {FEWEST_STEPS}; use a smaller step_s"))
         if self.coupling_share > self.trusted_share:
-            found.append((energy, f"{most}; use a smaller step_s, energy_tolerance, or scheme = 'implicit'"))
+            other = "" if self.scheme in ROLLS_BACK else ", or scheme = 'implicit'"
+            found.append((energy, f"{most}; use a smaller step_s or energy_tolerance{other}"))
         if self.energy.clamps_share > self.trusted_share:
             found.append((heat, f"{most}; use a smaller step_s"))
         if self.step_error is not None and self.step_error > self.trusted_share:

@@ -234,7 +234,8 @@ def _run(
     except UserError as error:
         of_steps = "" if run.energy_tolerance else f" of {run.steps}"
         diverging = f"the coupling diverges from step {guard.since} on: " if guard.since else ""
-        remedy = "; use scheme = 'iterated' or a smaller step_s" if guard.since else ""
+        other = "" if run.scheme in ROLLS_BACK else "scheme = 'iterated' or "
+        remedy = f"; use {other}a smaller step_s" if guard.since else ""
         raise UserError(f"{diverging}{error}; the run was stopped in step {taken}{of_steps}{remedy}") from error
     finally:
         for participant in (pipe_participant, *clamp_participants.values()):
