@@ -122,6 +122,18 @@ def displacement_friction(motion: Motion, base: BaseLaw, rough: bool, size: floa
     return Part(force=size * base.k10 * pressed * slides)
 
 
+def pressed_slip(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Slip that displacement presses, on one side more; rough: many elements that slip early and late."""
+    limits = 0.5 * shape["limit"] * (np.geomspace(0.5, 2.0, 9) if rough else np.ones(1))
+    parts = [1 + 0.5 * shape["sign"], 1 - 0.5 * shape["sign"]]
+    pressed = 0.1 * shape["stop"] + np.where(motion.y > 0, parts[0], parts[1]) * np.abs(motion.y)
+
+    def carried() -> Array:
+        return np.mean([jenkins(motion, np.array([limit])) / limit for limit in limits], axis=0)
+
+    return Part(force=size * base.k10 * pressed * motion.remember(("pressed_slip", rough), carried))
+
+
 def self_centring(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """A flag on each side; rough: several that give way early and late, so that its corners are round."""
     limits = shape["limit"] * (np.linspace(0.6, 1.4, 5) if rough else np.ones(1))
@@ -360,6 +372,7 @@ EFFECTS: dict[str, Kind] = {
     "inner_mass": Kind(inner_mass, most=0.5),
     "stribeck": Kind(stribeck, most=0.3),
     "displacement_friction": Kind(displacement_friction, most=0.3),
+    "pressed_slip": Kind(pressed_slip, most=0.3),
     "self_centring": Kind(self_centring, most=0.8),
     "exponential_stiffening": Kind(exponential_stiffening, most=1.0),
     "gas_spring": Kind(gas_spring, most=3.0),

@@ -22,6 +22,7 @@ IMITATIONS = {
     ("exponential_stiffening", "hardening"): STROKE, ("exponential_stiffening", "end_stop"): STROKE,
     ("gas_spring", "asymmetry"): STROKE, ("stribeck", "coulomb"): ANY,
     ("displacement_friction", "memory"): STROKE, ("displacement_friction", "coulomb"): ("one amplitude",),
+    ("pressed_slip", "displacement_friction"): STROKE, ("pressed_slip", "memory"): STROKE,
     ("self_centring", "memory"): ("one amplitude",), ("self_centring", "displacement_friction"): ("one amplitude",),
     ("coulomb", "viscous"): ANY, ("coulomb", "memory"): ANY, ("viscous", "quadratic_damping"): ANY,
     ("viscous", "delay"): ANY, ("asymmetry", "offset"): ANY, ("asymmetry", "directional_damping"): ANY,

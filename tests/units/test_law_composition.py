@@ -23,6 +23,7 @@ CONTRACT = [
     "stribeck",
     "displacement_friction",
     "self_centring",
+    "pressed_slip",
     "slip_speed",
     "viscous",
     "quadratic_damping",

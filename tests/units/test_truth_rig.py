@@ -44,7 +44,7 @@ def test_both_agree_on_the_base_law():
         "coulomb", "viscous", "quadratic_damping", "directional_damping", "asymmetry", "hardening",
         "end_stop", "gap", "play", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency",
         "loosening", "density", "condition", "offset", "inertia", "delay", "stribeck", "exponential_stiffening",
-        "displacement_friction", "self_centring",
+        "displacement_friction", "self_centring", "pressed_slip",
         "gas_spring", "relaxation_spread", "oil_damper", "inner_mass",
     ],
 )  # fmt: skip

@@ -20,6 +20,7 @@ STRUCTURES = [
     Structure("power", ("slip_spread", "play")),
     Structure("power", ("oil_damper",)),
     Structure("power", ("inner_mass",)),
+    Structure("power", ("pressed_slip",)),
 ]
 
 

@@ -119,6 +119,18 @@ CONSTANTINOU = (
     "Constantinou, Mokha and Reinhorn: Teflon Bearings in Base Isolation II: Modeling, Journal of Structural "
     "Engineering 116(2), 455-474 (1990)"
 )
+YANG = (
+    "Yang, Chu and Menq: Stick-Slip-Separation Analysis and Non-Linear Stiffness and Damping Characterization of "
+    "Friction Contacts Having Variable Normal Load, Journal of Sound and Vibration 210(4), 461-481 (1998)"
+)
+SHERIF = (
+    "Sherif and Kossa: Relationship between Normal and Tangential Contact Stiffness of Nominally Flat Surfaces, Wear "
+    "151(1), 49-62 (1991)"
+)
+WHITEMAN = (
+    "Whiteman and Ferri: Displacement-Dependent Dry Friction Damping of a Beam-Like Structure, Journal of Sound and "
+    "Vibration 198(3), 313-329 (1996)"
+)
 CHRISTOPOULOS = (
     "Christopoulos, Filiatrault and Folz: Seismic Response of Self-Centring Hysteretic SDOF Systems, Earthquake "
     "Engineering and Structural Dynamics 31(5), 1131-1150 (2002)"

@@ -1,0 +1,74 @@
+"""Slip under a pressing force that grows with the displacement: F = z_n u, du = dy/x_n while |u| < 1, else u = +-1.
+
+The slip force is z_n = z_0 + mu_p y+ + mu_n (-y)+, for what deflects presses the sliding parts. The way x_n until it
+slips stays, as the tangential stiffness of rough surfaces grows with what presses them. While it sticks, the force is a
+function of y alone, and slip shortens u: no motion gains work.
+"""
+
+import sympy as sp
+
+from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, State
+from pipeclamp_models.equations.literature import SHERIF, WHITEMAN, YANG
+from pipeclamp_models.equations.symbols import A_typical, F_typical, y, y_previous
+
+z_0, mu_p, mu_n, x_n, u_n = sp.symbols("z_0 mu_p mu_n x_n u_n", real=True)
+middle, positive, negative = sp.symbols("slip_0 slip_gp slip_gn", real=True)
+trial, start = u_n + (y - y_previous) / x_n, y - x_n * u_n
+
+
+def work_beyond(side: int) -> sp.Expr:
+    """Give the integral of (side s)+ (s - start) over s from the start to y: what pressing on one side stores."""
+
+    def up_to(place: sp.Expr) -> sp.Expr:
+        beyond = sp.Max(side * place, 0)
+        return beyond**2 * (beyond / 3 - side * start / 2)
+
+    return up_to(y) - up_to(start)
+
+
+size = F_typical / A_typical
+growths = ((0.15, 0.15), (0.1, 0.0), (0.0, 0.1), (0.15, 0.15))
+
+EFFECT = Effect(
+    id="pressed_slip",
+    part="clamp",
+    does="slip under a pressing force that grows with the displacement",
+    source=f"{YANG}: slip and stick where the normal load is n0 + gamma y; {WHITEMAN}: a load that grows to both sides; "
+    f"{SHERIF}: tangential stiffness in proportion to the normal load",
+    looks_like="a loop that is wider the further out it is, on one side or on both, at any speed; each reversal's step "
+    "takes the same way",
+    imitated_by=("displacement_friction", "memory", "bouc_wen", "self_centring", "slip_spread", "power_damping"),
+    told_apart_by="slow small cycles about several means: they are wider and steeper the further out their mean is",
+    special_cases=("memory", "displacement_friction"),
+    parameters=(
+        Parameter(
+            z_0, "N", "slip force in the middle", tuple(share * F_typical for share in (0.02, 0.1, 0.1, 0.02)),
+            lower=0.0, upper=10 * F_typical, typical=0.05 * F_typical,
+        ),
+        Parameter(
+            mu_p, "N/mm", "growth of the slip force over y > 0", tuple(each[0] * size for each in growths), lower=0.0,
+            upper=20 * size, neutral=0.0, typical=0.1 * size,
+        ),
+        Parameter(
+            mu_n, "N/mm", "growth of the slip force over y < 0", tuple(each[1] * size for each in growths), lower=0.0,
+            upper=20 * size, neutral=0.0, typical=0.1 * size,
+        ),
+        Parameter(
+            x_n, "mm", "way until it slips", tuple(share * A_typical for share in (0.05, 0.1, 0.1, 0.3)),
+            lower=1e-3 * A_typical, upper=2 * A_typical,
+        ),
+    ),
+    coefficients=(
+        Coefficient(middle, "N", "slip", z_0),
+        Coefficient(positive, "N/mm", "slip", mu_p),
+        Coefficient(negative, "N/mm", "slip", mu_n),
+    ),
+    force=(middle + positive * sp.Max(y, 0) + negative * sp.Max(-y, 0)) * u_n,
+    states=(
+        State(
+            u_n, "-", "share of the slip force that it carries",
+            update=sp.Max(-1, sp.Min(1, trial)),
+        ),
+    ),
+    energy=middle * x_n * u_n**2 / 2 + (positive * work_beyond(1) + negative * work_beyond(-1)) / x_n,
+)  # fmt: skip
