@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
@@ -337,7 +338,8 @@ def objections(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
 def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
     """Say why a fitted effect isn't the cause, though it may take a part.
 
-    Its shape lies at the end of its range, or the law has what acts like it: one of the two mends the other's form.
+    Its shape lies at the end of its range, or the law has what acts like it, or what was added with it does: one of the
+    two mends the other's form.
     """
     at_bounds = [_at_bound_words(each, result) for each in _at_bounds(effects, result) if _shapes(each)]
     structure = result.law.structure
@@ -347,7 +349,12 @@ def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
         for present in structure.all_effects()
         if present.name not in effects and _may_be_one_memory(structure.effect(name), present)
     ]
-    return (*at_bounds, *alike)
+    together = [
+        f"{one} and {other} act alike"
+        for one, other in combinations(effects, 2)
+        if _may_be_one_memory(structure.effect(one), structure.effect(other))
+    ]
+    return (*at_bounds, *alike, *together)
 
 
 def _may_be_one_memory(one: Effect, other: Effect) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, pairs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
+from pipeclamp_identification.diagnosis.foretold import Foretold, foretold
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains
@@ -155,7 +156,10 @@ def weigh(
     if scales.form_allowed:
         if law.lack.most_share > FORM_NOISE_SHARE:
             return _nothing("unknown", _hidden_words(law.lack, problem))
-        return _nothing("complete", _form_words(law.lack, best=usable[0] if usable else None, law=law))
+        elsewhere = foretold(law, problem)
+        if elsewhere.sure_share > FORM_NOISE_SHARE:
+            return _nothing("unknown", _foretold_words(law.lack, elsewhere))
+        return _nothing("complete", _form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
     return _nothing("unknown", _immaterial_words(usable[0], law), pair)
@@ -353,13 +357,22 @@ def _few_runs_words(lack: LackOfFit, problem: Problem) -> str:
     )
 
 
-def _form_words(lack: LackOfFit, best: Judged | None, law: Judged) -> str:
+def _form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: Judged) -> str:
     asked = "no effect of the catalogue takes any of it"
     if best is not None:
         asked = f"the best of the catalogue, {best.effects[0]}, takes {explained_share(best, law):.0%} of it"
     return (
         f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) still follow the conditions: {asked}, "
-        "so it passes for the form of the effects that the law has"
+        "so it passes for the form of the effects that the law has; on left-out conditions the law errs by "
+        f"{elsewhere.rms:.3g} N beyond scatter"
+    )
+
+
+def _foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
+    return (
+        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
+        f"catalogue takes half of it; on left-out conditions the law errs by {elsewhere.rms:.3g} N beyond scatter "
+        f"({elsewhere.share:.2g} times the force noise): more than passes for form"
     )
 
 

@@ -1,0 +1,59 @@
+"""How much a law errs on conditions that were left out, beyond what scatters there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.noise import UNSEEN
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.resampling import draws
+from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE
+from pipeclamp_identification.fitting.observations import Rows, mean_squares_of
+from pipeclamp_models.base.arrays import Array
+
+
+@dataclass(frozen=True)
+class Foretold:
+    """A law's error on left-out groups.
+
+    Attributes:
+        rms: N, scatter taken off.
+        share: the same as a share of the force noise per sample.
+        sure_share: what it is above in all but few draws of the groups with replacement.
+    """
+
+    rms: float
+    share: float
+    sure_share: float
+
+
+def foretold(judged: Judged, problem: Problem) -> Foretold:
+    """Say how much a law errs on left-out (A, f) groups beyond scatter."""
+    variance = np.where(problem.noise.variance < UNSEEN, problem.noise.total_variance(), 0.0)
+    scatter = mean_squares_of(np.sqrt(variance))
+    return beyond_scatter(judged.score.mean_squares - scatter, problem.groups, problem.loops.noise_rms_N)
+
+
+def beyond_scatter(excess: Array, groups: Rows, noise_rms: Array) -> Foretold:
+    """Say how large an error is of which each run shows this much.
+
+    Args:
+        excess: mean square of each run's error less what scatter makes of it, N2, shape (R,).
+        groups: the group of each run, shape (R,); -1 for those that were never left out.
+        noise_rms: force noise per sample of each run, N, shape (R,).
+    """
+    left_out = groups >= 0
+    if not left_out.any():
+        return Foretold(0.0, 0.0, 0.0)
+    total = np.bincount(groups[left_out], weights=excess[left_out])
+    runs = np.bincount(groups[left_out]).astype(np.float64)
+    drawn = draws(len(total))
+    least = np.quantile((drawn @ total) / (drawn @ runs), 1 - BEYOND_DOUBT_DRAWS_SHARE)
+    mean = total.sum() / runs.sum()
+    noise = float(np.mean(noise_rms[left_out] ** 2))
+    rms, share, sure_share = (
+        float(np.sqrt(max(square, 0.0))) for square in (mean, mean / noise, min(least, mean) / noise)
+    )
+    return Foretold(rms, share, sure_share)
