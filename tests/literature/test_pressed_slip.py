@@ -1,5 +1,7 @@
 """Slip that displacement presses: its loop in closed form, its limits, and no motion that gains work."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -59,7 +61,7 @@ def test_no_motion_gains_work(seed):
     """Along a random path in small steps: stored energy never rises by more than the work that is done."""
     random = np.random.default_rng(seed)
     turns = np.concatenate([[0.0], random.uniform(-1.0, 1.0, 12)])
-    y = np.concatenate([np.linspace(*ends, 4000, endpoint=False) for ends in zip(turns[:-1], turns[1:], strict=True)])
+    y = np.concatenate([np.linspace(*ends, 4000, endpoint=False) for ends in pairwise(turns)])
     found = force_on("pressed_slip", PRESSED, path(y))
     force, share = found.force[0], np.asarray(found.states[0])[0]
     assert np.max(np.abs(share)) <= 1.0

@@ -149,7 +149,7 @@ DEVICES: dict[str, Device] = {
         "F = k y (1 + mu sgn(y v)): friction that grows with the displacement",
         "Hill 1995, PhD thesis, University of Canterbury: ring springs as dampers in buildings",
         hysteresis.ring_spring, hysteresis.draw_ring_spring, ("bench", "damper"),
-        frozenset({"displacement_friction"}),
+        frozenset({"pressed_slip", "displacement_friction"}),
     ),
     "eddy_current": Device(
         "F = k y + 2 F_m (v/v_c) / (1 + (v/v_c)^2)",

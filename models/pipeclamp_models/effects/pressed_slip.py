@@ -33,8 +33,8 @@ EFFECT = Effect(
     id="pressed_slip",
     part="clamp",
     does="slip under a pressing force that grows with the displacement",
-    source=f"{YANG}: slip and stick where the normal load is n0 + gamma y; {WHITEMAN}: a load that grows to both sides; "
-    f"{SHERIF}: tangential stiffness in proportion to the normal load",
+    source=f"{YANG}: slip and stick where the normal load is n0 + gamma y; {WHITEMAN}: a load that grows to both "
+    f"sides; {SHERIF}: tangential stiffness in proportion to the normal load",
     looks_like="a loop that is wider the further out it is, on one side or on both, at any speed; each reversal's step "
     "takes the same way",
     imitated_by=("displacement_friction", "memory", "bouc_wen", "self_centring", "slip_spread", "power_damping"),
