@@ -202,7 +202,8 @@ def _held(
 ) -> Array:
     """Give the mean force that states which are adrift can hold at most, N, shape (R,).
 
-    Half of what they move by in a cycle, as far as the largest of the motions would have moved them.
+    Half of what they move by in a cycle, as far as the largest of the motions would have moved them. What loses its
+    beginning in a cycle beside them, such as an element that slips, holds nothing.
 
     Args:
         compiled: the law.
@@ -212,9 +213,10 @@ def _held(
         motion: the motions.
     """
     held = np.zeros(len(motion.y))
-    if not states.adrift.any():
+    if states.kept is None or not states.adrift.any():
         return held
-    half = [np.ptp(state, axis=1, keepdims=True) / 2 for state in states.after]
+    reach = np.array([np.ptp(state, axis=1) / 2 for state in states.after])
+    half = np.clip(np.einsum("rjk,kr->jr", states.kept, reach), -reach, reach)[:, :, None]
     ends = []
     for sign in (1, -1):
         moved = [state + sign * move for state, move in zip(states.after, half, strict=True)]

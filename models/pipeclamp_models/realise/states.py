@@ -29,6 +29,8 @@ class States:
         after: each sample, J arrays of shape (R, n).
         slopes: by the moving parameters, (J, M, R, n); M is 0 where derivatives aren't wanted.
         steps, adrift, unsettled: as of `LawForce`.
+        kept: what of a move of the states before a cycle they have kept after any number of cycles, (R, J, J); None
+            where the motions aren't periodic.
     """
 
     after: Sequence[Array]
@@ -36,6 +38,7 @@ class States:
     steps: Array | None
     adrift: npt.NDArray[np.bool_]
     unsettled: npt.NDArray[np.bool_]
+    kept: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,10 @@ class March:
         trajectory = self._walk(start, columns)
         by_step = self._slopes(start, trajectory, columns)
         by_states = self._by_states(by_step, samples)
-        adrift = np.min(np.linalg.svd(to_begin, compute_uv=False), axis=1) < SETTLED
+        _, size, directions = np.linalg.svd(to_begin)
+        adrift = np.min(size, axis=1) < SETTLED
+        still = np.where((size < SETTLED)[:, :, None], directions, 0.0)
+        kept = np.swapaxes(still, 1, 2) @ still
         slopes = np.zeros((rows, samples, count, 0))
         if derivatives:
             by_parameters = self._by_parameters(by_step, samples)
@@ -126,7 +132,7 @@ class March:
             once = trail(begin, by_states, by_parameters)[:, -1]
             to_period = np.linalg.pinv(to_begin, rcond=SETTLED) @ (once - begin)
             slopes = trail(begin + to_period, by_states, by_parameters)
-        return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled)
+        return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled, kept)
 
     def _last(self) -> March:
         """Give the march to the last sample alone."""
