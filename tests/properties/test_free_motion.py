@@ -15,7 +15,7 @@ from pipeclamp_identification.comparison.compare import compare
 from pipeclamp_identification.fitting.free_misfit import free_misfits
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.law.file import HistoryStep, law_of, read_law
 
 FINE = 20
 """Steps of the independent integration between two samples."""
@@ -219,3 +219,60 @@ def test_a_condition_that_the_law_follows_must_be_known(write_law, tmp_path):
     write_law(path, VALUES, effects=("density",), v_r=0.5)
     with pytest.raises(UserError, match="density_g_cm3, which isn't known for run"):
         free_misfits(read_law(path), [free_run(integrated(sweep, 200, 0.5))])
+
+
+def test_what_a_constant_force_costs_along_a_motion_is_told(law):
+    """Sines in which a clamp always slips had given the law a mean force that isn't there at rest."""
+    clean = integrated(random, 200, law.smoothing["v_r"])
+    centred = replace(clean, force_N=clean.force_N - OFFSET)
+    wrong = law.model_copy(
+        update={
+            "coefficients": law.coefficients
+            | {"F_o": law.coefficients["F_o"].model_copy(update={"value": float(np.std(clean.force_N))})}
+        }
+    )
+    answer = comparison_answer(compare(wrong, Campaign("t", "", "sha256:0", (), (), (), free=(free_run(centred),))))
+    (run,) = answer.runs
+    assert run.rest_force_N == pytest.approx(np.std(clean.force_N), rel=0.01)
+    assert run.nrmse > 0.8
+    assert run.nrmse_without_rest_force < 0.02
+    assert any("has a constant force" in words for words in answer.where.words)
+    right = comparison_answer(compare(law, Campaign("t", "", "sha256:0", (), (), (), free=(free_run(clean),))))
+    assert not any("has a constant force" in words for words in right.where.words)
+
+
+def test_the_share_of_the_error_outside_of_the_laws_range_is_told(law):
+    """All of the error is put where the motion is small."""
+    law = law.model_copy(
+        update={"range": {**law.range, "A": law.range["A"].model_copy(update={"minimum": 1.0, "maximum": 2.0})}}
+    )
+    clean = integrated(random, 200, law.smoothing["v_r"])
+    campaign = Campaign("t", "", "sha256:0", (), (), (), free=(free_run(clean),))
+    (followed,) = compare(law, campaign).free
+    low, high = followed.ranges[0]
+    outside = (followed.amplitude < low) | (followed.amplitude > high)
+    late = outside & (followed.time > 4)
+    assert 0.1 < np.mean(late) < 0.9
+    off = replace(clean, force_N=clean.force_N + 300.0 * late)
+    (found,) = comparison_answer(compare(law, Campaign("t", "", "sha256:0", (), (), (), free=(free_run(off),)))).runs
+    assert found.tracked_amplitude_mm.outside_share == pytest.approx(np.mean(outside))
+    assert found.tracked_amplitude_mm.outside_error_share > 0.95
+
+
+def told_errors(file, on_left_out):
+    """Give a law whose file tells this error on left-out sines."""
+    return file.model_copy(update={"history": (HistoryStep(step="t", nrmse=0.0, heldout_nrmse=on_left_out),)})
+
+
+def test_a_law_without_memory_is_told_what_it_lacks_along_a_free_motion(law, write_law, tmp_path):
+    path = tmp_path / "plain.json"
+    write_law(path, {name: VALUES[name] for name in ("k10", "k30", "c0", "alpha0")}, v_r=0.5)
+    run = free_run(integrated(random, 200, 0.5))
+    plain = read_law(path)
+    for one, says in (
+        (told_errors(plain, 0.01), True),
+        (told_errors(plain, 0.9), False),
+        (told_errors(law, 0.0), False),
+    ):
+        answer = comparison_answer(compare(one, Campaign("t", "", "sha256:0", (), (), (), free=(run,))))
+        assert any("It has no memory" in words for words in answer.where.words) is says

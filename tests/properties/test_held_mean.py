@@ -14,7 +14,7 @@ AMPLITUDES = (1.0, 2.0, 4.0)
 def law(sticking: float, limit: float) -> Law:
     """Give one element that slips at 500 N beside one of this stiffness and slip force."""
     base = Structure("power", ("memory:2",))
-    still = {name: 0.0 for name in base.equations.names} | {"alpha0": 1.0}
+    still = dict.fromkeys(base.equations.names, 0.0) | {"alpha0": 1.0}
     return Law(base, still | SLIPPING | {"k_s2": sticking, "z_s2": limit}, 0.01, 0.001)
 
 

@@ -15,7 +15,7 @@ from pipeclamp_identification.comparison.breakdown import BRANCHES, PLACES, Brea
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
 from pipeclamp_identification.comparison.concentration import Region, region
 from pipeclamp_identification.comparison.free_breakdown import FreeSamples
-from pipeclamp_identification.comparison.free_concentration import free_region, outside_share
+from pipeclamp_identification.comparison.free_concentration import error_outside, free_region, outside_share
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
 from pipeclamp_models.base.units import CELSIUS
@@ -94,6 +94,7 @@ class TrackedAnswer(AnswerModel):
     minimum: float
     maximum: float
     outside_share: float = Field(description="of the time, outside the law's range; the law is then taken at its end")
+    outside_error_share: float = Field(default=0.0, description="of the squared error, that lies there")
 
 
 class RunComparison(AnswerModel):
@@ -119,6 +120,14 @@ class RunComparison(AnswerModel):
     mean_taken: bool | None = Field(
         default=None,
         description="of a free motion: the law knows its force up to a constant only, and the measured mean is taken",
+    )
+    rest_force_N: float | None = Field(
+        default=None,
+        description="of a free motion: the law's force where the record begins, at rest and unloaded; None where it "
+        "has none worth a word",
+    )
+    nrmse_without_rest_force: float | None = Field(
+        default=None, description="nrmse, were the law without that constant force"
     )
 
 
@@ -170,6 +179,7 @@ def _free_run(run: FreeMisfit, comparison: Comparison) -> RunComparison:
             minimum=float(np.min(values)),
             maximum=float(np.max(values)),
             outside_share=outside_share((FreeSamples(run),), index),
+            outside_error_share=error_outside((FreeSamples(run),), index),
         )
         for index, values in enumerate((run.amplitude, run.frequency))
     )
@@ -186,6 +196,8 @@ def _free_run(run: FreeMisfit, comparison: Comparison) -> RunComparison:
         tracked_frequency_Hz=f,
         came_from_mm=run.came_from,
         mean_taken=run.adrift,
+        rest_force_N=None if run.nrmse_without is None else run.at_rest,
+        nrmse_without_rest_force=run.nrmse_without,
     )
 
 

@@ -28,13 +28,17 @@ from pipeclamp_identification.comparison.free_breakdown import (
     by_time,
     speed_classes,
 )
+from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.arrays import IntArray
 
 QUARTERS = ("first", "second", "third", "last")
 THIRDS = 3
 SIDES = ("at negative displacement", "at positive displacement")
 OFTEN = 0.05
-"""Share of the time above which it is said that A or f lay outside the law's range."""
+"""Share of the time above which it is said that A or f lay outside the law's range, and of the squared error above
+which it is said what a constant force costs."""
+FAR_MORE = 1.3
+"""Times its error on sines that a law errs by along another motion where it doesn't carry over (issue 13, 9)."""
 
 
 def free_region(samples: Sequence[FreeSamples], conditions: Sequence[Condition]) -> Region | None:
@@ -99,17 +103,51 @@ def free_words(samples: Sequence[FreeSamples], conditions: Sequence[Condition]) 
         if share > OFTEN:
             words.append(
                 f"Free motion: for {share:.0%} of the time the tracked {symbol} lies outside the law's range, "
-                f"{low:.4g} to {high:.4g} {unit}, and the law is taken at its end."
+                f"{low:.4g} to {high:.4g} {unit}, and the law is taken at its end; {error_outside(samples, index):.0%} "
+                "of the squared error lies there."
             )
-    return words
+    words += _memory_words(samples)
+    return words + [text for one in samples if (text := _constant_words(one))]
+
+
+def _memory_words(samples: Sequence[FreeSamples]) -> list[str]:
+    """Say that a law without memory doesn't carry over from sines, where it errs far more than on them."""
+    error, on_sines = overall_nrmse([one.misfit for one in samples]), samples[0].misfit.on_sines
+    if samples[0].misfit.remembers or on_sines is None or error <= FAR_MORE * on_sines:
+        return []
+    return [
+        f"Free motion: the law errs by {error:.2%} here, and on its sines by {on_sines:.2%}. It has no memory: of what "
+        "has passed it knows A and f alone, which stand for the past along sines only. If the device has friction, a "
+        "law with states (identify --base memory, or what diagnose adds) follows such motions better."
+    ]
+
+
+def _constant_words(one: FreeSamples) -> str:
+    """Say what a constant force of the law costs along a motion; nothing where it doesn't cost a material part."""
+    run = one.misfit
+    if run.nrmse_without is None or run.nrmse_without**2 > (1 - OFTEN) * run.nrmse**2:
+        return ""
+    return (
+        f"Free motion: at rest and unloaded the law has a constant force, {run.at_rest:.4g} N, along {run.run}; "
+        f"without it the error there would be {run.nrmse_without:.2%} in place of {run.nrmse:.2%}. Sines in which the "
+        "clamp always slips don't tell a constant force from slip forces that differ between the directions."
+    )
 
 
 def outside_share(samples: Sequence[FreeSamples], index: int) -> float:
     """Give the share of the time for which the tracked A (index 0) or f (1) lies outside the law's range."""
-    outside, total = 0, 0
-    for one in samples:
-        low, high = one.misfit.ranges[index]
-        values = (one.misfit.amplitude, one.misfit.frequency)[index]
-        outside += int(np.count_nonzero((values < low) | (values > high)))
-        total += len(values)
-    return outside / total
+    return float(np.mean(np.concatenate([_outside(one, index) for one in samples])))
+
+
+def error_outside(samples: Sequence[FreeSamples], index: int) -> float:
+    """Give the share of the squared error that lies where the tracked A or f is outside the law's range."""
+    outside = sum(float(np.sum(one.squared_error[_outside(one, index)])) for one in samples)
+    total = sum(one.misfit.squared_error for one in samples)
+    return outside / total if total > 0.0 else 0.0
+
+
+def _outside(one: FreeSamples, index: int) -> npt.NDArray[np.bool_]:
+    """Tell at which samples the tracked A (index 0) or f (1) lies outside the law's range, shape (n,)."""
+    low, high = one.misfit.ranges[index]
+    values = (one.misfit.amplitude, one.misfit.frequency)[index]
+    return np.asarray((values < low) | (values > high))

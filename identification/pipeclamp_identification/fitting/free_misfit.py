@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from pipeclamp_identification.campaign.free_motion import FreeRun
-from pipeclamp_identification.fitting.beginning import beginning, came_from
+from pipeclamp_identification.fitting.beginning import MATERIAL, beginning, came_from
 from pipeclamp_identification.fitting.misfit import slow_signals
 from pipeclamp_identification.fitting.observations import known_temperature
 from pipeclamp_models.base.arrays import Array
@@ -46,6 +46,12 @@ class FreeMisfit:
         came_from: displacement in mm from which the law is brought to where the record begins, so that its force at
             rest is the measured one; None where its memory is unloaded.
         adrift: whether the law's force is known up to a constant only, for which the measured mean is taken.
+        at_rest: force in N of the law where the record begins, at rest and its memory unloaded.
+        nrmse_without: error as a share of the force, were the law without that constant force; None where it has none
+            that is worth a word.
+        remembers: whether the law has states; otherwise A and f are all that it knows of the motion's past.
+        on_sines: the law's error as a share of the force on the sines that it was identified from, on left-out ones where
+            its file knows that; None where it tells neither.
     """
 
     run: str
@@ -60,6 +66,10 @@ class FreeMisfit:
     temperature_K: float
     came_from: float | None
     adrift: bool
+    at_rest: float = 0.0
+    nrmse_without: float | None = None
+    remembers: bool = True
+    on_sines: float | None = None
 
     @property
     def squared_error(self) -> float:
@@ -101,8 +111,19 @@ def free_misfits(
     temperature = _temperatures(runs)
     used = _usable(law, runs, temperature, others)
     ranges = _range(file, "A"), _range(file, "f")
-    found = (_misfit(law, run, T, ranges) for run, T in zip(runs, used, strict=True))
-    return tuple(replace(misfit, temperature_K=float(np.mean(T))) for misfit, T in zip(found, temperature, strict=True))
+    found = (_with_constant(law, run, T, ranges) for run, T in zip(runs, used, strict=True))
+    on_sines = _on_sines(file)
+    return tuple(
+        replace(misfit, temperature_K=float(np.mean(T)), on_sines=on_sines)
+        for misfit, T in zip(found, temperature, strict=True)
+    )
+
+
+def _on_sines(file: LawFile) -> float | None:
+    if not file.history:
+        return None
+    last = file.history[-1]
+    return last.nrmse if last.heldout_nrmse is None else last.heldout_nrmse
 
 
 def _range(file: LawFile, name: str) -> Interval:
@@ -143,9 +164,24 @@ def _usable(
     return [np.where(np.isfinite(T), T, value) for T, value in zip(temperature, usual, strict=False)]
 
 
+def _with_constant(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, Interval]) -> FreeMisfit:
+    """Give the misfit of a run, and what it would be without the force that the law has at rest.
+
+    Sines in which a clamp always slips don't tell a constant force from slip forces that differ between the
+    directions; at rest they part.
+    """
+    found = _misfit(law, run, temperature, ranges)
+    if found.adrift or not abs(found.at_rest) > MATERIAL * math.sqrt(np.mean(found.measured**2)):
+        return found
+    moved = replace(run, record=replace(run.record, force_N=run.record.force_N + found.at_rest))
+    without = _misfit(law, moved, temperature, ranges)
+    return replace(found, nrmse_without=math.sqrt(without.squared_error / found.squared_force))
+
+
 def _misfit(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, Interval]) -> FreeMisfit:
     motion, tracks = _law_motion(law, run, temperature, ranges)
     force = force_of_law(law, motion).force[0]
+    at_rest = float(force[0])
     begin = beginning(law, run, motion, force, ranges[0][1])
     if begin:
         motion = replace(motion, memory=begin.memory)
@@ -174,6 +210,8 @@ def _misfit(law: Law, run: FreeRun, temperature: Array, ranges: tuple[Interval, 
         float(np.mean(temperature)),
         begin.came_from if begin else None,
         adrift,
+        at_rest if run.begins_at_rest else 0.0,
+        remembers=bool(law.equations.states),
     )
 
 
