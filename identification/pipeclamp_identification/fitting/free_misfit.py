@@ -50,8 +50,8 @@ class FreeMisfit:
         nrmse_without: error as a share of the force, were the law without that constant force; None where it has none
             that is worth a word.
         remembers: whether the law has states; otherwise A and f are all that it knows of the motion's past.
-        on_sines: the law's error as a share of the force on the sines that it was identified from, on left-out ones where
-            its file knows that; None where it tells neither.
+        on_sines: the law's error as a share of the force on the sines that it was identified from, on left-out ones
+            where its file knows that; None where it tells neither.
     """
 
     run: str
