@@ -29,7 +29,6 @@ from pipeclamp_models.law.file import LawFile
 
 LAWS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("power", ()), ("memory", ()), ("power", ("bouc_wen",)), ("power", ("slip_spread",)),
-    ("power", ("play", "memory")),
 )  # fmt: skip
 """Base and effects: a law whose coefficients follow A and f alone, and laws with memory."""
 DEVICES = ("bouc_wen/", "dahl/", "friction_pendulum/", "iwan/", "drag/", "relief_damper/", "play_and_slip/")
