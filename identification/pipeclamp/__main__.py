@@ -3,6 +3,7 @@
 The command line is imported inside, so that an interrupt has its one message while that still loads.
 """
 
+import atexit
 import gc
 import signal
 import sys
@@ -20,6 +21,9 @@ twentieth of its time on looking through what its libraries load, in vain."""
 def main() -> None:
     """Run the command line; an interrupt is one message on stderr and status 130, a termination one and 143."""
     gc.set_threshold(OBJECTS_BETWEEN_SEARCHES)
+    # Before a process ends, Python looks for such cycles once more, among all that was ever loaded: a twelfth of what
+    # `identify` takes. What is frozen is left out of the search; the process gives it back as a whole.
+    atexit.register(gc.freeze)
     terminated: list[int] = []
 
     def terminate(number: int, frame: FrameType | None) -> None:
@@ -41,9 +45,6 @@ def main() -> None:
         sys.exit(status)
     finally:
         signal.signal(signal.SIGTERM, before)
-        # Before a process ends, Python looks for such cycles once more, among all that was ever loaded: a twelfth of
-        # what `identify` takes. What is frozen is left out of the search; the process gives it back as a whole.
-        gc.freeze()
 
 
 if __name__ == "__main__":
