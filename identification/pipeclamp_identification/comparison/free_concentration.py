@@ -38,7 +38,7 @@ OFTEN = 0.05
 """Share of the time above which it is said that A or f lay outside the law's range, and of the squared error above
 which it is said what a constant force costs."""
 FAR_MORE = 1.3
-"""Times its error on sines that a law errs by along another motion where it doesn't carry over (issue 13, 9)."""
+"""Times its error on sines that a law errs by along another motion where it doesn't carry over."""
 
 
 def free_region(samples: Sequence[FreeSamples], conditions: Sequence[Condition]) -> Region | None:
