@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from exports import Loop
@@ -32,12 +33,24 @@ def write_xlsx(path: Path, run: Loop) -> None:
 
     with xlsxwriter.Workbook(str(path)) as book:
         book.add_worksheet("Protocol").write(0, 0, "Operator")
-        sheet = book.add_worksheet("Data")
-        sheet.write_row(0, 0, ["Test machine 7"])
-        sheet.write_row(2, 0, list(UNITS))
-        sheet.write_row(3, 0, list(UNITS.values()))
-        for column, values in enumerate(channels(run).values()):
-            sheet.write_column(4, column, values.tolist())
+        _write_sheet(book.add_worksheet("Data"), run)
+
+
+def write_sheets(path: Path, runs: Iterable[Loop]) -> None:
+    """One workbook with a sheet for each run, which bears its name."""
+    import xlsxwriter
+
+    with xlsxwriter.Workbook(str(path)) as book:
+        for run in runs:
+            _write_sheet(book.add_worksheet(run.name), run)
+
+
+def _write_sheet(sheet: Any, run: Loop) -> None:
+    sheet.write_row(0, 0, ["Test machine 7"])
+    sheet.write_row(2, 0, list(UNITS))
+    sheet.write_row(3, 0, list(UNITS.values()))
+    for column, values in enumerate(channels(run).values()):
+        sheet.write_column(4, column, values.tolist())
 
 
 def write_ods(path: Path, run: Loop) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from exports import assert_same_campaign, loop, ten_runs, write_texts
+from format_writers import write_sheets
 from typer.testing import CliRunner
 
 import pipeclamp as pc
@@ -54,6 +55,18 @@ def test_from_exports_to_a_law_and_a_verdict(pipeclamp, exports, tmp_path):
     described = (campaign / "campaign.toml").read_text(encoding="utf-8")
     assert re.search(r'channel = "Last \[kN\]", unit = "kN", factor = 1000', described)
     assert len(re.findall(r'sha256 = "[0-9a-f]{64}"', described)) == 10
+
+
+def test_sheets_of_a_workbook_name_runs_and_state_what_was_set(pipeclamp, tmp_path):
+    write_sheets(tmp_path / "clamp 7.xlsx", ten_runs()[:4])
+    told = pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", tmp_path / "plain").stdout
+    assert '--pattern "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"' in told.replace("\n", "")
+    campaign = tmp_path / "clamp_7"
+    pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", campaign, "--pattern", "T{temperature_C}")
+    runs = {run.name: run for run in pc.read_campaign(campaign).tests.campaign.runs}
+    assert {name: run.temperature_C for name, run in runs.items()} == {
+        f"clamp 7_{run.name}": run.temperature for run in ten_runs()[:4]
+    }
 
 
 def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports, tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -80,9 +82,8 @@ def plan_import(
     names = {digest: name for name, digest in known.items()}
     new: dict[str, str] = {}
     again: list[str] = []
-    settings = [_settings_of(path, options.pattern) for path in paths]
     way = Way(options.columns, options.rate, options.ask is not None, records, format, frozenset(names))
-    for path, own, file in zip(paths, settings, _taken_files(paths, way, options.ask, progress), strict=True):
+    for path, file in zip(paths, _taken_files(paths, way, options.ask, progress), strict=True):
         if isinstance(file, KnownFile):
             again.append(path.name)
             continue
@@ -96,23 +97,30 @@ def plan_import(
         if path.name in new.values():
             raise UserError(f"{path}: another file has this name; expected a name of its own for each")
         new[file.file.sha256] = path.name
-        planner.add(path, file, own)
+        planner.add(path, file)
     return planner.plan(tuple(again))
 
 
-def _settings_of(path: Path, pattern: Pattern | None) -> Settings:
-    """Give what a file's name states.
+def _stem_of(path: Path, table: TakenTable, several: bool) -> str:
+    """Give what a table's runs are named by: its file, and where that has several the sheet or group too."""
+    stem = without_controls(stem_of(path)) or "run"
+    own = re.sub(r"[^\w.,+-]+", "_", table.name).strip("_.")
+    return f"{stem}_{own}" if several and own else stem
+
+
+def _settings_of(path: Path, stem: str, pattern: Pattern | None) -> Settings:
+    """Give what the name of a file, or of one of its tables, states.
 
     Raises:
         UserError: it doesn't follow the pattern.
     """
     if pattern is None:
         return {}
-    found = pattern.settings(stem_of(path))
+    found = pattern.settings(stem)
     if found is None:
         raise UserError(
-            f"{path}: its name doesn't follow --pattern {pattern.text!r}; expected one that does, or a pattern that "
-            "all names follow"
+            f"{path}: its name, {stem!r}, doesn't follow --pattern {pattern.text!r}; expected one that does, or a "
+            "pattern that all names follow"
         )
     return found
 
@@ -174,18 +182,25 @@ class _Planner:
         self.notes: list[str] = []
         self.reversed: list[Mapped] = []
 
-    def add(self, path: Path, file: TakenFile, settings: Settings) -> None:
-        """Take a file's drafts; `settings` are those of its name."""
-        self.stems.append(stem_of(path))
-        single = sum(table.taken.runs for table in file.tables) == 1
-        for table in file.tables:
+    def add(self, path: Path, file: TakenFile) -> None:
+        """Take a file's drafts.
+
+        Raises:
+            UserError: a name doesn't follow the pattern.
+        """
+        stems = [_stem_of(path, table, len(file.tables) > 1) for table in file.tables]
+        count = Counter(stems)
+        for table, stem in zip(file.tables, stems, strict=True):
+            settings = _settings_of(path, stem, self.options.pattern)
+            self.stems.append(stem)
+            single = table.taken.runs == 1 and count[stem] == 1
             for column in table.mapped.columns:
                 if column.overrides:
                     self._note(
                         f"{column.heading!r} is taken in {column.unit}, as --columns states, though the file says "
                         f"{column.overrides}"
                     )
-            runs = [self._run(path, table, draft, settings, single) for draft in table.taken.drafts]
+            runs = [self._run(path, stem, table, draft, settings, single) for draft in table.taken.drafts]
             self.runs += runs
             self.cut += [
                 ImportedCut(file=path.name, table=table.name, samples=one.samples, why=one.why)
@@ -199,9 +214,11 @@ class _Planner:
         if words not in self.notes:
             self.notes.append(words)
 
-    def _run(self, path: Path, table: TakenTable, draft: Draft, settings: Settings, single: bool) -> PlannedRun:
-        """Give a draft its name and its row."""
-        name = self._name(stem_of(path), single)
+    def _run(
+        self, path: Path, stem: str, table: TakenTable, draft: Draft, settings: Settings, single: bool
+    ) -> PlannedRun:
+        """Give a draft its name and its row; `settings` are those that the stem states."""
+        name = self._name(stem, single)
         measured: Settings = {
             column: _digits(_in_its_unit(table.mapped, column, value)) for column, value in draft.further.items()
         }
@@ -223,7 +240,7 @@ class _Planner:
         for column, value in stated.items():
             if column in ("amplitude_mm", "frequency_Hz") and not single and isinstance(value, float):
                 own = measured.get(column)
-                # a file with several runs has one name
+                # a table with several runs has one name
                 if isinstance(own, float) and abs(own - value) > STATED_APART * value:
                     continue
             if column in ("run", "file"):
@@ -240,8 +257,8 @@ class _Planner:
         return PlannedRun(row, draft.record, draft.seen, source, sine)
 
     def _name(self, stem: str, single: bool) -> str:
-        """Give a run's name: its file's, with a number where there are several."""
-        candidates = _names(without_controls(stem) or "run", single)
+        """Give a run's name: the stem, with a number where there are several."""
+        candidates = _names(stem, single)
         name = next(one for one in candidates if one not in self.taken)
         self.taken.add(name)
         return name
