@@ -59,6 +59,11 @@ def test_two_that_act_alike_are_no_cause_together():
     assert reservations(("bouc_wen", "directional_slip"), fit) == ("bouc_wen and directional_slip act alike",)
 
 
+def test_what_has_the_other_as_a_special_case_is_no_cause_beside_it():
+    fit = fit_with("", ("memory", "pressed_slip", "coulomb"))
+    assert reservations(("pressed_slip",), fit) == ("the law has memory, which acts like pressed_slip",)
+
+
 def test_what_acts_otherwise_may_be_a_cause():
     fit = fit_with("", ("bouc_wen", "slip_spread", "coulomb"))
     assert reservations(("coulomb",), fit) == ()

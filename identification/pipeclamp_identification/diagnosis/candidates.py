@@ -52,8 +52,15 @@ def candidates(
         Contender((promise.name,), with_effect(structure, promise.name), promise.ranked_starts()) for promise in chosen
     ]
     judged = ranked(judge_each(_closely_where_worth(contenders, problem, law, tell), problem, jobs, tell))
-    grown = [larger_as_asked(each, structure, problem, tell) for each in judged[:MOST_PAIRED]]
-    return ranked([*grown, *judged[MOST_PAIRED:]]), left
+    best = [each.result.law.structure.effect(each.effects[0]) for each in judged[:MOST_PAIRED]]
+    special = {simple for effect in best for simple in effect.special_cases}  # may do as well once they are larger
+    grown = [
+        larger_as_asked(each, structure, problem, tell)
+        if place < MOST_PAIRED or effect_id(each.effects[0]) in special
+        else each
+        for place, each in enumerate(judged)
+    ]
+    return ranked(grown), left
 
 
 def _each_roughly(contenders: Sequence[Contender], problem: Problem, tell: Callable[[str], None]) -> list[Fit]:

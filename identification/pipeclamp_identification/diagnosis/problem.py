@@ -360,7 +360,8 @@ def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
 def _may_be_one_memory(one: Effect, other: Effect) -> bool:
     """Tell whether two effects with states, or special cases of them, imitate each other."""
     forms = [[effect, *map(find_effect, effect.special_cases)] for effect in (one, other)]
-    return any(are_one_memory(form, another) for form in forms[0] for another in forms[1])
+    pairs = [(form, another) for form in forms[0] for another in forms[1]]
+    return any(are_one_memory(*pair) or (pair[0].id == pair[1].id and bool(pair[0].states)) for pair in pairs)
 
 
 def are_one_memory(one: Effect, other: Effect) -> bool:

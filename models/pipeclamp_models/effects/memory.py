@@ -89,7 +89,15 @@ def elements(argument: str) -> Effect:
         source=f"{JIANG}, Eq. 7 and Fig. 10, with elastic unloading; {JENKINS}; {IWAN}; {MASING}",
         looks_like="force just after reversals changes along a straight line and then yields; rate-independent; "
         "k1 that falls with A",
-        imitated_by=("coulomb", "power_damping", "gap", "slip_spread", "bouc_wen", "directional_slip"),
+        imitated_by=(
+            "coulomb",
+            "power_damping",
+            "gap",
+            "slip_spread",
+            "bouc_wen",
+            "directional_slip",
+            "pressed_slip",
+        ),
         told_apart_by="a small cycle ridden on a large one: only memory closes a small loop with its own stiff slope",
         parameters=tuple(parameters),
         coefficients=tuple(coefficients),

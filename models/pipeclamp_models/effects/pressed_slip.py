@@ -43,7 +43,7 @@ EFFECT = Effect(
     parameters=(
         Parameter(
             z_0, "N", "slip force in the middle", tuple(share * F_typical for share in (0.02, 0.1, 0.1, 0.02)),
-            lower=0.0, upper=10 * F_typical, typical=0.05 * F_typical,
+            lower=0.0, upper=10 * F_typical, neutral=0.0, typical=0.05 * F_typical,
         ),
         Parameter(
             mu_p, "N/mm", "growth of the slip force over y > 0", tuple(each[0] * size for each in growths), lower=0.0,
