@@ -212,7 +212,8 @@ def _with_something_simpler(
     A part was taken while more was missing, which may have bent what it was chosen by.
     """
     parts = {rung.change.effect.removeprefix("+ ") for rung in ladder if rung.kind == "part"}
-    structure = tests.simpler_structure(file, parts.intersection(file.effects), progress)
+    present = parts.intersection(file.effects)
+    structure = tests.simpler_structure(file, present, progress) if present else None
     if structure is None:
         return None
     change = exchange(file, structure, tests, command=command, date=file.date, progress=progress)

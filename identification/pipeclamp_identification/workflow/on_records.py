@@ -197,7 +197,7 @@ class RecordTests:
         """Give a law with a simpler effect in the place of one, see `Tests.simpler_structure`."""
         from pipeclamp_identification.diagnosis.revision import ask_again, simpler_structure
 
-        return simpler_structure(ask_again(law_of(file), self.loops), names, progress) if names else None
+        return simpler_structure(ask_again(law_of(file), self.loops), names, progress)
 
     def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
         """Give a law with one thing exchanged that does better, see `Tests.better_structure`."""
