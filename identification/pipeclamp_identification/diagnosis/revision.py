@@ -146,8 +146,7 @@ def _act_alike(effect: Effect, other: str) -> bool:
     twin = find_effect(other) if other in entries() else None
     if twin is None:
         return False
-    near = (*effect.imitated_by, *effect.special_cases), (*twin.imitated_by, *twin.special_cases)
-    return twin.id in near[0] or effect.id in near[1]
+    return any(one.id in (*of.imitated_by, *of.special_cases) for one, of in ((twin, effect), (effect, twin)))
 
 
 def _on_another_base(asked: Asked, progress: Progress) -> list[Judged]:

@@ -14,7 +14,7 @@ from pipeclamp_identification.workflow.change import (
     as_well_without,
     exchange,
     stays_as_good,
-    without_a_spare,
+    without_spares,
 )
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
@@ -124,7 +124,7 @@ def add_until_settled(
             kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
             ladder.append(Rung(tried[-1], kind, (*_told(found, names, tried), *found.cautions())))
             file, name = tried[-1].after, names[len(tried) - 1]
-            while change := without_a_spare(file, name, tests, command=command, date=file.date, progress=progress):
+            for change in without_spares(file, name, tests, command=command, date=file.date, progress=progress):
                 ladder.append(Rung(change, "revision", (as_well_without(change, name),)))
                 gone.add(change.effect.removeprefix("- "))
                 file = change.after

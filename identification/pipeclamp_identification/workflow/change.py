@@ -88,19 +88,22 @@ def remove_effect(
     return _changed(file, new, f"- {effect}", tests, command=command, date=date, progress=progress)
 
 
-def without_a_spare(
+def without_spares(
     file: LawFile, keep: str, tests: Tests, *, command: str, date: str | None, progress: Progress = silent
-) -> Addition | None:
-    """Take out an effect that a law does as well without; None where each is needed; see `add_effect`.
+) -> list[Addition]:
+    """Take out, one after another, the effects that a law does as well without; give each step; see `add_effect`.
 
     Args:
         keep: the effect that was added last, which isn't asked.
     """
-    spare = tests.superfluous(file, keep, progress)
-    if spare is None:
-        return None
-    change = remove_effect(file, spare, tests, command=command, date=date, progress=progress)
-    return change if stays_as_good(change) else None
+    steps: list[Addition] = []
+    while (spare := tests.superfluous(file, keep, progress)) is not None:
+        change = remove_effect(file, spare, tests, command=command, date=date, progress=progress)
+        if not stays_as_good(change):
+            break
+        steps.append(change)
+        file = change.after
+    return steps
 
 
 def stays_as_good(change: Addition) -> bool:

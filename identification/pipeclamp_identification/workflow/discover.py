@@ -8,7 +8,7 @@ from pipeclamp_identification.discovery.discover import search
 from pipeclamp_identification.discovery.guards import Guard, passive
 from pipeclamp_identification.discovery.proposal import Proposal, refused, renamed, with_fitted
 from pipeclamp_identification.fitting.identify import software
-from pipeclamp_identification.workflow.change import Addition, add_effect, without_a_spare
+from pipeclamp_identification.workflow.change import add_effect, without_spares
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
@@ -62,11 +62,8 @@ def discover(
     whole = Guard("on all tests", after < before, f"on left-out conditions of all tests {before:.2%} -> {after:.2%}")
     if not whole.passed:
         return refused(proposal, whole)
-    spare: list[Addition] = []
-    law = added.after
-    while change := without_a_spare(law, term.id, tests, command=command, date=file.date, progress=progress):
-        spare.append(change)
-        law = change.after
+    steps = [added, *without_spares(added.after, term.id, tests, command=command, date=file.date, progress=progress)]
+    law = steps[-1].after
     energy = passive(law, file)
     if not energy.passed:
         return refused(proposal, energy)
@@ -74,6 +71,6 @@ def discover(
     declaration = with_fitted(term, law, source)
     others = tuple(one for one in law.declared if one.id != term.id)
     law = law.model_copy(update={"declared": (*others, declaration)})
-    heldout = (before, spare[-1].heldout[1] if spare else after)
-    gone = tuple(change.effect.removeprefix("- ") for change in spare)
+    heldout = (before, steps[-1].heldout[1])
+    gone = tuple(change.effect.removeprefix("- ") for change in steps[1:])
     return Proposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)
