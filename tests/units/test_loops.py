@@ -12,6 +12,7 @@ from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.loops.loops import displacement_on_grid, loops_of, on_grid, per_cycle
+from pipeclamp_identification.signals.harmonics import cycle_harmonics
 
 Y = np.array([0.03, 0.8, 0.004 + 0.001j, -0.006j, 0.0, 0.002])
 F = np.array([-12.0, 2000.0 + 400.0j, 8.0 - 3.0j, 60.0 + 90.0j, 0.5j, 20.0 + 30.0j, 0.0, 9.0j])
@@ -31,6 +32,23 @@ def test_harmonics_are_exact_without_noise(harmonic_record, loops_from, cycles, 
     np.testing.assert_allclose(loops.displacement[0, :6], Y, atol=1e-6 * 0.8)
     np.testing.assert_allclose(loops.force[0, :8], F, atol=1e-6 * 2000)
     assert loops.noise_rms_N[0] < 1e-3
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+@pytest.mark.parametrize("samples", [50.31, 481.7])
+def test_each_of_many_cycles_has_its_own_harmonics(samples, jitter):
+    step = 2 * np.pi / samples
+    late = np.random.default_rng(3).uniform(-jitter, jitter, round(40 * samples))
+    phase = 0.4 + step * (np.arange(len(late)) + late)
+    bounds = np.searchsorted(phase - 0.4, 2 * np.pi * np.arange(40) - step / 2)
+    cycle = np.searchsorted(bounds, np.arange(bounds[-1]), side="right") - 1
+    harmonics = (1 + 0.1 * cycle[:, None]) * F
+    x = np.sum((harmonics * np.exp(1j * np.outer(phase[: bounds[-1]], np.arange(len(F))))).real, axis=1)
+    found = cycle_harmonics(phase[: bounds[-1]], bounds, [x, -2 * x], len(F) - 1)
+    expected = (1 + 0.1 * np.arange(39))[:, None] * F
+    # means of neighbours reach over the edges of cycles, which differ by a tenth here
+    tolerance = 1e-9 if samples < 100 or jitter else 0.02
+    np.testing.assert_allclose(found, [expected, -2 * expected], atol=tolerance * 2000)
 
 
 def test_one_cycle_alone_serves(harmonic_record, loops_from):

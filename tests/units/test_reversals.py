@@ -51,6 +51,18 @@ def test_the_sign_that_a_sample_at_the_reversal_happens_to_show_changes_nothing(
     assert loops.noise_rms_N[0] < 0.05
 
 
+@pytest.mark.parametrize("samples", [50.0, 50.003, 50.37])
+def test_a_long_record_shows_its_sampling_in_some_of_its_cycles(run_of, campaign_of, samples):
+    time = np.arange(round(400 * samples)) / samples
+    y, sign = np.cos(2 * np.pi * time), -np.sign(np.sin(2 * np.pi * time + 1e-9))
+    loops = loops_of(campaign_of(run_of(Record(time, y, 1000.0 * y + 100.0 * sign), "long")))
+    observations = loop_observations(loops)
+    residual = observations.plain_residual(force_of_law(FRICTION, observations.motion))
+    unaware = harmonics_of(force_of_law(FRICTION, observations.motion).force, 20) - observations.harmonics
+    seen = observations.seen
+    assert np.max(np.abs(residual[seen])) < 0.2 * np.max(np.abs(unaware[seen]))
+
+
 def test_what_is_linear_on_both_sides_of_a_step_is_told_where_the_step_is():
     phase = np.arange(200) * (6 * np.pi / 200) - 0.03
     at = bridged(np.array([0.0, 1.0 + 0j]), phase, 200 / 3, 0)

@@ -32,6 +32,8 @@ RIDING_ORDER = 20
 FEWEST_SAMPLES = 8
 # samples per cycle with which amplitude, mean and a rough frequency are known well enough
 SAMPLES_ENOUGH = 128
+# and of many cycles, with which the sine is found that they are split by
+SAMPLES_OF_MANY, MANY = 16, 20
 # the widest gap in time, in cycles, across which the loop's shape is still known
 WIDEST_GAP = 0.25
 
@@ -99,6 +101,8 @@ def find_cycles(record: Record) -> Cycles:
     stride = max(1, int(1.0 / (SAMPLES_ENOUGH * frequency * interval)))
     first, last = _steady_samples(time[::stride], y[::stride], frequency, interval * stride)
     first, last = first * stride, min(last * stride, len(time))
+    if frequency * (time[last - 1] - time[first]) > MANY:
+        stride = max(1, int(1.0 / (SAMPLES_OF_MANY * frequency * interval)))
     frequency, rest = _fitted_sine(time[first:last:stride], y[first:last:stride], frequency)
     _require_vibration(y, frequency, rest)
     bounds = first + _bounds(time[first:last], frequency, interval)

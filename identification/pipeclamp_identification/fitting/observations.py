@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.campaign.smoothing import averaged
+from pipeclamp_identification.loops.loop import cycle_starts
 from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
 from pipeclamp_identification.signals.harmonics import phasor_powers
 from pipeclamp_identification.signals.reversals import Bridged
@@ -33,6 +34,9 @@ GRID_ERROR = 10.0
 """Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
 GRID_NOISE_SHARE = 0.05
 """What the points err by is less than this share of the scatter: half of what is worth an effect."""
+
+MOST_SAMPLES = 5000
+"""Of a record, in cycles spread over it, that show its sampling: more of them lie at much the same phases."""
 
 Rows = npt.NDArray[np.intp]
 
@@ -121,6 +125,18 @@ def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: 
     return np.asarray(transform + interpolation[:, near] @ weighted - transform @ followed)
 
 
+def _in_some_cycles(phase: Array, at_reversals: Bridged) -> tuple[Array, Bridged]:
+    """Give the phases and bridged samples of as many whole cycles, spread over a record, as show its sampling."""
+    starts = cycle_starts(phase)
+    cycles = len(starts) - 1
+    enough = max(MOST_SAMPLES * cycles // len(phase), 1)
+    if cycles <= enough:
+        return phase, at_reversals
+    chosen = np.linspace(0, cycles - 1, enough).round().astype(np.intp)
+    samples = np.concatenate([np.arange(starts[cycle], starts[cycle + 1]) for cycle in chosen.tolist()])
+    return phase[samples], at_reversals.in_cycles(starts, chosen)
+
+
 def _transforms(loops: Loops, samples: int) -> Array | None:
     """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
     few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=True)]
@@ -132,7 +148,8 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
 
     def fill(row: int) -> None:
         carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row, 1:])))
-        own[row, :, : 2 * carried + 1] = sampled_transform(loops.phases[row], loops.at_reversals[row], samples, carried)
+        shown = _in_some_cycles(loops.phases[row], loops.at_reversals[row])
+        own[row, :, : 2 * carried + 1] = sampled_transform(*shown, samples, carried)
 
     rows: list[int] = np.flatnonzero(few).tolist()
     with one_thread():

@@ -16,8 +16,12 @@ from pipeclamp_models.base.arrays import Array, ComplexArray, IntArray
 # points in a cycle, and in a period of the highest harmonic, with which a fit is as good as with more
 POINTS_PER_CYCLE = 160
 POINTS_PER_PERIOD = 8
-# samples are equally spaced when no spacing differs by more than this share, as times printed with few digits do
+# neighbours are equally spaced when no spacing differs by more than this share
 EVEN = 0.01
+# cycles and harmonics from which on one basis for all cycles takes less time than sums over each
+MANY_CYCLES, MANY_HARMONICS = 16, 4
+# samples lie on a line when none is off it by more than this share of a step, as times printed with few digits do
+ON_A_LINE = 1e-3
 
 
 def unit_phasor(phase: Array) -> ComplexArray:
@@ -91,16 +95,33 @@ def cycle_harmonics(phase: Array, bounds: IntArray, channels: Sequence[Array], c
     Returns:
         (channels, cycles, count + 1) complex; X_0 is real, the mean.
     """
-    width = int(np.min(np.diff(bounds))) // max(POINTS_PER_CYCLE, POINTS_PER_PERIOD * count)
-    step, gaps = (phase[-1] - phase[0]) / max(len(phase) - 1, 1), np.diff(phase)
-    if width < 2 or max(np.max(gaps) - step, step - np.min(gaps)) > EVEN * step:
-        return _fitted(phase, bounds, channels, count)
-    fitted = _fitted(
-        _means(phase, width), (bounds + width // 2) // width, [_means(samples, width) for samples in channels], count
-    )
-    half_angle = np.arange(1, count + 1) * step / 2
-    fitted[:, :, 1:] *= width * np.sin(half_angle) / np.sin(width * half_angle)
+    width = max(1, int(np.min(np.diff(bounds))) // max(POINTS_PER_CYCLE, POINTS_PER_PERIOD * count))
+    step = float(phase[-1] - phase[0]) / max(len(phase) - 1, 1)
+    if len(bounds) > MANY_CYCLES and count >= MANY_HARMONICS and _on_a_line(phase, step):
+        begin = float(phase[0]) + (width - 1) * step / 2
+        fitted = _fitted_evenly(begin, width * step, *_in_means(bounds, channels, width), count)
+    elif width > 1 and np.max(np.abs(np.diff(phase) - step)) <= EVEN * step:
+        fitted = _fitted_anywhere(_means(phase, width), *_in_means(bounds, channels, width), count)
+    else:
+        return _fitted_anywhere(phase, bounds, channels, count)
+    if width > 1:
+        half_angle = np.arange(1, count + 1) * step / 2
+        fitted[:, :, 1:] *= width * np.sin(half_angle) / np.sin(width * half_angle)
     return fitted
+
+
+def _on_a_line(phase: Array, step: float) -> bool:
+    """Tell whether no phase is off the line of this step by more than `ON_A_LINE`."""
+    off = phase - (phase[0] + step * np.arange(len(phase)))
+    return bool(max(np.max(off), -np.min(off)) <= ON_A_LINE * step)
+
+
+def _in_means(bounds: IntArray, channels: Sequence[Array], width: int) -> tuple[IntArray, list[Array]]:
+    """Return the bounds and channels of means of `width` neighbours each."""
+    if width == 1:
+        return bounds, list(channels)
+    means = [_means(samples, width) for samples in channels]
+    return np.minimum((bounds + width // 2) // width, len(means[0])), means
 
 
 def _means(samples: Array, width: int) -> Array:
@@ -109,8 +130,31 @@ def _means(samples: Array, width: int) -> Array:
     return np.asarray(samples[: whole * width].reshape(whole, width) @ np.full(width, 1 / width), dtype=np.float64)
 
 
-def _fitted(phase: Array, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
-    """Fit each cycle's harmonics.
+def _fitted_evenly(begin: float, step: float, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
+    """Fit each cycle's harmonics to samples at the phases begin, begin + step, ...
+
+    About the middle of a cycle its samples lie the same way as those of any other cycle with as many. So one basis
+    serves them all, in which cosines and sines are orthogonal to each other; then each cycle's harmonics are turned to
+    its own phase.
+    """
+    lengths, order = np.diff(bounds), np.arange(count + 1)
+    harmonics = np.empty((len(channels), len(lengths), count + 1), dtype=np.complex128)
+    for length in set(lengths.tolist()):
+        alike = np.flatnonzero(lengths == length)
+        powers = phasor_powers(step * (np.arange(length) - (length - 1) / 2), count)
+        cosines, sines = np.concatenate([np.ones((1, length)), powers.real]), powers.imag
+        samples = np.stack(channels)[:, bounds[alike, None] + np.arange(length)].reshape(-1, length).T
+        found = np.zeros((count + 1, samples.shape[1]), dtype=np.complex128)
+        found.real = np.linalg.solve(cosines @ cosines.T, cosines @ samples)
+        found.imag[1:] = -np.linalg.solve(sines @ sines.T, sines @ samples)
+        harmonics[:, alike] = found.T.reshape(len(channels), len(alike), count + 1)
+    middle = begin + step * (bounds[:-1] + (lengths - 1) / 2)
+    harmonics *= np.exp(-1j * np.outer(middle, order))
+    return harmonics
+
+
+def _fitted_anywhere(phase: Array, bounds: IntArray, channels: Sequence[Array], count: int) -> ComplexArray:
+    """Fit each cycle's harmonics to samples that lie anywhere.
 
     The normal equations of all harmonics need only the sums of exp(i k phase), k = 0..2 count, because a product of two
     harmonics is a sum of two others.
