@@ -10,10 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.campaign.smoothing import averaged
-from pipeclamp_identification.loops.loop import cycle_starts
 from pipeclamp_identification.loops.loops import Loops, displacement_on_grid, on_grid
-from pipeclamp_identification.signals.harmonics import phasor_powers
-from pipeclamp_identification.signals.reversals import Bridged
+from pipeclamp_identification.signals.sampled_transform import sampled_transform
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
@@ -34,9 +32,6 @@ GRID_ERROR = 10.0
 """Times 1/points^2, the share of the force by which few points err: that of elements that slip, 6e-4 for 128."""
 GRID_NOISE_SHARE = 0.05
 """What the points err by is less than this share of the scatter: half of what is worth an effect."""
-
-MOST_SAMPLES = 5000
-"""Of a record, in cycles spread over it, that show its sampling: more of them lie at much the same phases."""
 
 Rows = npt.NDArray[np.intp]
 
@@ -86,57 +81,6 @@ def harmonic_slopes(law_force: LawForce, count: int, parameters: Rows) -> Array:
     return known_jacobian(law_force).through(lambda forces: harmonics_of(forces, count), parameters)
 
 
-def sampled_transform(phase: Array, at_reversals: Bridged, samples: int, count: int) -> Array:
-    """Give the matrix that turns a force on the grid into harmonics as a record's own sampling would show them.
-
-    A force with a step at its reversals has harmonics far beyond those that are kept; where a record has few samples a
-    cycle, always at the same phases, they fold down onto the low ones. A law must be seen through the same sampling.
-
-    Args:
-        phase: of each sample within the cycle, rad, shape (N,).
-        at_reversals: the samples that were bridged in the record.
-        samples: points of the grid, n.
-        count: highest harmonic.
-
-    Returns:
-        shape (n, 2 count + 1), ordered as `harmonics_of`.
-    """
-    # Most records have samples enough to do without it.
-    from scipy import sparse
-
-    powers = phasor_powers(phase, count)
-    basis = np.empty((len(phase), 2 * count + 1))
-    basis[:, 0] = 1.0
-    basis[:, 1::2] = powers.real.T
-    basis[:, 2::2] = -powers.imag.T
-    place = (phase % (2 * np.pi)) * (samples / (2 * np.pi))
-    left = np.floor(place).astype(np.intp) % samples
-    share = place - np.floor(place)
-    points = np.stack([left, (left + 1) % samples], axis=1)
-    weights = np.stack([1 - share, share], axis=1)
-    ends = np.arange(0, 2 * len(phase) + 1, 2)
-    interpolation = sparse.csc_array((weights.ravel(), points.ravel(), ends), shape=(samples, len(phase)))
-    transform = np.linalg.solve(basis.T @ basis, (interpolation @ basis).T).T
-    sums = np.where(np.arange(basis.shape[1]) > 0, 2.0, 1.0) * basis[at_reversals.sample] / len(phase)
-    # what bridging changes is linear in what the harmonics leave over, of each grid point's own samples and of the fit
-    near = at_reversals.places.ravel()
-    weighted = (at_reversals.weights[:, :, None] * sums).reshape(len(near), -1)
-    followed = at_reversals.change(basis[near].T.reshape(basis.shape[1], 3, -1)) @ sums
-    return np.asarray(transform + interpolation[:, near] @ weighted - transform @ followed)
-
-
-def _in_some_cycles(phase: Array, at_reversals: Bridged) -> tuple[Array, Bridged]:
-    """Give the phases and bridged samples of as many whole cycles, spread over a record, as show its sampling."""
-    starts = cycle_starts(phase)
-    cycles = len(starts) - 1
-    enough = max(MOST_SAMPLES * cycles // len(phase), 1)
-    if cycles <= enough:
-        return phase, at_reversals
-    chosen = np.linspace(0, cycles - 1, enough).round().astype(np.intp)
-    samples = np.concatenate([np.arange(starts[cycle], starts[cycle + 1]) for cycle in chosen.tolist()])
-    return phase[samples], at_reversals.in_cycles(starts, chosen)
-
-
 def _transforms(loops: Loops, samples: int) -> Array | None:
     """Give each run its transform, shape (R, n, m); None where all have many samples a cycle that nothing smoothed."""
     few = [len(phase) < FEW_SAMPLES * len(cycles) for phase, cycles in zip(loops.phases, loops.cycles, strict=True)]
@@ -148,8 +92,7 @@ def _transforms(loops: Loops, samples: int) -> Array | None:
 
     def fill(row: int) -> None:
         carried = int(np.count_nonzero(np.isfinite(loops.force_standard_error[row, 1:])))
-        shown = _in_some_cycles(loops.phases[row], loops.at_reversals[row])
-        own[row, :, : 2 * carried + 1] = sampled_transform(*shown, samples, carried)
+        own[row, :, : 2 * carried + 1] = sampled_transform(loops.phases[row], loops.at_reversals[row], samples, carried)
 
     rows: list[int] = np.flatnonzero(few).tolist()
     with one_thread():

@@ -99,8 +99,9 @@ class Loop:
         """Give the loop of each of its cycles; standard errors are those of a single cycle."""
         count = len(self.cycles)
         displacement = self.displacement_per_cycle * (self.displacement != 0)
-        starts = cycle_starts(self.phases)
-        for index, (first, last) in enumerate(itertools.pairwise(starts.tolist())):
+        # each cycle begins where the phase within the cycle falls back
+        starts = [0, *(np.flatnonzero(np.diff(self.phases) < -np.pi) + 1).tolist(), len(self.phases)]
+        for index, (first, last) in enumerate(itertools.pairwise(starts)):
             yield replace(
                 self,
                 displacement=displacement[index],
@@ -111,13 +112,8 @@ class Loop:
                 displacement_per_cycle=displacement[index : index + 1],
                 force_per_cycle=self.force_per_cycle[index : index + 1],
                 phases=self.phases[first:last],
-                at_reversals=self.at_reversals.in_cycles(starts, np.array([index])),
+                at_reversals=self.at_reversals.within(first, last),
             )
-
-
-def cycle_starts(phases: Array) -> IntArray:
-    """Give the places of each cycle's first sample, and of the one after the last: where the phase falls back."""
-    return np.concatenate([[0], np.flatnonzero(np.diff(phases) < -np.pi) + 1, [len(phases)]])
 
 
 def loop_of(run: Run, condition_columns: Sequence[str], harmonics: int, displacement_average: float) -> Loop:

@@ -168,11 +168,20 @@ def _fitted_anywhere(phase: Array, bounds: IntArray, channels: Sequence[Array], 
     for c, samples in enumerate(channels):
         moments[c, :, 0] = np.add.reduceat(samples, starts)
         moments[c, :, 1:] = np.add.reduceat(samples * powers[:count], starts, axis=1).T
-    return _solve(sums, moments, count)
+    return solved(sums, moments, count)
 
 
-def _solve(sums: ComplexArray, moments: ComplexArray, count: int) -> ComplexArray:
-    """Solve the normal equations in the real basis 1, cos n phase, -sin n phase."""
+def solved(sums: ComplexArray, moments: ComplexArray, count: int) -> ComplexArray:
+    """Solve the normal equations of harmonics, in the real basis 1, cos n phase, -sin n phase.
+
+    Args:
+        sums: of exp(i k phase) over each cycle's samples, k = 0..2 count, (cycles, 2 count + 1).
+        moments: sums of channels times exp(i n phase), n = 0..count, (channels, cycles, count + 1).
+        count: the highest harmonic.
+
+    Returns:
+        (channels, cycles, count + 1) complex, as of `cycle_harmonics`.
+    """
     difference, total = _products(count)
     parts = np.concatenate([sums.real, sums.imag, -sums.real, -sums.imag], axis=1)
     gram = parts.take(difference, axis=1) + parts.take(total, axis=1)

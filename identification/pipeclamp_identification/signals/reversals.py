@@ -37,20 +37,10 @@ class Bridged:
         """Places of the samples themselves, shape (K,)."""
         return np.asarray(self.places[1])
 
-    def in_cycles(self, starts: IntArray, chosen: IntArray) -> Bridged:
-        """Give those of some whole cycles, one after another, each of which begins and ends with itself.
-
-        Args:
-            starts: places of the first sample of each cycle, and of the one after the last, shape (C + 1,).
-            chosen: cycles, ascending.
-        """
-        lengths = np.diff(starts)
-        begins = np.zeros(len(lengths), dtype=np.intp)
-        begins[chosen] = np.cumsum(lengths[chosen]) - lengths[chosen]
-        cycle = np.searchsorted(starts, self.sample, side="right") - 1
-        inside = np.isin(cycle, chosen)
-        cycle = cycle[inside]
-        places = begins[cycle] + (self.places[:, inside] - starts[cycle]) % lengths[cycle]
+    def within(self, first: int, last: int) -> Bridged:
+        """Give those of one whole cycle, of samples `first` to `last` - 1, that begins and ends with itself."""
+        inside = slice(*np.searchsorted(self.sample, (first, last)))
+        places = (self.places[:, inside] - first) % (last - first)
         return Bridged(places, self.before[inside], self.yielding[inside])
 
     def between(self, error: Array) -> Array:
