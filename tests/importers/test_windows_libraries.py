@@ -1,0 +1,88 @@
+"""The libraries for Windows, in a host for Windows under Wine, give what those for Linux give."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from pipeclamp_fmu.build import build_native_clamp, build_native_pipe
+from pipeclamp_fmu.native.compiler import PLATFORMS
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
+
+pytest.importorskip("ziglang", reason="ziglang isn't installed: pip install 'pipeclamp[native]'")
+WINE = shutil.which("wine") or shutil.which("wine64")
+if WINE is None:
+    pytest.skip("Wine isn't installed: apt-get install wine64", allow_module_level=True)
+
+LAST_DIGITS = 1e-12
+"""The mathematics libraries of Linux and Windows differ in the last digit of a power."""
+STEP, STEPS = 1e-4, 3000
+
+
+@pytest.fixture(scope="module")
+def hosts(tmp_path_factory):
+    """Give how the host is begun, by platform."""
+    folder = tmp_path_factory.mktemp("hosts")
+    headers, source = Path(fmpy.__file__).parent / "c-code", Path(__file__).with_name("windows_host.c")
+    begun = {"linux64": [], "win64": [WINE]}
+    for platform, command in begun.items():
+        host = folder / f"host_{platform}.exe"
+        zig = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].zig, "-O2", f"-I{headers}"]
+        subprocess.run([*zig, str(source), "-o", str(host)], check=True)
+        command.append(str(host))
+    return begun
+
+
+@pytest.fixture(scope="module")
+def wine_prefix(tmp_path_factory):
+    """Give what Wine keeps, made anew."""
+    return {**os.environ, "WINEPREFIX": str(tmp_path_factory.mktemp("wine") / "prefix"), "WINEDEBUG": "-all"}
+
+
+def outputs_of(fmu, platform, begun, folder, environment, inputs, outputs, motion):
+    """Give an FMU's outputs, (steps, outputs), along a motion, (steps, inputs), with its library for a platform."""
+    unpacked = Path(fmpy.extract(str(fmu), unzipdir=str(folder / f"{fmu.stem}_{platform}")))
+    description = fmpy.read_model_description(str(fmu))
+    references = {variable.name: str(variable.valueReference) for variable in description.modelVariables}
+    name = description.coSimulation.modelIdentifier + PLATFORMS[platform].ending
+    command = [*begun, str(unpacked / "binaries" / platform / name), description.guid]
+    command += [(unpacked / "resources").as_uri(), str(STEP)]
+    command += [",".join(references[variable] for variable in chosen) for chosen in (inputs, outputs)]
+    text = "\n".join(" ".join(map(repr, row)) for row in motion.tolist())
+    done = subprocess.run(command, input=text, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return np.array([[float(number) for number in line.split()] for line in done.stdout.split("\n") if line.strip()])
+
+
+def assert_alike(fmu, hosts, folder, environment, inputs, outputs, motion):
+    """Hold the library for Windows against the one for Linux."""
+    linux, windows = (
+        outputs_of(fmu, platform, hosts[platform], folder, environment, inputs, outputs, motion)
+        for platform in ("linux64", "win64")
+    )
+    assert linux.shape == (STEPS, len(outputs))
+    assert np.all(np.ptp(linux, axis=0) > 0)
+    np.testing.assert_allclose(windows, linux, rtol=LAST_DIGITS, atol=LAST_DIGITS * np.max(np.abs(linux)))
+
+
+def test_a_clamp_with_memory_is_the_same_under_windows(law_with_memory, hosts, wine_prefix, tmp_path):
+    fmu = tmp_path / "clamp.fmu"
+    build_native_clamp(law_with_memory, fmu, platforms=["linux64", "win64"])
+    omega, time = 2 * np.pi * 6.0, STEP * np.arange(1, STEPS + 1)
+    motion = 5e-4 * np.column_stack([np.sin(omega * time), omega * np.cos(omega * time)])
+    assert_alike(fmu, hosts, tmp_path, wine_prefix, ["flange.s", "flange.v"], ["flange.f"], motion)
+
+
+def test_a_pipe_is_the_same_under_windows(pipe_text, hosts, wine_prefix, tmp_path):
+    fmu = tmp_path / "pipe.fmu"
+    build_native_pipe(reduce(parse_pipe(pipe_text("pipe"))), fmu, platforms=["linux64", "win64"])
+    time = STEP * np.arange(1, STEPS + 1)
+    motion = np.column_stack([30.0 * np.sin(50.0 * time), -20.0 * np.sin(90.0 * time)])
+    forces, places = ["clamp1.f", "clamp2.f"], ["clamp1.s", "clamp2.s"]
+    assert_alike(fmu, hosts, tmp_path, wine_prefix, forces, places, motion)
