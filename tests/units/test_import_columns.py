@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import shlex
+
 import numpy as np
 import pytest
 
-from pipeclamp_identification.importing.columns import map_columns, parse_columns, refuse_open_questions
+from pipeclamp_identification.importing.columns import (
+    map_columns,
+    parse_columns,
+    refuse_open_questions,
+    unused_words,
+)
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.units.stated import conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -73,7 +80,11 @@ def test_channels_are_found(headings, option, expected):
             "",
             r"2 channels may be the displacement.*\n.*--columns",
         ),
-        (["Time (s)", "y (mm)", "Load (V)"], "", "no channel is called a force or is in a unit of one"),
+        (["Time (s)", "y (mm)", "Ch3 (V)"], "", "no channel is called a force or is in a unit of one"),
+        (["Time (s)", "y (mm)", "Load (V)"], "", r"'V' is no unit of force: .*force=Load \(V\) \[1 N\]"),
+        (["Time (s)", "y (mm)", "Load [foo]"], "", r"no known unit is stated of 'Load \[foo\]'"),
+        (["Time (s)", "y (mm)", "Load [mm]"], "", "'Load .mm.' is called a force, but 'mm' is a unit of displacement"),
+        (["y (mm)", "Load (N)", "T [°C]"], "", "--rate 1000"),
         (["Time (s)", "y (mm)", "Load (V)"], "force=Load (V)", "'V' is no unit of force"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
@@ -91,10 +102,34 @@ def test_a_statement_that_makes_no_sense_is_refused(option):
         parse_columns(option)
 
 
-def test_the_ready_option_serves():
-    """What an error proposes is taken as it stands."""
-    headings = ["Zeit", "Weg, links", "Kraft"]
+@pytest.mark.parametrize(
+    ("headings", "force"),
+    [
+        (["Zeit", "Weg, links", "Kraft"], ("Kraft", 1.0)),
+        (["Time [s]", "Displacement [N]", "Force [N]"], ("Force [N]", 1.0)),
+        (["Time [s]", "Displacement [mm]", "Force [mm]"], ("Force [mm]", 1.0)),
+        (["Time [s]", "Displacement [N]", "Force [mm]"], ("Force [mm]", 1.0)),
+        (["Time [s]", "Stroke [mm]", "Load [V]"], ("Load [V]", 1.0)),
+        (["Time [s]", "Stroke [mm]", "Load [1/[current_A]]"], ("Load [1/[current_A]]", 1.0)),
+        (["A", "B", "C"], ("C", 1.0)),
+        (["Time [s]", 'Weg "links"', "Kraft $1"], ("Kraft $1", 1.0)),
+        (["Time [s]", "y (mm)", "Load (N)", "Temperatur [V]"], ("Load (N)", 1.0)),
+        (["Cycle", "A", "B [mm]", "C [N]"], ("C [N]", 1.0)),
+    ],
+)
+def test_the_ready_option_serves(headings, force):
+    """What an error proposes is taken as a shell gives it."""
     with pytest.raises(UserError) as refused:
         found(headings)
-    option = str(refused.value).split('"')[1]
-    assert found(headings, option)["force"] == ("Kraft", 1.0)
+    lines = str(refused.value).splitlines()
+    (option,) = (shlex.split(line)[1] for line in lines if line.strip().startswith("--columns"))
+    assert found(headings, option)["force"] == force
+
+
+def test_channels_that_are_not_used_are_told_with_what_keeps_one():
+    headings = ["Time [s]", "y [mm]", "F [N]", "Command [mm]", "Density [kg/m3]", "Spulenstrom, soll [A]"]
+    mapped = map_columns(table(*headings))
+    words = unused_words(["a.csv", "b.csv"], headings[3:], mapped)
+    assert words.startswith("a.csv and 1 more: not used: 'Command [mm]', 'Density [kg/m3]'")
+    assert shlex.split(words)[-1] == "measured_density_kg_m3=Density [kg/m3]"
+    assert parse_columns(shlex.split(words)[-1])

@@ -9,9 +9,10 @@ import pytest
 from exports import RATE, Loop, loop, text
 
 import pipeclamp as pc
-from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.importing import importer
 from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
+from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.repair import evened, without_spikes
 from pipeclamp_identification.importing.samples.split import split
 from pipeclamp_models.base.errors import UsageError, UserError
@@ -73,6 +74,44 @@ def test_time_that_begins_anew_and_gaps_part_runs():
 
 def record(run: Loop) -> Record:
     return Record(run.time, run.y, run.force)
+
+
+def blank(run: Loop, *rows: tuple[int, int]) -> Record:
+    force = run.force.copy()
+    for first, last in rows:
+        force[first:last] = np.nan
+    return Record(run.time, run.y, force)
+
+
+def test_short_rows_of_blanks_are_bridged_and_long_ones_cut_off():
+    run = loop(0.5, 2.0, cycles=20)
+
+    def whole(*rows):
+        return without_blanks(blank(run, *rows), lambda sample: sample + 8)
+
+    assert without_blanks(record(run), int).record.force_N is run.force
+    short = whole((500, 503))
+    assert (short.first, short.last) == (0, len(run.time))
+    assert np.max(np.abs(short.record.force_N - run.force)) < 30
+    assert short.told == ("3 blank samples in force_N: replaced by straight lines",)
+    # many, but each row far shorter than a cycle: a channel of half the rate
+    assert whole(*((place, place + 1) for place in range(1, 1999, 2))).last == len(run.time)
+    # no cycle is made of a straight line, though the share of blanks is small
+    assert (whole((500, 560)).first, whole((500, 560)).last) == (560, len(run.time))
+    assert "60 samples are blank in force_N, the first in row 508" in whole((500, 560)).told[0]
+    # nor is what lies beyond the first sample made up
+    assert (whole((0, 3)).first, whole((0, 3)).last) == (3, len(run.time))
+    with pytest.raises(UnusableRecord, match="the first in row 18"):
+        whole(*((place, place + 15) for place in range(10, 2000, 50)))
+
+
+def test_a_temperature_that_is_written_now_and_then_counts():
+    run = loop(0.5, 2.0)
+    temperature = np.where(np.arange(len(run.time)) % 100 == 0, 80.0, np.nan)
+    found = without_blanks(replace(record(run), temperature_C=temperature), int).record
+    assert np.all(found.temperature_C == 80)
+    none = without_blanks(replace(record(run), temperature_C=np.full(len(run.time), np.nan)), int).record
+    assert none.temperature_C is None
 
 
 def test_spikes_are_replaced_and_told_and_loops_left_alone():
@@ -193,6 +232,33 @@ def test_conditions_come_from_a_table_and_from_channels(tmp_path):
     (read,) = pc.read_campaign(tmp_path / "d").tests.campaign.runs
     assert read.temperature_C == pytest.approx(27.0)
     assert read.conditions == pytest.approx({"current_A": 0.25})
+
+
+@pytest.mark.parametrize(
+    ("rows", "temperature", "amplitude"),
+    [
+        ("file,temperature_K,amplitude_um\nx.csv,300.15,500", 27.0, 0.5),
+        ("File;Temperatur [°F];Amplitude (mm)\nx;80,6;0,5", 27.0, 0.5),
+        ("run\tTemperature\tAmplitude\n\tK\tm\nx\t300.15\t0.0005", 27.0, 0.5),
+    ],
+)
+def test_a_table_of_conditions_states_its_units_by_names_or_a_row(tmp_path, rows, temperature, amplitude):
+    (tmp_path / "x.csv").write_text(text(loop()))
+    (tmp_path / "set.csv").write_text(rows + "\n")
+    pc.import_files(tmp_path / "x.csv", tmp_path / "c", conditions=tmp_path / "set.csv")
+    (read,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    assert (read.temperature_C, read.amplitude_mm) == pytest.approx((temperature, amplitude))
+
+
+def test_a_table_of_conditions_that_meets_no_run_is_told(tmp_path):
+    (tmp_path / "x.csv").write_text(text(loop()))
+    (tmp_path / "set.csv").write_text("file,temperature_C\nX1.csv,20\n")
+    notes = pc.import_files(tmp_path / "x.csv", tmp_path / "c", conditions=tmp_path / "set.csv").notes
+    assert "no run here is called, nor from a file that is called, 'X1.csv'" in notes[0]
+    assert "says nothing of 1 of 1 runs: x" in notes[1]
+    (tmp_path / "set.csv").write_text("file,temperature\nx.csv,20\n")
+    with pytest.raises(UserError, match="expected 'temperature_C', or its unit behind it in brackets"):
+        pc.import_files(tmp_path / "x.csv", tmp_path / "d", conditions=tmp_path / "set.csv")
 
 
 def contents(folder):

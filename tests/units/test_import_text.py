@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+from dataclasses import replace
 
 import numpy as np
 import polars as pl
@@ -78,6 +79,62 @@ def test_blocks_of_numbers_become_tables(tmp_path):
     tables = read_file(path).tables
     assert [table.length for table in tables] == [len(one.time), len(other.time)]
     assert tables[1].first_row == tables[0].first_row + len(one.time) + 2
+
+
+@pytest.mark.parametrize(
+    ("names", "rows", "units"),
+    [
+        ("Time;Disp;Force;Coil", ["s;mm;N;foo"], ["s", "mm", "N", "foo"]),
+        ("Time;Disp;Force;Coil", ["s;mm;N;1/[current_A]"], ["s", "mm", "N", "1/[current_A]"]),
+        ("Time;Disp;Force;Coil", ["(s);(mm);(bar x);(A)"], ["s", "mm", "bar x", "A"]),
+        ("Time;Disp;Force;Coil", ["s;mm;N;A", "double;double;double;double"], ["s", "mm", "N", "A"]),
+        ("s;mm;N;A", ["Time;Disp;Force;Coil"], ["s", "mm", "N", "A"]),
+        ("Machine 7;;;", ["Time;Disp;Force;Coil"], [""] * 4),
+        ("Machine 7;;;", ["t;y;F;T"], [""] * 4),
+    ],
+)
+def test_a_row_of_units_is_one_though_nobody_knows_one_of_them(tmp_path, names, rows, units):
+    path = tmp_path / "a.csv"
+    body = "\n".join(f"{0.01 * row:.2f};{row % 7};{row % 5};1" for row in range(50))
+    path.write_text("\n".join([names, *rows, body]))
+    channels = read_file(path).tables[0].channels
+    assert [channel.unit for channel in channels] == units
+    assert [channel.name for channel in channels] in (["Time", "Disp", "Force", "Coil"], ["t", "y", "F", "T"])
+
+
+def with_cells(run, cells, **options):
+    """Give a run as a text in which some cells of force are others, by the sample that they belong to."""
+    lines = text(run, names="Time [s];Weg [mm];Kraft [N]", header="", scales=(1, 1, 1), **options).splitlines()
+    for sample, cell in cells.items():
+        lines[sample + 1] = ";".join([*lines[sample + 1].split(";")[:2], cell])
+    return "\n".join(lines) + "\n"
+
+
+def test_text_among_numbers_is_told_with_column_row_and_what_stands_there(tmp_path):
+    path, run = tmp_path / "a.csv", loop()
+    path.write_text(with_cells(run, {100: "OVLD"}))
+    found = pc.import_files(path, tmp_path / "c", dry_run=True)
+    assert any("column 'Kraft [N]' holds text for a number, 'OVLD' in row 102" in note for note in found.notes)
+    path.write_text(with_cells(run, {sample: "OVLD" for sample in range(600) if abs(run.force[sample]) > 400}))
+    with pytest.raises(
+        pc.UserError, match=r"(?s)'Kraft \[N\]' holds text for a number in \d+ cells, first 'OVLD' in row"
+    ):
+        pc.import_files(path, tmp_path / "c", dry_run=True)
+    path.write_text(with_cells(run, dict.fromkeys(range(600), "OVLD")))
+    with pytest.raises(pc.UserError, match=r"'Kraft \[N\]' holds no numbers, first 'OVLD' in row 2"):
+        pc.import_files(path, tmp_path / "c", dry_run=True)
+
+
+@pytest.mark.parametrize("row", ["NaN;NaN;NaN", ";;", "", "{t};NaN;NaN", "{t};;", "ERR;ERR;ERR", "# buffer emptied"])
+def test_a_lost_sample_parts_no_run(tmp_path, row):
+    path, run = tmp_path / "a.csv", loop()
+    lines = with_cells(run, {}, decimal=".").splitlines()
+    lines[321] = row.format(t=lines[321].split(";")[0])
+    path.write_text("\n".join(lines) + "\n")
+    found = pc.import_files(path, tmp_path / "c").to_dict()
+    (only,) = found["runs"]
+    assert only["done"]
+    assert_same_campaign(tmp_path / "c", [replace(run, name="a")], y_step=2e-3, force_step=20)
 
 
 def test_channels_of_one_name_are_told_apart_and_control_characters_taken_out(tmp_path):

@@ -109,10 +109,10 @@ def _ask(where: str, mapped: Mapped) -> Sequence[Stated]:
     for question in mapped.questions:
         console().print(f"{where}: {question.why}", markup=False, highlight=False)
         for number, choice in enumerate(question.choices, 1):
-            console().print(f"  {number}  {choice}", markup=False, highlight=False)
+            console().print(f"  {number}  {choice.text}", markup=False, highlight=False)
         answer = typer.prompt("Which one? A number, or OURS=CHANNEL [unit]")
         if answer.isdigit() and 0 < int(answer) <= len(question.choices):
-            answer = question.choices[int(answer) - 1]
+            answer = question.choices[int(answer) - 1].text
         stated += parse_columns(answer)
     return stated
 

@@ -6,7 +6,7 @@ import csv
 import gzip
 import io
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -103,37 +103,38 @@ class UnusableRecord(Exception):  # noqa: N818 - it says what the record is, and
     """A record that can't be used, with the reason: its run is left out."""
 
 
-def check_samples(record: Record) -> None:
+def check_samples(record: Record, row: Callable[[int], int] = lambda sample: sample + 2) -> None:
     """Check what holds for the samples of any usable record.
 
     Args:
         record: the samples.
+        row: gives the row of the file that a sample stands in; by default the header is row 1.
 
     Raises:
-        UnusableRecord: with the row of the file where the fault shows first (the header is row 1).
+        UnusableRecord: with the row of the file where the fault shows first.
     """
     if len(record.time_s) == 0:
         raise UnusableRecord("no full cycle: the record has no samples")
     for name in NEEDED:
         bad = np.flatnonzero(~np.isfinite(getattr(record, name)))
         if len(bad):
-            raise UnusableRecord(f"non-finite samples: {len(bad)} in {name}, the first in row {bad[0] + 2}")
+            raise UnusableRecord(f"non-finite samples: {len(bad)} in {name}, the first in row {row(int(bad[0]))}")
         huge = np.flatnonzero(np.abs(getattr(record, name)) > LARGEST)
         if len(huge):
             raise UnusableRecord(
-                f"impossible samples: {len(huge)} in {name} beyond {LARGEST:g}, the first in row {huge[0] + 2}"
+                f"impossible samples: {len(huge)} in {name} beyond {LARGEST:g}, the first in row {row(int(huge[0]))}"
             )
     if record.temperature_C is not None:
         cold = np.flatnonzero((record.temperature_C <= -CELSIUS) | (record.temperature_C > LARGEST))
         if len(cold):
             raise UnusableRecord(
-                f"impossible samples: temperature_C is {record.temperature_C[cold[0]]:g} degC in row {cold[0] + 2}; "
-                f"expected above {-CELSIUS:g}"
+                f"impossible samples: temperature_C is {record.temperature_C[cold[0]]:g} degC in row "
+                f"{row(int(cold[0]))}; expected above {-CELSIUS:g}"
             )
     back = np.flatnonzero(np.diff(record.time_s) < 0.0)
     if len(back):
         before, after = record.time_s[back[0]], record.time_s[back[0] + 1]
-        raise UnusableRecord(f"time goes back in row {back[0] + 3}, from {before:g} s to {after:g} s")
+        raise UnusableRecord(f"time goes back in row {row(int(back[0]) + 1)}, from {before:g} s to {after:g} s")
     if np.ptp(record.displacement_mm) == 0.0:
         raise UnusableRecord(f"constant displacement: {record.displacement_mm[0]:g} mm in every row")
 

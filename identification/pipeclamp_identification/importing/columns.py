@@ -3,55 +3,20 @@
 from __future__ import annotations
 
 import re
-import unicodedata
-from collections.abc import Mapping, Sequence
+import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from pipeclamp_identification.importing.naming import SEGMENT, condition_name, is_measured, unit_of
+from pipeclamp_identification.importing.questions import NONE, Choice, Question, find
 from pipeclamp_identification.importing.raw import Channel, RawTable
-from pipeclamp_identification.units.stated import (
-    OURS,
-    QUANTITY_OF,
-    Conversion,
-    Quantity,
-    conversion,
-    quantity_of_unit,
-    unit_in_name,
-)
+from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion, conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
 
-NEEDED = ("time", "displacement", "force")
-NONE = "none"
-"""States that a quantity isn't there."""
-SEGMENT = "segment"
-"""A channel that tells one run of a file from the next."""
-
-WORDS: Mapping[Quantity, tuple[str, ...]] = {
-    "time": ("time", "timestamp", "zeit", "zeitstempel", "uhrzeit", "temps", "tempo", "tiempo", "elapsed", "t"),
-    "displacement": (
-        "displacement", "displ", "disp", "stroke", "travel", "position", "pos", "lvdt", "deflection", "extension",
-        "crosshead", "weg", "kolbenweg", "hub", "verschiebung", "auslenkung", "traverse", "deplacement", "course",
-        "spostamento", "corsa", "desplazamiento", "y",
-    ),
-    "force": (
-        "force", "load", "loadcell", "kraft", "last", "kraftmessdose", "effort", "forza", "carico", "fuerza", "f",
-    ),
-    "temperature": ("temperature", "temperatur", "temp", "thermocouple", "thermoelement", "temperatura", "tc", "t"),
-    SEGMENT: ("segment", "block", "sequence", "sequenz", "abschnitt", "schritt", "teilversuch", "step", "run", "lauf"),
-}  # fmt: skip
-"""Words that name a quantity, folded; a compound may end with one that is long enough (Kolbenweg, Axialkraft)."""
-ENDINGS = 3
-"""Letters from which on a compound's last word counts."""
-OTHERS = frozenset(
-    (
-        *("command", "cmd", "setpoint", "soll", "sollwert", "target", "demand", "reference", "fuehrung"),
-        *("error", "abweichung", "velocity", "speed", "geschwindigkeit", "rate", "accel", "acceleration"),
-        *("beschleunigung", "peak", "valley", "max", "maximum", "min", "minimum", "mean", "mittelwert", "strain"),
-        *("dehnung", "stress", "spannung", "pressure", "druck", "limit", "date", "datum", "bewegung", "energy"),
-    )
-)
-"""Words of what is derived from a channel, asked of the machine, or something else."""
-LETTERS = 1
-"""Words of so few letters count only beside a unit."""
+MOST_LISTED = 8
+"""Channels or choices that an error names; some files have hundreds."""
+MOST_UNUSED = 4
+"""Channels that aren't used, of which one line names so many."""
 
 
 @dataclass(frozen=True)
@@ -113,19 +78,6 @@ def parse_columns(text: str) -> tuple[Stated, ...]:
 
 
 @dataclass(frozen=True)
-class Question:
-    """What names and units don't tell: of which quantity, why, and the entries of --columns that would.
-
-    `is_missing`: nothing in the table looks like it.
-    """
-
-    ours: str
-    why: str
-    choices: tuple[str, ...]
-    is_missing: bool = False
-
-
-@dataclass(frozen=True)
 class Mapped:
     """Which channels of a table are ours, and what is still to be asked."""
 
@@ -133,14 +85,48 @@ class Mapped:
     questions: tuple[Question, ...] = ()
 
     def option(self) -> str:
-        """Give --columns as it would state these, with the first choice for what is open."""
-        entries = [f"{column.ours}={_turned(column)}{_stated_heading(column)}" for column in self.columns]
-        entries += [question.choices[0] for question in self.questions if question.choices]
-        return f'--columns "{",".join(entries)}"'
+        """Give --columns as it would state these, with the first choice for what is open that no other one takes."""
+        return columns_option([*map(_entry, self.columns), *(choice.text for choice in self._chosen() if choice)])
+
+    def is_answerable(self) -> bool:
+        """Tell whether the option would state all that is open."""
+        return all(self._chosen())
+
+    def _chosen(self) -> list[Choice | None]:
+        """Give a choice for each question, of another channel each; None where there is none left."""
+        taken, chosen = {column.heading for column in self.columns}, []
+        for question in self.questions:
+            choice = next((one for one in question.choices if one.channel not in taken), None)
+            taken |= {choice.channel} - {""} if choice else set()
+            chosen.append(choice)
+        return chosen
 
 
-def _turned(column: Column) -> str:
-    return "-" if column.conversion.factor < 0 else ""
+def unused_words(files: Sequence[str], headings: Sequence[str], mapped: Mapped) -> str:
+    """Say which channels of files aren't used, and how one becomes a condition.
+
+    Args:
+        files: their names, at least one.
+        headings: of these channels, at least one.
+        mapped: those that are used.
+    """
+    likely = next((one for one in headings if is_measured(one)), headings[0])
+    stated = [_entry(column) for column in mapped.columns if column.stated]
+    return (
+        f"{listed(files, most=1)}: not used: {listed([*map(repr, headings)], most=MOST_UNUSED)}; to keep one as a "
+        f"condition, its mean over each run: {columns_option([*stated, f'{condition_name(likely)}={likely}'])}"
+    )
+
+
+def columns_option(entries: Sequence[str]) -> str:
+    """Give --columns with these entries, as a shell takes it."""
+    text = ",".join(entries)
+    return f"--columns {shlex.quote(text)}" if re.search(r'["$`\\!]', text) else f'--columns "{text}"'
+
+
+def _entry(column: Column) -> str:
+    """Give a column as --columns states it."""
+    return f"{column.ours}={'-' if column.conversion.factor < 0 else ''}{_stated_heading(column)}"
 
 
 def _stated_heading(column: Column) -> str:
@@ -170,12 +156,13 @@ def map_columns(table: RawTable, stated: Sequence[Stated] = ()) -> Mapped:
     for quantity in (*OURS, SEGMENT):
         if quantity in said:
             continue
-        found, question = _find(quantity, [one for one in table.channels if one.heading not in taken])
-        if found:
-            columns.append(found)
+        found = find(quantity, table, taken)
+        if isinstance(found, Question):
+            questions.append(found)
+        elif found is not None:
+            unit = "" if quantity == SEGMENT else unit_of(found)
+            columns.append(Column(quantity, found.heading, unit, conversion(quantity, unit) if unit else Conversion()))
             taken.add(found.heading)
-        elif question:
-            questions.append(question)
     order = [*OURS, SEGMENT]
     columns.sort(key=lambda column: order.index(column.ours) if column.ours in order else len(order))
     return Mapped(tuple(columns), tuple(questions))
@@ -183,7 +170,7 @@ def map_columns(table: RawTable, stated: Sequence[Stated] = ()) -> Mapped:
 
 def _stated_column(table: RawTable, stated: Stated) -> Column:
     channel, unit = _channel_named(table, stated)
-    own = _unit_of(channel)
+    own = unit_of(channel)
     counts = unit or own
     overrides = own if unit and own and unit != own else ""
     if stated.ours in OURS:
@@ -224,114 +211,20 @@ def _channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
     if not matches:
         raise UserError(
             f"--columns: there is no channel {stated.channel!r} (for {stated.ours}); {did_you_mean(name, headings)}"
-            f"there are {', '.join(map(repr, headings))}"
+            f"there are {listed([*map(repr, headings)])}"
         )
     if len(matches) > 1:
         raise UserError(
             f"--columns: {len(matches)} channels are called {stated.channel!r} (for {stated.ours}): "
-            f"{', '.join(repr(channel.heading) for channel in matches)}; expected one of them, whole, or by its place "
+            f"{listed([repr(channel.heading) for channel in matches])}; expected one of them, whole, or by its place "
             f"(#{table.channels.index(matches[0]) + 1})"
         )
-    if unit and (own := _unit_of(matches[0])) and exact == [] and unit != own:
+    if unit and (own := unit_of(matches[0])) and exact == [] and unit != own:
         raise UserError(
             f"--columns: got {stated.channel!r} (for {stated.ours}), but the file says {matches[0].heading!r}; "
             f"expected its own unit, or {matches[0].heading} [{unit}] where the file is wrong"
         )
     return matches[0], unit
-
-
-def _unit_of(channel: Channel) -> str:
-    """Give the unit that a file states of a channel: beside its name, or in it."""
-    return channel.unit or unit_in_name(channel.name)[1]
-
-
-def _find(quantity: Quantity, channels: Sequence[Channel]) -> tuple[Column | None, Question | None]:
-    """Find the channel of a quantity; a question where several may be it, or its unit isn't stated."""
-    ranked: dict[int, list[Channel]] = {}
-    for channel in channels:
-        if rank := _rank(quantity, channel):
-            ranked.setdefault(rank, []).append(channel)
-    if not ranked:
-        if quantity not in NEEDED:
-            return None, None
-        choices = tuple(f"{quantity}={channel.heading}" for channel in channels)
-        return None, Question(
-            quantity, f"no channel is called a {quantity} or is in a unit of one", choices, is_missing=True
-        )
-    best = ranked[max(ranked)]
-    if len(best) > 1:
-        if quantity == SEGMENT:
-            return None, None
-        choices = (
-            *(f"{quantity}={_with_unit(quantity, channel)}" for channel in best),
-            *(() if quantity in NEEDED else (f"{quantity}={NONE}",)),
-        )
-        names = ", ".join(repr(channel.heading) for channel in best)
-        return None, Question(quantity, f"{len(best)} channels may be the {quantity}: {names}", choices)
-    (channel,) = best
-    if quantity == SEGMENT:
-        return Column(SEGMENT, channel.heading, ""), None
-    unit = _unit_of(channel)
-    if not unit:
-        units = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"), "temperature": ("°C", "K")}
-        choices = tuple(f"{quantity}={channel.heading} [{one}]" for one in units[quantity])
-        return None, Question(quantity, f"no unit is stated of {channel.heading!r}", choices)
-    return Column(quantity, channel.heading, unit, conversion(quantity, unit)), None
-
-
-def _with_unit(quantity: Quantity, channel: Channel) -> str:
-    return channel.heading if _unit_of(channel) else f"{channel.heading} [{OURS[quantity].replace('degC', '°C')}]"
-
-
-def _rank(quantity: Quantity, channel: Channel) -> int:
-    """Give how well a channel's name and unit fit a quantity: 0 not at all, 4 our own name."""
-    unit = _unit_of(channel)
-    name = unit_in_name(channel.name)[0] if not channel.unit else channel.name
-    if QUANTITY_OF.get(channel.name) == quantity:
-        return 4
-    words = _words(name)
-    if any(word in OTHERS or word.endswith(("geschwindigkeit", "beschleunigung")) for word in words):
-        return 0
-    of_unit = _fits_unit(quantity, unit)
-    if unit and not of_unit:
-        return 0
-    if _is_named(quantity, words, beside_unit=bool(unit)):
-        # a name and a unit: sure; a name alone: its unit must be asked
-        return 3 if unit or quantity == SEGMENT else 2
-    if unit and quantity != SEGMENT and not any(_is_named(other, words, True) for other in WORDS if other != quantity):
-        return 1
-    return 0
-
-
-def _fits_unit(quantity: Quantity, unit: str) -> bool:
-    if quantity == SEGMENT:
-        return unit in ("", "-", "1")
-    if not unit:
-        return False
-    if quantity_of_unit(unit) == quantity:
-        return True
-    try:
-        conversion(quantity, unit)
-    except UserError:
-        return False
-    return True
-
-
-def _is_named(quantity: Quantity, words: Sequence[str], beside_unit: bool) -> bool:
-    for known in WORDS[quantity]:
-        for word in words:
-            if len(known) <= LETTERS and not beside_unit:
-                continue
-            if word == known or (len(known) >= ENDINGS and len(word) > len(known) and word.endswith(known)):
-                return True
-    return False
-
-
-def _words(name: str) -> list[str]:
-    """Give a name's words, folded: no capitals, accents or digits."""
-    text = name.replace("ß", "ss").replace("ü", "ue").replace("ä", "ae").replace("ö", "oe")
-    plain = unicodedata.normalize("NFKD", re.sub(r"([a-z])([A-Z])", r"\1 \2", text))
-    return re.findall(r"[a-z]+", "".join(one for one in plain if not unicodedata.combining(one)).casefold())
 
 
 def refuse_open_questions(where: str, mapped: Mapped) -> None:
@@ -342,18 +235,32 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
     """
     if not mapped.questions:
         return
-    problems = [f"{question.why}" for question in mapped.questions]
+    problems = "; ".join(question.why for question in mapped.questions)
+    no_time = any(question.ours == "time" and question.is_missing for question in mapped.questions)
+    if no_time and len(mapped.questions) == 1 and not mapped.is_answerable():
+        raise UserError(
+            f"{where}: {problems}; expected its samples per second, for example --rate 1000, or the channel that is it"
+        )
+    if not mapped.is_answerable():
+        raise UserError(f"{where}: {problems}; expected a channel of numbers for time, displacement and force each")
     choices = [
-        f"  {question.ours}: {' or '.join(question.choices)}"
+        f"  {question.ours}: {listed([choice.text for choice in question.choices], ' or ')}"
         for question in mapped.questions
         if len(question.choices) > 1
     ]
     raise UserError(
         "\n".join(
             [
-                f"{where}: {'; '.join(problems)}; expected it to be stated, for example (check it):",
+                f"{where}: {problems}; expected it to be stated, for example (check it):",
                 f"  {mapped.option()}",
                 *choices,
+                *(["  or --rate 1000, samples per second, where no channel is the time"] if no_time else []),
             ]
         )
     )
+
+
+def listed(texts: Sequence[str], between: str = ", ", most: int = MOST_LISTED) -> str:
+    """Give texts in a row, the first of many."""
+    more = f" and {len(texts) - most} more" if len(texts) > most else ""
+    return between.join(texts[:most]) + more

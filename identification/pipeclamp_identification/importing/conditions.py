@@ -11,9 +11,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
+from pipeclamp_identification.importing.naming import setting_called
 from pipeclamp_identification.importing.raw import Damaged
 from pipeclamp_identification.importing.texts.decoding import decoded
-from pipeclamp_identification.units.stated import SETTINGS, conversion
+from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.law.range import rounded
 
@@ -167,44 +168,72 @@ def read_conditions(path: Path) -> dict[str, Settings]:
     if len(rows) < 2:
         raise UserError(f"{path}: has no row below its header; expected a row a file")
     header = rows[0]
-    key = next((name for name in ("file", "run") if name in header), None)
+    key = next((name for name in header if name.casefold() in ("file", "run")), None)
     if key is None:
         raise UserError(
             f"{path}: has no column 'file'; it has {', '.join(map(repr, header))}; expected the files' names"
         )
-    for name in header:
-        if header.count(name) > 1:
-            raise UserError(f"{path}: column {name!r} stands there twice; expected it once")
-        if name != key and (meant := meant_column(name)):
-            raise UserError(f"{path}: column {name!r} is not known; expected {meant!r}; convert and rename it")
+    units = dict.fromkeys(header, "")
+    body = list(enumerate(rows[1:], 2))
+    if len(rows[1]) == len(header) and not rows[1][header.index(key)]:
+        units = dict(zip(header, rows[1], strict=True))
+        body = body[1:]
+    columns = {name: _column_in_table(path, name, units[name]) for name in header if name != key}
+    meant = [column for column, _ in columns.values()]
+    for name, (column, _) in columns.items():
+        if header.count(name) > 1 or meant.count(column) > 1:
+            raise UserError(f"{path}: column {name!r} ({column}) stands there twice; expected it once")
     found: dict[str, Settings] = {}
-    for number, row in enumerate(rows[1:], 2):
+    for number, row in body:
         if len(row) != len(header):
             raise UserError(f"{path}, row {number}: has {len(row)} cells; expected {len(header)} as in the header")
         named = dict(zip(header, row, strict=True))
         name = Path(named.pop(key)).name
         if name in found:
             raise UserError(f"{path}, row {number}: {name!r} stands there twice; expected each {key} once")
-        found[name] = {column: _cell(path, number, column, cell, delimiter) for column, cell in named.items() if cell}
+        found[name] = {
+            columns[own][0]: _cell(f"{path}, row {number}, column {own!r}", *columns[own], cell, delimiter)
+            for own, cell in named.items()
+            if cell
+        }
     return found
 
 
-def _cell(path: Path, row: int, column: str, cell: str, delimiter: str) -> float | str:
+def _column_in_table(path: Path, name: str, unit: str) -> tuple[str, Conversion]:
+    """Give the column of runs.csv that one of a table fills, and what turns its numbers into that column's unit.
+
+    Raises:
+        UserError: its unit is none of what it is called, or isn't stated.
+    """
+    if name in (*NUMBER_COLUMNS, *TEXTS):
+        return name, Conversion()
+    plain, own = unit_in_name(name)
+    quantity = setting_called(plain)
+    unit = own or unit.strip("[]() ")
+    if quantity and unit:
+        column = next(one for one in NUMBER_COLUMNS if one.startswith(quantity))
+        try:
+            return column, conversion(quantity, unit, SETTINGS[quantity])
+        except UserError as error:
+            raise UserError(f"{path}, column {name!r}: {error}") from error
+    if meant := meant_column(name):
+        raise UserError(f"{path}: column {name!r} is not known; expected {meant!r}, or its unit behind it in brackets")
+    return name, Conversion()
+
+
+def _cell(where: str, column: str, turned: Conversion, cell: str, delimiter: str) -> float | str:
     plain = cell.replace(",", ".") if delimiter != "," else cell
     try:
         value = float(plain)
     except ValueError:
         if column in NUMBER_COLUMNS:
-            raise UserError(f"{path}, row {row}, column {column!r}: got {cell!r}; expected a number") from None
+            raise UserError(f"{where}: got {cell!r}; expected a number") from None
         return cell
     if not math.isfinite(value):
-        raise UserError(f"{path}, row {row}, column {column!r}: got {cell!r}; expected a finite number")
-    return value
+        raise UserError(f"{where}: got {cell!r}; expected a finite number")
+    return value if turned == Conversion() else rounded(turned.factor * value + turned.offset)
 
 
-def settings_for(table: Mapping[str, Settings], file: str, run: str) -> Settings:
-    """Give what a table says of a run: by its own name, else by its file's, with or without ending."""
-    for name in (run, file, Path(file).stem):
-        if name in table:
-            return dict(table[name])
-    return {}
+def name_in(table: Mapping[str, Settings], file: str, run: str) -> str:
+    """Give the name by which a table knows a run: its own, else its file's, with or without ending; "" for none."""
+    return next((name for name in (run, file, Path(file).stem) if name in table), "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,8 +14,8 @@ from pipeclamp_identification.campaign.description import ImportedCut, ImportedF
 from pipeclamp_identification.campaign.plausibility import STATED_APART, reversed_sign
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.columns import Mapped, Stated
-from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, settings_for
+from pipeclamp_identification.importing.columns import Mapped, Stated, listed, unused_words
+from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in
 from pipeclamp_identification.importing.mapping import Open
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.reading import stem_of, without_controls
@@ -181,6 +182,8 @@ class _Planner:
         self.stems: list[str] = []
         self.notes: list[str] = []
         self.reversed: list[Mapped] = []
+        self.known_as: dict[str, str] = {}
+        self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
 
     def add(self, path: Path, file: TakenFile) -> None:
         """Take a file's drafts.
@@ -200,6 +203,10 @@ class _Planner:
                         f"{column.heading!r} is taken in {column.unit}, as --columns states, though the file says "
                         f"{column.overrides}"
                     )
+            for unread in table.unread:
+                self._note(f"{path.name}: {unread.words()}; such cells count as blank")
+            _, files = self.unused.setdefault(table.unused, (table.mapped, []))
+            files += [] if path.name in files else [path.name]
             runs = [self._run(path, stem, table, draft, settings, single) for draft in table.taken.drafts]
             self.runs += runs
             self.cut += [
@@ -220,7 +227,9 @@ class _Planner:
         """Give a draft its name and its row; `settings` are those that the stem states."""
         name = self._name(stem, single)
         measured: Settings = {
-            column: _digits(_in_its_unit(table.mapped, column, value)) for column, value in draft.further.items()
+            column: _digits(_in_its_unit(table.mapped, column, value))
+            for column, value in draft.further.items()
+            if not math.isnan(value)
         }
         if draft.temperature:
             mean, moved = draft.temperature
@@ -236,7 +245,9 @@ class _Planner:
         else:
             measured["motion"] = "free"
         row: dict[str, float | str | None] = dict(measured)
-        stated = settings | settings_for(self.options.conditions, path.name, name)
+        known_as = name_in(self.options.conditions, path.name, name)
+        self.known_as[name] = known_as
+        stated = settings | self.options.conditions.get(known_as, {})
         for column, value in stated.items():
             if column in ("amplitude_mm", "frequency_Hz") and not single and isinstance(value, float):
                 own = measured.get(column)
@@ -273,8 +284,10 @@ class _Planner:
             reasons = "\n".join(
                 f"  {one.file}, {one.samples[0]} to {one.samples[1]}: {one.why}" for one in self.cut[:10]
             )
+            many = "s" if len(self.files) > 1 else ""
             raise UserError(
-                f"no run can be used, in {len(self.files)} files; expected loops of force and displacement\n{reasons}"
+                f"no run can be used, in {len(self.files)} file{many}; expected loops of force and displacement\n"
+                + "\n".join([reasons, *(f"  {note}" for note in self.notes)])
             )
         if self.runs and len(self.reversed) == len(self.runs):
             turned = [
@@ -288,10 +301,24 @@ class _Planner:
                 f"what the rig applies, positive with positive displacement; expected it turned, for example\n  "
                 f"{Mapped(tuple(turned)).option()}"
             )
+        for headings, (mapped, files) in self.unused.items():
+            if headings:
+                self.notes.append(unused_words(files, headings, mapped))
+        self._note_conditions({Path(name).stem for name in again} | set(again))
         guess = "" if self.options.pattern or self.options.conditions else guessed_pattern(self.stems)
         return Plan(
             tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, tuple(self.notes), again
         )
+
+    def _note_conditions(self, again: set[str]) -> None:
+        """Say which rows of the table of conditions met no run, and which runs no row; `again` are known files."""
+        met = again | set(self.known_as.values())
+        idle = [repr(name) for name in self.options.conditions if name not in met]
+        bare = [run for run, name in self.known_as.items() if not name]
+        if idle:
+            self._note(f"--conditions: no run here is called, nor from a file that is called, {listed(idle)}")
+        if bare and self.options.conditions:
+            self._note(f"--conditions: says nothing of {len(bare)} of {len(self.runs)} runs: {listed(bare)}")
 
 
 def _names(stem: str, single: bool) -> Iterator[str]:
@@ -317,7 +344,10 @@ def _in_its_unit(mapped: Mapped, column: str, value: float) -> float:
     try:
         found = conversion(quantity, source.unit, target)
     except UserError as error:
-        raise UserError(f"--columns, {column}={source.heading}: {error}") from error
+        raise UserError(
+            f"--columns, {column}={source.heading}: {error}; or what counts behind it, for example "
+            f"{column}={source.heading} [2 {target}] where 1 {source.unit} is 2 {target}"
+        ) from error
     return found.factor * value + found.offset
 
 

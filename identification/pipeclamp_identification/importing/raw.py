@@ -33,6 +33,39 @@ class Channel:
 
 
 @dataclass(frozen=True)
+class Unread:
+    """Cells of a column that hold text where numbers were expected; they are blank to whoever reads its samples.
+
+    Attributes:
+        name, unit: of the column, as of a channel.
+        count: of such cells.
+        row: of the file that holds the first one.
+        text: that stands there.
+        is_whole: whether the column holds no number at all, and is no channel.
+    """
+
+    name: str
+    unit: str
+    count: int
+    row: int
+    text: str
+    is_whole: bool
+
+    @property
+    def channel(self) -> Channel:
+        """The column as a channel without samples."""
+        return Channel(self.name, self.unit, np.empty(0))
+
+    def words(self) -> str:
+        """Say what stands where."""
+        what = "no numbers" if self.is_whole else f"text for a number in {self.count} cells"
+        if self.count == 1 and not self.is_whole:
+            what = "text for a number"
+        first = "first " if self.count > 1 else ""
+        return f"column {self.channel.heading!r} holds {what}, {first}{self.text!r} in row {self.row}"
+
+
+@dataclass(frozen=True)
 class RawTable:
     """Channels of one length.
 
@@ -41,12 +74,14 @@ class RawTable:
         channels: in the file's order.
         first_row: row of the file that holds the first samples, where it has rows; 1 elsewhere.
         told: how it was read, for people.
+        unread: columns with text where numbers were expected.
     """
 
     name: str
     channels: tuple[Channel, ...]
     first_row: int = 1
     told: tuple[str, ...] = ()
+    unread: tuple[Unread, ...] = ()
 
     @property
     def length(self) -> int:

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,6 +27,8 @@ HEAD = 512
 """Bytes by which a format is told."""
 MOST_TOLD = 160
 """Characters of a foreign library's message that a user sees."""
+MOST_OF_CELL = 30
+"""Characters of a cell."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,9 @@ def _told_apart(table: RawTable) -> RawTable:
             base, unit = unit_in_name(channel.name)
             channel = replace(channel, name=f"{base} #{number} [{unit}]" if unit else f"{channel.name} #{number}")
         channels.append(channel)
-    return replace(table, name=without_controls(table.name), channels=tuple(channels))
+    plain, cut = without_controls, partial(_cut, most=MOST_OF_CELL)
+    unread = tuple(replace(one, name=plain(one.name), unit=plain(one.unit), text=cut(one.text)) for one in table.unread)
+    return replace(table, name=without_controls(table.name), channels=tuple(channels), unread=unread)
 
 
 def without_controls(text: str) -> str:
@@ -188,8 +192,13 @@ def _is_text(head: bytes) -> bool:
 def _first_line(error: BaseException) -> str:
     """Give the first line of a foreign message, cut, without control characters."""
     line = (str(error).strip().splitlines() or [""])[0] or type(error).__name__
-    line = without_controls(line)
-    return line if len(line) <= MOST_TOLD else f"{line[:MOST_TOLD]}..."
+    return _cut(line, MOST_TOLD)
+
+
+def _cut(text: str, most: int) -> str:
+    """Give a text without control characters, no longer than that."""
+    plain = without_controls(text)
+    return plain if len(plain) <= most else f"{plain[:most]}..."
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,10 +20,11 @@ from pipeclamp_identification.campaign.seen import SeenRecord, seen_free, seen_s
 from pipeclamp_identification.campaign.writing import Format, encoded
 from pipeclamp_identification.importing.columns import Column, Mapped, Stated
 from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
-from pipeclamp_identification.importing.raw import RawTable
+from pipeclamp_identification.importing.raw import RawTable, Unread
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
+from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
-from pipeclamp_identification.importing.samples.repair import evened, mended
+from pipeclamp_identification.importing.samples.repair import evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
 from pipeclamp_identification.importing.traces import Trace, first_motion, segment_of, time_of, trace_of
 from pipeclamp_models.base.arrays import Array
@@ -30,6 +32,8 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
 
 OURS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N", "temperature": "temperature_C"}
+BLANK = "blank samples, and what lies behind them"
+"""Why a part of a run isn't in it."""
 WIDEST_OVERVIEW = 600
 """Stretches that a picture of a whole table is thinned out to."""
 
@@ -105,10 +109,20 @@ class TakenPart:
 
 @dataclass(frozen=True)
 class TakenTable:
-    """A table that was taken: its name within the file, its channels, and what became of it."""
+    """A table that was taken.
+
+    Attributes:
+        name: within the file.
+        mapped: its channels that are ours.
+        unused: headings of the others.
+        unread: what isn't numbers in those that are ours.
+        taken: what became of it.
+    """
 
     name: str
     mapped: Mapped
+    unused: tuple[str, ...]
+    unread: tuple[Unread, ...]
     taken: TakenPart
 
 
@@ -175,7 +189,11 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
     tables = []
     for index, (table, mapped) in enumerate(used):
         record = way.records / f"{number:05d}_{index:03d}"
-        tables.append(TakenTable(table.name, mapped, _taken(source, table, mapped, record, way, over)))
+        taken = _taken(source, table, mapped, record, way, over)
+        headings = {column.heading for column in mapped.columns}
+        unused = tuple(one.heading for one in table.channels if one.heading not in headings)
+        unread = tuple(one for one in table.unread if one.channel.heading in headings)
+        tables.append(TakenTable(table.name, mapped, unused, unread, taken))
     first, mapped = used[0]
     file = ImportedFile(
         file=source.name,
@@ -246,21 +264,20 @@ def take_piece(piece: Piece) -> TakenPart | UserError:
 
 def _taken_piece(piece: Piece) -> TakenPart:
     trace = trace_of(piece.where, piece.table, piece.columns, piece.rate, piece.begin)
-    finite = np.isfinite(trace.motion)
-    if np.count_nonzero(finite) < 2:
+    y = trace.motion
+    if np.count_nonzero(np.isfinite(y)) < 2:
         rows = piece.table.first_row, piece.table.first_row + piece.table.length - 1
         nowhere = CutPart(rows, (0.0, 0.0), "no samples of displacement")
         return TakenPart((), 0, (nowhere,), np.empty(0), np.empty((0, 2)))
-    y = trace.motion
-    if not np.all(finite):
-        y = np.interp(np.arange(len(finite)), np.flatnonzero(finite), trace.motion[finite])
     found = levels(trace.record.time_s, y)
     drafts: list[Draft] = []
     left = list(found.left)
     for part in found.runs:
         try:
             record = piece.record.with_name(f"{piece.record.name}_{len(drafts):03d}.{piece.format}")
-            drafts.append(_draft(piece, trace, part, record))
+            draft, cut_off = _draft(piece, trace, part, record)
+            drafts.append(draft)
+            left += cut_off
         except UnusableRecord as fault:
             left.append(replace(part, why=str(fault)))
     cut = tuple(
@@ -272,26 +289,41 @@ def _taken_piece(piece: Piece) -> TakenPart:
     return TakenPart(tuple(drafts), len(found.runs), cut, trace.record.time_s[edges[:-1]], thinned)
 
 
-def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> Draft:
-    """Give a part as a run, its record written.
+def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, list[Part]]:
+    """Give a part as a run, its record written, and what of the part isn't in it.
 
     Raises:
         UnusableRecord: it can't be one.
     """
-    clean = mended(trace.record.part(part.first, part.last))
+
+    def row(sample: int) -> int:
+        return int(trace.places[part.first + sample]) + piece.table.first_row
+
+    whole = without_blanks(trace.record.part(part.first, part.last), row)
+    kept = Part(part.first + whole.first, part.first + whole.last)
+    check_samples(whole.record, lambda sample: row(whole.first + sample))
+    clean = without_spikes(whole.record)
     repaired = evened(clean.record)
     record, seen, words = _usable(repaired.record)
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
     known = record.temperature_C
-    return Draft(
-        samples=_samples(piece.table, trace, part),
-        span=_span(trace, part),
+    draft = Draft(
+        samples=_samples(piece.table, trace, kept),
+        span=_span(trace, kept),
         record=path,
         seen=seen,
-        done=(*trace.told, *clean.told, *repaired.told, *words),
-        further={name: float(np.nanmean(values[part.first : part.last])) for name, values in trace.further.items()},
+        done=(*trace.told, *whole.told, *clean.told, *repaired.told, *words),
+        further={name: _mean(values[kept.first : kept.last]) for name, values in trace.further.items()},
         temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
     )
+    beside = (Part(part.first, kept.first, BLANK), Part(kept.last, part.last, BLANK))
+    return draft, [one for one in beside if one.last > one.first]
+
+
+def _mean(values: Array) -> float:
+    """Give the mean of samples of which some may be blank; nan where all are."""
+    finite = values[np.isfinite(values)]
+    return float(np.mean(finite)) if len(finite) else math.nan
 
 
 def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
@@ -300,7 +332,6 @@ def _usable(record: Record) -> tuple[Record, SeenRecord, tuple[str, ...]]:
     Raises:
         UnusableRecord: it can't be.
     """
-    check_samples(record)
     try:
         cycles = find_cycles(record)
     except UnusableRecord:

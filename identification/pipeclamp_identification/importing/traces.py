@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.importing.columns import SEGMENT, Column
+from pipeclamp_identification.importing.columns import Column
+from pipeclamp_identification.importing.naming import SEGMENT
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.samples.repair import mended_channel
 from pipeclamp_models.base.arrays import Array, IntArray
@@ -57,9 +58,7 @@ def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray | N
     """
     column = next(one for one in columns if one.ours == "displacement")
     first = np.arange(min(LOOKED_AT, table.length)) if timed is None else timed[:LOOKED_AT]
-    motion = mended_channel("displacement_mm", _turned(table, column, first))
-    finite = np.flatnonzero(np.isfinite(motion))
-    return motion if len(finite) < 2 else np.interp(np.arange(len(motion)), finite, motion[finite])
+    return mended_channel("displacement_mm", _turned(table, column, first))
 
 
 def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array | None:
@@ -97,7 +96,8 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
     places = np.flatnonzero(kept)
     if len(places) < len(kept):
         values = {name: samples[kept] for name, samples in values.items()}
-    told = [] if len(places) == len(kept) else [f"{len(kept) - len(places)} rows without time are left aside"]
+    lost = len(kept) - len(places)
+    told = [f"{lost} row{'s' if lost > 1 else ''} without time left aside"] if lost else []
     _refuse_below_zero(where, columns, values)
     record = Record(
         time_s=values["time"],

@@ -201,7 +201,7 @@ def _known(text: str) -> bool:
     if (
         text in ("-", "%", "1")
         or not re.fullmatch(r"[\w°µ^*/.\-·²³]{1,24}", text)
-        or text[0].isdigit()
+        or text.removeprefix("1/")[:1].isdigit()
         or POWERS.search(text)
     ):
         return text in ("-", "%", "1")

@@ -7,16 +7,17 @@ import itertools
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable
+from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
-from pipeclamp_identification.importing.texts.sniffing import Layout, cells_of, layout_of
+from pipeclamp_identification.importing.texts.sniffing import FEWEST_COLUMNS, Layout, cells_of, is_number, layout_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.tables import pl
 
@@ -28,6 +29,12 @@ BLOCK = 64 << 20
 SEVERAL_BLANKS = re.compile(r"[ \t]+")
 FEWEST_ROWS = 8
 """Rows from which on a block of numbers is one of samples, where there are longer ones."""
+LOST = 200
+"""Steps, beyond the rows without samples, that a clock may have gone on by where these part no tables."""
+RISING = 0.05
+"""Share of steps up that make a column that never falls a clock, its stamps rounded perhaps, and no count of cycles."""
+NOT_A_NUMBER = ("nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "#n/a", "-", "--", "---")
+"""What stands for a blank cell, in lower case."""
 MOSTLY = 0.5
 """A row without so many of its numbers parts blocks."""
 
@@ -65,6 +72,15 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
             yield cast(BinaryIO, unpacked)
 
 
+@dataclass(frozen=True)
+class _Texts:
+    """Cells of a column that hold text: how many, the row of the first, and what stands there."""
+
+    count: int
+    row: int
+    text: str
+
+
 class _Columns:
     """The numbers of a text's columns, taken block after block."""
 
@@ -75,12 +91,14 @@ class _Columns:
         self._present: list[npt.NDArray[np.uint16]] = []
         self._clocks: dict[int, Clock] = {}
         self._between: dict[int, str] = {}
+        self._lost: list[Array] = []
+        self._texts: dict[int, _Texts] = {}
 
     def add(self, text: str) -> None:
         """Take the rows of a block."""
         if not text.strip():
             return
-        found = self._numbers_in(text)
+        found, cells = self._numbers_in(text)
         present = np.zeros(len(found[0]), dtype=np.uint16)
         for values, own in zip(self._values, found, strict=True):
             values.append(own)
@@ -88,12 +106,34 @@ class _Columns:
         gaps = np.flatnonzero(present < MOSTLY * self.layout.width)
         if len(gaps):
             lines = text.split("\n")
-            self._between |= {self.length + row: lines[row] for row in gaps.tolist() if row < len(lines)}
+            own_lines = {row: lines[row] for row in gaps.tolist() if row < len(lines)}
+            self._between |= {self.length + row: line for row, line in own_lines.items()}
+            lost = [self.length + row for row, line in own_lines.items() if self._is_lost(line)]
+            self._lost.append(np.array(lost, dtype=np.float64))
+        for place, column in cells.items():
+            # what stands between blocks is no sample
+            self._note_texts(place, column, np.isnan(found[place]) & (present >= FEWEST_COLUMNS))
         self._present.append(present)
         self.length += len(present)
 
-    def _numbers_in(self, text: str) -> list[Array]:
-        """Give the numbers of each column of a block, nan where a cell holds none."""
+    def _is_lost(self, line: str) -> bool:
+        """Tell whether a line is a sample that was lost: cells that say so, or are blank, and no text."""
+        cells = [cell for cell in cells_of(line, self.layout.delimiter) if cell]
+        return bool(cells) and all(is_number(cell, self.layout.decimal) for cell in cells)
+
+    def _note_texts(self, place: int, cells: pl.Series, none: npt.NDArray[np.bool_]) -> None:
+        """Keep how many cells of a column hold text for a number, and the first of them."""
+        text = cells.str.strip_chars()
+        said = text.str.to_lowercase().is_in(NOT_A_NUMBER).fill_null(True)
+        rows = np.flatnonzero(none & ~said.to_numpy() & (text != "").fill_null(False).to_numpy())
+        if len(rows):
+            before = self._texts.get(place)
+            row = int(rows[0])
+            first = before or _Texts(0, self.layout.first + self.length + row + 1, str(text[row]))
+            self._texts[place] = replace(first, count=first.count + len(rows))
+
+    def _numbers_in(self, text: str) -> tuple[list[Array], dict[int, pl.Series]]:
+        """Give the numbers of each column of a block, nan where a cell holds none; and cells that may be text."""
         layout, delimiter = self.layout, self.layout.delimiter
         if delimiter == " ":
             text, delimiter = "\n".join(SEVERAL_BLANKS.sub("\t", line.strip()) for line in text.split("\n")), "\t"
@@ -103,9 +143,11 @@ class _Columns:
             frame = _frame(content, delimiter, layout, quote, numbers=True)
         except pl.exceptions.PolarsError:
             frame = _frame(content, delimiter, layout, quote, numbers=False)
-            return [self._read(place, frame[name]) for place, name in enumerate(frame.columns)]
+            found = [self._read(place, frame[name]) for place, name in enumerate(frame.columns)]
+            texts = {place: frame[name] for place, name in enumerate(frame.columns) if np.any(np.isnan(found[place]))}
+            return found, texts
         # a float column's missing values become nan
-        return [frame[name].to_numpy() for name in frame.columns]
+        return [frame[name].to_numpy() for name in frame.columns], {}
 
     def _read(self, place: int, cells: pl.Series) -> Array:
         """Give a column's numbers, nan where a cell is none; stamps of time become seconds."""
@@ -136,16 +178,25 @@ class _Columns:
         if len(numeric) < 2:
             raise Damaged("holds no table of numbers")
         layout = self.layout
-        blocks = _blocks(np.concatenate(self._present) >= MOSTLY * len(numeric))
+        kept = np.concatenate(self._present) >= MOSTLY * len(numeric)
+        for rows in self._lost:
+            kept[rows.astype(np.intp)] = True
+        blocks = _blocks(kept)
         self._refuse_other_order(blocks)
+        blocks = _long_ones(_that_go_on([values[place] for place in numeric], blocks))
+        # stamps of the clock became seconds, whatever stands above them
+        units = ["s" if place in self._clocks else unit for place, unit in enumerate(layout.units)]
+        unread = tuple(
+            Unread(layout.names[place], units[place], one.count, one.row, one.text, is_whole=place not in numeric)
+            for place, one in self._texts.items()
+        )
         return [
             RawTable(
                 f"block {number}" if len(blocks) > 1 else "",
-                tuple(
-                    Channel(layout.names[place], layout.units[place], values[place][first:last]) for place in numeric
-                ),
+                tuple(Channel(layout.names[place], units[place], values[place][first:last]) for place in numeric),
                 layout.first + first + 1,
                 (told,),
+                unread,
             )
             for number, (first, last) in enumerate(blocks, 1)
         ]
@@ -183,11 +234,34 @@ def _frame(content: bytes, delimiter: str, layout: Layout, quote: str | None, *,
 def _blocks(kept: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Give first row and the one after the last of each block of rows that hold numbers."""
     edges = np.flatnonzero(np.diff(kept.astype(np.int8), prepend=0, append=0))
-    found = [(int(first), int(last)) for first, last in zip(edges[::2], edges[1::2], strict=True)]
-    longest = max((last - first for first, last in found), default=0)
-    if not longest:
+    if not len(edges):
         raise Damaged("holds no table of numbers")
-    return [(first, last) for first, last in found if last - first >= min(FEWEST_ROWS, longest)]
+    return [(int(first), int(last)) for first, last in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _that_go_on(columns: Sequence[Array], blocks: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Join blocks over which a clock or counter goes on: what parts them is lost samples or a remark, no new table."""
+    if len(blocks) < 2:
+        return list(blocks)
+    first, last = (np.array(ends, dtype=np.intp) for ends in zip(*blocks, strict=True))
+    going = np.zeros(len(blocks) - 1, dtype=np.bool_)
+    inside = np.ones(last[-1] - first[0] - 1, dtype=np.bool_)
+    for end, begin in zip(last[:-1], first[1:], strict=True):
+        inside[end - 1 - first[0] : begin - first[0]] = False
+    for values in columns:
+        steps = np.diff(values[first[0] : last[-1]])[inside]
+        steps = steps[np.isfinite(steps)]
+        if len(steps) and np.all(steps >= 0) and np.mean(steps > 0) > RISING:
+            step = values[first[1:]] - values[last[:-1] - 1]
+            going |= (step > 0) & (step <= (first[1:] - last[:-1] + LOST) * np.median(steps[steps > 0]))
+    begins = np.concatenate([[True], ~going])
+    return list(zip(first[begins].tolist(), last[np.append(begins[1:], True)].tolist(), strict=True))
+
+
+def _long_ones(blocks: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Give the blocks that are long enough to be samples."""
+    longest = max(last - first for first, last in blocks)
+    return [(first, last) for first, last in blocks if last - first >= min(FEWEST_ROWS, longest)]
 
 
 FORMAT = Format(

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.importing.samples.blanks import on_lines
 from pipeclamp_models.base.arrays import Array
 
 SPIKE = 12.0
@@ -24,9 +25,6 @@ EVEN = 0.25
 UNEVEN = 1.6
 """Largest over usual step from which on a record is put on an even grid."""
 
-MOST_BLANK = 0.01
-"""Share of a channel's samples that may be blank and bridged; of more, the record is left as it is."""
-
 
 @dataclass(frozen=True)
 class Repaired:
@@ -36,16 +34,9 @@ class Repaired:
     told: tuple[str, ...] = ()
 
 
-def mended(record: Record) -> Repaired:
-    """Take single blanks and spikes out of a record."""
-    bridged = _channel_by_channel(record, _bridged)
-    clean = without_spikes(bridged.record)
-    return Repaired(clean.record, (*bridged.told, *clean.told))
-
-
 def mended_channel(name: str, values: Array) -> Array:
-    """Take single blanks and spikes out of one channel of a record."""
-    return _despiked(name, _bridged(name, values)[0])[0]
+    """Take blanks and spikes out of one channel of a record."""
+    return _despiked(name, on_lines(values, ~np.isfinite(values)))[0]
 
 
 def without_spikes(record: Record) -> Repaired:
@@ -118,7 +109,7 @@ def _despiked(name: str, values: Array) -> tuple[Array, str]:
     count = int(np.count_nonzero(found))
     if not count:
         return values, ""
-    clean = _on_lines(values, found)
+    clean = on_lines(values, found)
     worst = float(np.max(np.abs(values - clean)))
     at = ", ".join(str(place + 1) for place in np.flatnonzero(found)[:3].tolist())
     more = f" and {count - 3} more" if count > 3 else ""
@@ -126,21 +117,6 @@ def _despiked(name: str, values: Array) -> tuple[Array, str]:
         f"{count} spike{'s' if count > 1 else ''} in {name} (sample {at}{more} of it; up to {worst:.3g}): replaced "
         "by straight lines between their neighbours"
     )
-
-
-def _bridged(name: str, values: Array) -> tuple[Array, str]:
-    blank = ~np.isfinite(values)
-    count = int(np.count_nonzero(blank))
-    if not 0 < count <= MOST_BLANK * len(values):
-        return values, ""
-    told = f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines"
-    return _on_lines(values, blank), told
-
-
-def _on_lines(values: Array, gone: npt.NDArray[np.bool_]) -> Array:
-    """Put samples on straight lines between the others."""
-    places = np.arange(len(values))
-    return np.where(gone, np.interp(places, places[~gone], values[~gone]), values)
 
 
 def _spikes(values: Array) -> npt.NDArray[np.bool_]:

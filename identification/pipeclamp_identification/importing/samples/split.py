@@ -93,7 +93,7 @@ def piece_bounds(time: Array, motion: Callable[[], Array], segment: Array | None
     cuts = np.flatnonzero((step < 0) | (step > GAP_STEPS * usual)) + 1
     if len(cuts) or len(changes):
         y = motion()
-        turns = _turns(y)
+        turns = turns_of(y)
         half = float(np.median(np.abs(np.diff(time[turns])))) if len(turns) > 3 else 0.0
         cuts = cuts[(step[cuts - 1] < 0) | (step[cuts - 1] > GAP_CYCLES * 2 * half)]
         # a counter of cycles tells no runs apart
@@ -102,7 +102,7 @@ def piece_bounds(time: Array, motion: Callable[[], Array], segment: Array | None
     return np.concatenate([[0], cuts, [len(time)]]).astype(np.intp)
 
 
-def _turns(y: Array) -> IntArray:
+def turns_of(y: Array) -> IntArray:
     """Give the turning points of a motion, noise aside."""
     if len(y) < 5:
         return np.array([0, max(len(y) - 1, 0)], dtype=np.intp)
@@ -119,7 +119,7 @@ def levels(time: Array, y: Array) -> Cut:
         y: displacement in mm, shape (n,).
     """
     whole = Cut((Part(0, len(y)),), ())
-    turns = _turns(y)
+    turns = turns_of(y)
     if len(turns) < 6:
         return whole
     ranges = np.abs(np.diff(y[turns]))

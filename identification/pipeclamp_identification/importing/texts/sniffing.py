@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeclamp_identification.importing.raw import Damaged
-from pipeclamp_identification.units.stated import is_unit, unit_in_name
+from pipeclamp_identification.units.stated import is_unit, quantity_of_unit, unit_in_name
 
 DELIMITERS = ("\t", ";", ",", "|", " ")
 """The blank, any number of them, comes last: it stands beside others, too."""
@@ -22,11 +22,19 @@ FEWEST_COLUMNS = 2
 CLEAR = 0.6
 """Share of the lines that a way to part cells must make rows of numbers of."""
 LONGEST_HEADER = 20_000
+HEADER_ROWS = 4
+"""Rows above the numbers that may name columns or state units."""
 POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 STAMP = re.compile(
     r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]+)?\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?(?:Z|[-+]\d\d:?\d\d)?$"
 )
+BRACKETED = re.compile(r"[\[(<]\s*(.*?)\s*[\])>]")
+MOST_UNITS = 0.5
+"""Share of a row's cells above which, as known units, they make it one of units."""
+NEEDED = {"time", "displacement", "force"}
+NAME_LETTERS = ("t", "x", "y", "F", "T", "f")
+"""Letters that name columns, though they are units of something, too: tonnes, farads, teslas."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +154,7 @@ def _first_line(lines: Sequence[str], delimiter: str, decimal: str, width: int) 
 def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Find the rows of names and of units right above the numbers."""
     blank = ("",) * width
-    above = [line for line in header if line.strip()][-3:]
+    above = [line for line in header if line.strip()][-HEADER_ROWS:]
     if not above:
         return tuple(f"column {place}" for place in range(1, width + 1)), blank
     rows = [row for row in (_header_row(line, delimiter, width) for line in above) if row]
@@ -164,14 +172,19 @@ def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple
 def names_above(rows: Sequence[Sequence[str]], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Give names and units of columns, units "" where none are stated.
 
+    A row of units stands below the names, or above them where nothing else does; alone, it leaves them without names.
+
     Args:
         rows: of cells above the numbers, each so wide.
         width: columns.
     """
     filled = [row for row in rows if any(row)]
-    if len(filled) > 1 and _are_units(filled[-1]):
-        return _unique(filled[-2]), tuple(_bare(cell) for cell in filled[-1])
-    return _unique(filled[-1] if filled else [""] * width), ("",) * width
+    blank = ("",) * width
+    place = next((place for place in reversed(range(len(filled))) if _are_units(filled[place])), None)
+    if place is None or (len(filled) == 1 and not _are_ours(filled[0])):
+        return _unique(filled[-1] if filled else blank), blank
+    others = filled[place - 1 : place] or filled[place + 1 : place + 2] or [blank]
+    return _unique(others[0]), tuple(_bare(cell) for cell in filled[place])
 
 
 def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:
@@ -189,14 +202,31 @@ def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:
 
 def _bare(cell: str) -> str:
     """Give a unit without brackets around it."""
-    inside = re.fullmatch(r"[\[(]\s*(.*?)\s*[\])]", cell)
+    inside = BRACKETED.fullmatch(cell)
     return inside[1] if inside else cell
 
 
 def _are_units(row: Sequence[str]) -> bool:
-    """Tell whether a row's cells are units: all that are filled, and at least one that is more than a dash."""
-    filled = [_bare(cell) for cell in row if cell and cell not in ("-", "--", "[]", "()", "[-]", "(-)")]
-    return bool(filled) and all(is_unit(cell) and not unit_in_name(cell)[1] for cell in filled)
+    """Tell whether a row's cells are units, not all dashes: all of them; or most, some of ours among them.
+
+    A row with one that nobody knows is still one: which unit that is must be asked, not which column.
+    """
+    filled = [cell for cell in row if cell and cell not in ("-", "--", "[]", "()", "[-]", "(-)")]
+    known = sum(_is_plain_unit(_bare(cell)) for cell in filled)
+    if known == len(filled) or not known:
+        return bool(known)
+    return all(map(BRACKETED.fullmatch, filled)) or (known > MOST_UNITS * len(filled) and _are_ours(row))
+
+
+def _are_ours(row: Sequence[str]) -> bool:
+    """Tell whether a row holds units of two different channels that a record needs."""
+    plain = [_bare(cell) for cell in row]
+    return len({quantity_of_unit(cell) for cell in plain if cell and _is_plain_unit(cell)} & NEEDED) > 1
+
+
+def _is_plain_unit(cell: str) -> bool:
+    """Tell whether a cell is a unit and nothing more: "kN", not "Load [kN]", nor the letter that a column is called."""
+    return cell not in NAME_LETTERS and is_unit(cell) and not unit_in_name(cell)[1]
 
 
 def _unique(names: Sequence[str]) -> tuple[str, ...]:

@@ -1,0 +1,169 @@
+"""How well a channel's name and unit fit a quantity."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+
+from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, TEXT_COLUMNS, meant_column
+from pipeclamp_identification.importing.raw import Channel
+from pipeclamp_identification.units.stated import QUANTITY_OF, Quantity, conversion, quantity_of_unit, unit_in_name
+from pipeclamp_models.base.errors import UserError
+
+SEGMENT = "segment"
+"""A channel that tells one run of a file from the next."""
+WORDS: Mapping[Quantity, tuple[str, ...]] = {
+    "time": ("time", "timestamp", "zeit", "zeitstempel", "uhrzeit", "temps", "tempo", "tiempo", "elapsed", "t"),
+    "displacement": (
+        "displacement", "displ", "disp", "stroke", "travel", "position", "pos", "lvdt", "deflection", "extension",
+        "crosshead", "weg", "kolbenweg", "hub", "verschiebung", "auslenkung", "traverse", "deplacement", "course",
+        "spostamento", "corsa", "desplazamiento", "y",
+    ),
+    "force": (
+        "force", "load", "loadcell", "kraft", "last", "kraftmessdose", "effort", "forza", "carico", "fuerza", "f",
+    ),
+    "temperature": ("temperature", "temperatur", "temp", "thermocouple", "thermoelement", "temperatura", "tc", "t"),
+    SEGMENT: ("segment", "block", "sequence", "sequenz", "abschnitt", "schritt", "teilversuch", "step", "run", "lauf"),
+}  # fmt: skip
+"""Words that name a quantity, folded; a compound may end with one that is long enough (Kolbenweg, Axialkraft)."""
+ENDINGS = 3
+"""Letters from which on a compound's last word counts."""
+OTHERS = frozenset(
+    (
+        *("command", "cmd", "setpoint", "soll", "sollwert", "target", "demand", "reference", "fuehrung"),
+        *("error", "abweichung", "velocity", "speed", "geschwindigkeit", "rate", "accel", "acceleration"),
+        *("beschleunigung", "peak", "valley", "max", "maximum", "min", "minimum", "mean", "mittelwert", "strain"),
+        *("dehnung", "stress", "spannung", "pressure", "druck", "limit", "date", "datum", "bewegung", "energy"),
+    )
+)
+"""Words of what is derived from a channel, asked of the machine, or something else."""
+COUNTS = frozenset(
+    (
+        *("cycle", "cycles", "zyklus", "zyklen", "lastspiel", "lastspiele", "cyclenumber", "count", "counter"),
+        *("zaehler", "index", "sample", "samples", "point", "points", "scan", "number", "nr", "no"),
+    )
+)
+"""Words of what only counts."""
+SETTINGS_CALLED: Mapping[Quantity, tuple[str, ...]] = {
+    "amplitude": ("amplitude", "ampl", "amp", "ampiezza", "amplitud"),
+    "frequency": ("frequency", "freq", "frequenz", "frequence", "frequenza", "frecuencia"),
+    "temperature": WORDS["temperature"],
+    "density": ("density", "dichte", "densite", "densita", "densidad"),
+}
+"""Words that name what is set in a run, folded."""
+LETTERS = 1
+"""Words of so few letters count only beside a unit."""
+CLEAR_NAME = 4
+"""Letters from which on a word names a quantity without a fitting unit beside it."""
+
+
+def unit_of(channel: Channel) -> str:
+    """Give the unit that a file states of a channel: beside its name, or in it."""
+    return channel.unit or unit_in_name(channel.name)[1]
+
+
+def is_of_another(quantity: Quantity, channel: Channel) -> bool:
+    """Tell whether a channel is called so and stands in a unit, but in none of the quantity."""
+    name, unit = _name_of(channel), unit_of(channel)
+    words = [word for word in _words(name) if len(word) >= CLEAR_NAME]
+    return bool(unit) and not fits_unit(quantity, unit) and not _is_other(words) and _is_named(quantity, words, True)
+
+
+def rank(quantity: Quantity, channel: Channel) -> int:
+    """Give how well a channel's name and unit fit a quantity: 0 not at all, 4 our own name."""
+    unit = unit_of(channel)
+    if QUANTITY_OF.get(channel.name) == quantity:
+        return 4
+    words = _words(_name_of(channel))
+    if _is_other(words):
+        return 0
+    of_unit = fits_unit(quantity, unit)
+    if unit and not of_unit:
+        return 0
+    if _is_named(quantity, words, beside_unit=bool(unit)):
+        # a name and a unit: sure; a name alone: its unit must be asked
+        return 3 if unit or quantity == SEGMENT else 2
+    if unit and quantity != SEGMENT and not any(_is_named(other, words, True) for other in WORDS if other != quantity):
+        return 1
+    return 0
+
+
+def serves(quantity: Quantity, channel: Channel) -> bool:
+    """Tell whether a channel's unit fits a quantity and its name doesn't say that it is derived or asked for."""
+    return fits_unit(quantity, unit_of(channel)) and not _is_other(_words(_name_of(channel)))
+
+
+def is_count(channel: Channel) -> bool:
+    """Tell whether a channel counts cycles or samples, by its name."""
+    return not COUNTS.isdisjoint(_words(_name_of(channel)))
+
+
+def is_measured(heading: str) -> bool:
+    """Tell whether a channel is neither asked for nor derived nor a count, by its heading."""
+    words = _words(unit_in_name(heading)[0])
+    return not _is_other(words) and COUNTS.isdisjoint(words)
+
+
+def condition_name(heading: str) -> str:
+    """Give a name in runs.csv for a channel's mean, with the channel's unit where names can hold it."""
+    name, unit = unit_in_name(heading)
+    words = re.findall(r"[a-z][a-z0-9]*|(?<=.)[0-9]+", _folded(name).lstrip("0123456789"))
+    plain = "_".join([*words, *([unit] if re.fullmatch(r"[A-Za-z]{1,6}", unit) else [])])
+    return plain if plain[:1].isalpha() and not is_known(plain) else f"measured_{plain}".rstrip("_")
+
+
+def setting_called(name: str) -> str:
+    """Give the condition of a run that a name means: amplitude, frequency, temperature or density; "" for others."""
+    words = _words(name)
+    return next((quantity for quantity, known in SETTINGS_CALLED.items() if len(words) == 1 and words[0] in known), "")
+
+
+def is_known(column: str) -> bool:
+    """Tell whether runs.csv has a column of this name, or one that the name probably means."""
+    return column in NUMBER_COLUMNS or column in TEXT_COLUMNS or meant_column(column) is not None
+
+
+def _name_of(channel: Channel) -> str:
+    return channel.name if channel.unit else unit_in_name(channel.name)[0]
+
+
+def _is_other(words: Sequence[str]) -> bool:
+    return any(word in OTHERS or word.endswith(("geschwindigkeit", "beschleunigung")) for word in words)
+
+
+def fits_unit(quantity: Quantity, unit: str) -> bool:
+    """Tell whether a unit is one of the quantity."""
+    if quantity == SEGMENT:
+        return unit in ("", "-", "1")
+    if not unit:
+        return False
+    if quantity_of_unit(unit) == quantity:
+        return True
+    try:
+        conversion(quantity, unit)
+    except UserError:
+        return False
+    return True
+
+
+def _is_named(quantity: Quantity, words: Sequence[str], beside_unit: bool) -> bool:
+    for known in WORDS[quantity]:
+        for word in words:
+            if len(known) <= LETTERS and not beside_unit:
+                continue
+            if word == known or (len(known) >= ENDINGS and len(word) > len(known) and word.endswith(known)):
+                return True
+    return False
+
+
+def _words(name: str) -> list[str]:
+    """Give a name's words, folded: no capitals, accents or digits."""
+    return re.findall(r"[a-z]+", _folded(name))
+
+
+def _folded(name: str) -> str:
+    """Give a name without capitals and accents, blanks where capitals begin words."""
+    text = name.replace("ß", "ss").replace("ü", "ue").replace("ä", "ae").replace("ö", "oe")
+    plain = unicodedata.normalize("NFKD", re.sub(r"([a-z])([A-Z])", r"\1 \2", text))
+    return "".join(one for one in plain if not unicodedata.combining(one)).casefold()

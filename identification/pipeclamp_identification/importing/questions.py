@@ -1,0 +1,130 @@
+"""Which channel is a quantity, where names and units tell it; else the question, and what would answer it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from pipeclamp_identification.importing.naming import SEGMENT, fits_unit, is_count, is_of_another, rank, serves, unit_of
+from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.units.stated import OURS, Quantity, is_unit, quantity_of_unit
+
+NEEDED = ("time", "displacement", "force")
+NONE = "none"
+"""States that a quantity isn't there."""
+USUAL = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"), "temperature": ("°C", "K")}
+"""Units that a channel without one may be in, the first of them ours."""
+NO_UNIT = ("", "-", "--", "1")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An entry of --columns, and the channel that it takes; "" for none."""
+
+    text: str
+    channel: str
+
+
+@dataclass(frozen=True)
+class Question:
+    """What names and units don't tell: of which quantity, why, and the entries of --columns that would.
+
+    `is_missing`: nothing in the table looks like it.
+    """
+
+    ours: str
+    why: str
+    choices: tuple[Choice, ...]
+    is_missing: bool = False
+
+
+def find(quantity: Quantity, table: RawTable, taken: Collection[str]) -> Channel | Question | None:
+    """Find the channel of a quantity; a question where several may be it, or its unit isn't known.
+
+    Args:
+        quantity: time, displacement, force, temperature or segment; of the last two there may be none.
+        table: as a file holds it.
+        taken: headings of channels that are something else.
+    """
+    channels = [channel for channel in table.channels if channel.heading not in taken]
+    ranked: dict[int, list[Channel]] = {}
+    for channel in channels:
+        if own := rank(quantity, channel):
+            ranked.setdefault(own, []).append(channel)
+    if ranked:
+        best = ranked[max(ranked)]
+        if len(best) > 1:
+            return None if quantity == SEGMENT else _which(quantity, best)
+        (channel,) = best
+        return channel if quantity == SEGMENT or unit_of(channel) else _in_which_unit(quantity, channel)
+    if quantity == SEGMENT:
+        return None
+    if called := [channel for channel in channels if is_of_another(quantity, channel)]:
+        return _in_another_unit(quantity, called, channels)
+    return _missing(quantity, table, channels) if quantity in NEEDED else None
+
+
+def _which(quantity: Quantity, best: Sequence[Channel]) -> Question:
+    names = ", ".join(repr(channel.heading) for channel in best)
+    return Question(quantity, f"{len(best)} channels may be the {quantity}: {names}", _choices(quantity, best))
+
+
+def _in_which_unit(quantity: Quantity, channel: Channel) -> Question:
+    return Question(
+        quantity,
+        f"no {'known ' if channel.heading.endswith(']') else ''}unit is stated of {channel.heading!r}",
+        tuple(Choice(f"{quantity}={channel.heading} [{unit}]", channel.heading) for unit in USUAL[quantity]),
+    )
+
+
+def _in_another_unit(quantity: Quantity, called: Sequence[Channel], channels: Sequence[Channel]) -> Question:
+    """Ask about channels that are called so, but in a unit of something else, or in one that nobody knows."""
+    unit = unit_of(called[0])
+    of = quantity_of_unit(unit)
+    if of:
+        what = f"a unit of {of}"
+    elif is_unit(unit) and unit not in NO_UNIT:
+        what = f"no unit of {quantity}: state how much 1 {unit} is"
+    else:
+        what = "no known unit"
+    if len(called) == 1 and not of and unit in NO_UNIT:
+        return _in_which_unit(quantity, called[0])
+    fitting = [channel for channel in channels if serves(quantity, channel)]
+    return Question(
+        quantity,
+        f"{called[0].heading!r} is called a {quantity}, but {unit!r} is {what}",
+        _choices(quantity, [*called, *fitting]),
+    )
+
+
+def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -> Question:
+    """Ask which channel is a quantity that none is called; those without a unit come first."""
+    some = [one for one in channels if not is_count(one)]
+    likely = [one for one in some if unit_of(one) in NO_UNIT]
+    # what is in a unit of something else is no time
+    if quantity != "time":
+        others = [one for one in some if unit_of(one) not in NO_UNIT]
+        likely += sorted(others, key=lambda one: bool(quantity_of_unit(unit_of(one))))
+    why = f"no channel is called a {quantity} or is in a unit of one"
+    for column in table.unread:
+        if column.is_whole and rank(quantity, column.channel):
+            why = f"{column.words()}, so there is no {quantity}: export it as numbers"
+    return Question(quantity, why, _choices(quantity, likely), is_missing=True)
+
+
+def _choices(quantity: Quantity, channels: Sequence[Channel]) -> tuple[Choice, ...]:
+    """Give an entry that serves for each channel; and one that there is none, of a quantity that isn't needed."""
+    choices = [Choice(f"{quantity}={_with_unit(quantity, channel)}", channel.heading) for channel in channels]
+    return (*choices, *(() if quantity in NEEDED else (Choice(f"{quantity}={NONE}", ""),)))
+
+
+def _with_unit(quantity: Quantity, channel: Channel) -> str:
+    """Give a channel as --columns takes it: its unit behind it where the file states none, or none of the quantity.
+
+    What is measured in volts or parts of a hundred must be said what one of them is: [1 N] leaves the number to change.
+    """
+    unit, ours = unit_of(channel), OURS[quantity].replace("degC", "°C")
+    if fits_unit(quantity, unit):
+        return channel.heading
+    scaled = unit not in NO_UNIT and is_unit(unit) and not quantity_of_unit(unit)
+    return f"{channel.heading} [{'1 ' if scaled else ''}{ours}]"

@@ -1,0 +1,103 @@
+"""Blank samples, as a logger leaves them where it lost some: short rows of them are bridged, longer ones cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.campaign.records import NEEDED, Record, UnusableRecord
+from pipeclamp_identification.importing.samples.split import GAP_CYCLES, turns_of
+from pipeclamp_models.base.arrays import Array
+
+MOST_BLANK = 0.01
+"""Share of a channel's samples that may be blank in rows as long as a gap in time may be."""
+FINE_CYCLES = 0.02
+"""Rows so short are bridged however many there are: a channel may be sampled at a part of another's rate."""
+FEWEST_CYCLES = 3
+"""Fewer cycles between blanks aren't worth a run."""
+
+Mask = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A record without blanks: samples first to last - 1 of those that there were, and words on what was done."""
+
+    record: Record
+    first: int
+    last: int
+    told: tuple[str, ...] = ()
+
+
+def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
+    """Put short rows of blanks on straight lines; keep the longest stretch without long ones.
+
+    Args:
+        record: one run; nan is blank.
+        row: gives the row of the file that a sample stands in.
+
+    Raises:
+        UnusableRecord: no three cycles in a row are left.
+    """
+    blank = {name: ~np.isfinite(values) for name, values in record.channels.items()}
+    if not any(np.any(gone) for gone in blank.values()):
+        return Whole(record, 0, len(record.time_s))
+    cycle = _samples_of_cycle(on_lines(record.displacement_mm, blank["displacement_mm"]))
+    long = {name: _long_rows(blank[name], cycle) for name in NEEDED}
+    cut = np.logical_or.reduce([*long.values()])
+    told: tuple[str, ...] = ()
+    first, last = _longest(~cut)
+    if last - first < len(cut):
+        where = ", ".join(name for name, rows in long.items() if np.any(rows))
+        words = f"{np.count_nonzero(cut)} samples are blank in {where}, the first in row {row(int(np.argmax(cut)))}"
+        if last - first < max(FEWEST_CYCLES * cycle, 2):
+            raise UnusableRecord(f"{words}; no {FEWEST_CYCLES} cycles in a row are without")
+        told = (f"{words}: cut off, the longest stretch without them is kept",)
+    kept = {}
+    for name, gone in blank.items():
+        count = int(np.count_nonzero(gone[first:last]))
+        if count == last - first:
+            continue  # a temperature that this stretch doesn't have
+        kept[name] = on_lines(record.channels[name], gone)[first:last]
+        if count:
+            told += (f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines",)
+    return Whole(Record(**kept), first, last, told)
+
+
+def on_lines(values: Array, gone: Mask) -> Array:
+    """Put samples on straight lines between the others, those before the first and behind the last on these."""
+    if np.all(gone) or not np.any(gone):
+        return values
+    places = np.arange(len(values))
+    return np.where(gone, np.interp(places, places[~gone], values[~gone]), values)
+
+
+def _samples_of_cycle(y: Array) -> float:
+    """Give how many samples a cycle has, about; 0 where there is none."""
+    turns = turns_of(y)
+    return 2 * float(np.median(np.diff(turns))) if len(turns) > 3 else 0.0
+
+
+def _long_rows(blank: Mask, cycle: float) -> Mask:
+    """Give which blanks can't be bridged: those at either end, and rows that are too long for how many there are."""
+    edges = np.flatnonzero(np.diff(blank.astype(np.int8), prepend=0, append=0))
+    begins, ends = edges[::2], edges[1::2]
+    few = np.count_nonzero(blank) <= MOST_BLANK * len(blank)
+    longest = max((GAP_CYCLES if few else FINE_CYCLES) * cycle, 1 if few else 0)
+    long = (ends - begins > longest) | (begins == 0) | (ends == len(blank))
+    found = np.zeros(len(blank), dtype=np.bool_)
+    for begin, end in zip(begins[long].tolist(), ends[long].tolist(), strict=True):
+        found[begin:end] = True
+    return found
+
+
+def _longest(kept: Mask) -> tuple[int, int]:
+    """Give the longest row of samples that are kept, as (first, one after the last)."""
+    edges = np.flatnonzero(np.diff(kept.astype(np.int8), prepend=0, append=0))
+    if not len(edges):
+        return 0, 0
+    best = int(np.argmax(edges[1::2] - edges[::2]))
+    return int(edges[2 * best]), int(edges[2 * best + 1])
