@@ -30,6 +30,8 @@ WORTH_PROCESSES = 24_000_000
 """Bytes of files from which on they are taken by several processes, which take a second or two to begin."""
 LARGE = 64_000_000
 """Bytes of a file that one process reads by itself; its parts are handed to others."""
+MOST_ASIDE = 4
+"""Tables that are left aside, of which one line names so many."""
 Ask = Callable[[str, Mapped], Sequence[Stated]]
 """Asks a person what names and units leave open, and gives what the answers state."""
 
@@ -191,6 +193,9 @@ class _Planner:
         Raises:
             UserError: a name doesn't follow the pattern.
         """
+        if file.aside:
+            names = listed([*map(repr, file.aside)], most=MOST_ASIDE)
+            self._note(f"{path.name}: left aside, without time, displacement and force: {names}")
         stems = [_stem_of(path, table, len(file.tables) > 1) for table in file.tables]
         count = Counter(stems)
         for table, stem in zip(file.tables, stems, strict=True):

@@ -25,10 +25,16 @@ def where_of(source: SourceFile, table: RawTable) -> str:
     return f"{source.path}, {table.name}" if table.name else str(source.path)
 
 
-def mapped_tables(
-    source: SourceFile, stated: Sequence[Stated], rate: float | None, *, ask: bool
-) -> list[tuple[RawTable, Mapped]] | Open:
-    """Give the tables of a file that hold tests, with their channels known.
+@dataclass(frozen=True)
+class MappedFile:
+    """The tables of a file that hold tests, with their channels known; and the names of those that are left aside."""
+
+    tables: tuple[tuple[RawTable, Mapped], ...]
+    aside: tuple[str, ...] = ()
+
+
+def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | None, *, ask: bool) -> MappedFile | Open:
+    """Find the tables of a file that hold tests.
 
     Args:
         source: the file.
@@ -40,14 +46,18 @@ def mapped_tables(
         UserError: no table does, or what a channel is, is open and nobody can be asked.
     """
     tables = source.tables
-    if len(tables) > 1 and not any(_is_whole(table, stated) for table in tables):
-        joined = joined_rates(tables)
+    whole = [table for table in tables if _is_whole(table, stated)]
+    if len(tables) > 1 and len(whole) < 2:
+        joined = joined_rates(tables, whole[0] if whole else None)
         if joined and _is_whole(joined, stated):
             tables = (joined,)
+    found = [(table, _mapped(table, stated, rate, several=len(tables) > 1)) for table in tables]
+    complete = any(mapped and not mapped.questions for _, mapped in found)
     used: list[tuple[RawTable, Mapped]] = []
-    for table in tables:
-        mapped = _mapped(table, stated, rate, several=len(tables) > 1)
-        if mapped is None:
+    aside = []
+    for table, mapped in found:
+        if mapped is None or (complete and any(one.is_missing for one in mapped.questions)):
+            aside.append(table.name)
             continue
         if mapped.questions and ask:
             return Open(where_of(source, table), mapped)
@@ -56,7 +66,7 @@ def mapped_tables(
     if not used:
         table = max(tables, key=lambda one: len(one.channels))
         refuse_open_questions(where_of(source, table), map_columns(table, stated))
-    return used
+    return MappedFile(tuple(used), tuple(aside))
 
 
 def _is_whole(table: RawTable, stated: Sequence[Stated]) -> bool:

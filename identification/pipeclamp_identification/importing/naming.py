@@ -101,8 +101,9 @@ def is_count(channel: Channel) -> bool:
 
 def is_measured(heading: str) -> bool:
     """Tell whether a channel is neither asked for nor derived nor a count, by its heading."""
-    words = _words(unit_in_name(heading)[0])
-    return not _is_other(words) and COUNTS.isdisjoint(words)
+    name, unit = unit_in_name(heading)
+    words = _words(name)
+    return not _is_other(words) and COUNTS.isdisjoint(words) and quantity_of_unit(unit) != "time"
 
 
 def condition_name(heading: str) -> str:

@@ -31,30 +31,72 @@ def _collect(
     path: str, held: Mapping[str, Any], found: list[tuple[str, list[tuple[str, str, object]]]], depth: int
 ) -> None:
     columns: list[tuple[str, str, object]] = []
+    inner: dict[str, Mapping[str, Any]] = _apart(held)
     matrix = _matrix(held)
     if matrix is not None:
         columns += matrix
-    else:
+    elif not inner:
         for name, value in held.items():
             if isinstance(value, Mapping):
-                single = _channel(name, value)
-                if single is not None:
-                    columns.append(single)
-                elif depth < DEEPEST:
-                    _collect(f"{path}.{name}" if path else name, value, found, depth + 1)
+                listed = _channels(value, name)
+                if listed:
+                    columns += listed
+                else:
+                    inner[name] = value
+            elif several := _several(value):
+                inner |= {f"{name}({number})": one for number, one in enumerate(several, 1)}
             else:
                 columns += _columns(name, value)
     if columns:
         found.append((path, columns))
+    if depth < DEEPEST:
+        for name, value in inner.items():
+            _collect(f"{path}{'' if name.startswith('(') else '.'}{name}" if path else name, value, found, depth + 1)
 
 
-def _channel(name: str, held: Mapping[str, Any]) -> tuple[str, str, object] | None:
-    """Give a channel that is a structure of values and unit; None for any other structure."""
+def _apart(held: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """Give the structures of an array of them, which is read as one of lists; nothing where it is none."""
+    lists = {name: value for name, value in held.items() if isinstance(value, list) and len(value) > 1}
+    counts = {len(value) for value in lists.values()}
+    of_samples = [value for value in lists.values() if all(map(_is_row, value))]
+    if len(counts) != 1 or len(of_samples) < 2:
+        return {}
+    texts = next((_texts(held[key]) for key in NAMES if key in lists and _texts(held[key])), [])
+    names = texts if len(set(texts)) == len(texts) > 0 else [f"({number})" for number in range(1, counts.pop() + 1)]
+    return {
+        name: {key: value[place] for key, value in lists.items() if not isinstance(value[place], str)}
+        for place, name in enumerate(names)
+    }
+
+
+def _several(value: Any) -> list[Mapping[str, Any]]:
+    """Give structures of a list of them, or of matrices; nothing for anything else."""
+    if not isinstance(value, list) or not value:
+        return []
+    if all(isinstance(one, Mapping) for one in value):
+        return value
+    if len(value) > 1 and all(isinstance(one, np.ndarray) and one.ndim == 2 for one in value):
+        return [{"columns": one} for one in value]
+    return []
+
+
+def _channels(held: Mapping[str, Any], name: str) -> list[tuple[str, str, object]]:
+    """Give the channel that a structure of values and unit is, or those that one of lists of these is; else nothing."""
     values = next((held[key] for key in VALUES if key in held), None)
     unit = next((held[key] for key in UNIT if key in held), None)
+    own = next((held[key] for key in NAMES if key in held), name)
+    if isinstance(values, list) and values and all(map(_is_row, values)):
+        names, units = _texts(own), _texts(unit)
+        if len(names) == len(values):
+            stated = units if len(units) == len(names) else [""] * len(names)
+            return list(zip(names, stated, values, strict=True))
     if values is None or not isinstance(unit, str) or np.squeeze(np.asarray(values)).ndim != 1:
-        return None
-    return name, unit, values
+        return []
+    return [(own if isinstance(own, str) and own else name, unit, values)]
+
+
+def _is_row(value: Any) -> bool:
+    return isinstance(value, np.ndarray) and value.ndim == 1
 
 
 def _matrix(held: Mapping[str, Any]) -> list[tuple[str, str, object]] | None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from pipeclamp_identification.importing.naming import SEGMENT, fits_unit, is_count, is_of_another, rank, serves, unit_of
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.units.stated import OURS, Quantity, is_unit, quantity_of_unit
@@ -12,6 +14,8 @@ from pipeclamp_identification.units.stated import OURS, Quantity, is_unit, quant
 NEEDED = ("time", "displacement", "force")
 NONE = "none"
 """States that a quantity isn't there."""
+SLOW = 1.0
+"""Steps of a time without a unit from which on milliseconds are likelier than seconds."""
 USUAL = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"), "temperature": ("°C", "K")}
 """Units that a channel without one may be in, the first of them ours."""
 NO_UNIT = ("", "-", "--", "1")
@@ -70,10 +74,13 @@ def _which(quantity: Quantity, best: Sequence[Channel]) -> Question:
 
 
 def _in_which_unit(quantity: Quantity, channel: Channel) -> Question:
+    units = USUAL[quantity]
+    if quantity == "time" and len(channel.values) > 1 and abs(float(np.nanmedian(np.diff(channel.values)))) >= SLOW:
+        units = units[::-1]
     return Question(
         quantity,
         f"no {'known ' if channel.heading.endswith(']') else ''}unit is stated of {channel.heading!r}",
-        tuple(Choice(f"{quantity}={channel.heading} [{unit}]", channel.heading) for unit in USUAL[quantity]),
+        tuple(Choice(f"{quantity}={channel.heading} [{unit}]", channel.heading) for unit in units),
     )
 
 

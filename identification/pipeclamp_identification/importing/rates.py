@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,33 +13,39 @@ from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_models.base.arrays import Array
 
 
-def joined_rates(tables: Sequence[RawTable]) -> RawTable | None:
-    """Give the tables of a file as one, on the times of the longest; None where fewer than two have times.
+def joined_rates(tables: Sequence[RawTable], base: RawTable | None = None) -> RawTable | None:
+    """Give the tables of a file as one, on the times of one of them; None where fewer than two have times.
 
-    Others are put there by straight lines, and only where all of them were sampled.
+    Others are put there by straight lines. Where one is a whole test, others stand still before and behind their own
+    samples, as a temperature does; else only what lies where all were sampled is taken.
 
     Args:
         tables: each with a channel of time.
+        base: which is a whole test, if any; else the longest gives the times.
     """
     timed = [(table, time, column) for table in tables for time, column in _time(table)]
+    whole = next((one for one in timed if one[0] is base), None)
+    if base is not None:
+        ends = (float(whole[1][0]), float(whole[1][-1])) if whole else (math.inf, -math.inf)
+        timed = [one for one in timed if one[1][0] < ends[1] and one[1][-1] > ends[0]]
     if len(timed) < 2:
         return None
-    base, time, _ = max(timed, key=lambda one: one[0].length)
+    chosen, time, _ = whole or max(timed, key=lambda one: one[0].length)
     first, last = max(float(one[0]) for _, one, _ in timed), min(float(one[-1]) for _, one, _ in timed)
-    within = (time >= first) & (time <= last)
+    within = np.ones(len(time), dtype=np.bool_) if whole else (time >= first) & (time <= last)
     if np.count_nonzero(within) < 2:
         return None
-    channels = [replace(channel, values=channel.values[within]) for channel in base.channels]
+    channels = [replace(channel, values=channel.values[within]) for channel in chosen.channels]
     taken = {channel.heading for channel in channels}
     for table, own, column in timed:
-        if table is base:
+        if table is chosen:
             continue
         for channel in table.channels:
             if channel.heading != column.heading and channel.heading not in taken:
                 taken.add(channel.heading)
                 channels.append(Channel(channel.name, channel.unit, np.interp(time[within], own, channel.values)))
-    told = f"channels of {len(timed)} rates, on the times of the fastest by straight lines"
-    return RawTable("", tuple(channels), base.first_row, (*base.told, told))
+    told = f"channels of {len(timed)} rates, on the times of the {'test' if whole else 'fastest'} by straight lines"
+    return RawTable("", tuple(channels), chosen.first_row, (*chosen.told, told), chosen.unread)
 
 
 def _time(table: RawTable) -> list[tuple[Array, Column]]:

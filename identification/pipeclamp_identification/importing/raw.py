@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -128,6 +128,31 @@ def refuse_size(what: str, count: float, holds: int, times: float = 1.0) -> None
     """
     if not 0 <= count <= min(MOST_SAMPLES, FEW_SAMPLES + holds * times):
         raise Damaged(f"{what} claims {count:g} samples, more than a file of {holds} bytes holds")
+
+
+def side_by_side(table: RawTable) -> list[RawTable]:
+    """Give the tables of one whose names come again in the same order: runs that stand beside each other."""
+    headings = [channel.heading for channel in table.channels]
+    width = next(
+        (
+            width
+            for width in range(2, len(headings) // 2 + 1)
+            if len(headings) % width == 0 and headings == headings[:width] * (len(headings) // width)
+        ),
+        0,
+    )
+    if not width:
+        return [table]
+    parts = []
+    for first in range(0, len(headings), width):
+        channels = table.channels[first : first + width]
+        filled = np.flatnonzero(np.any([np.isfinite(channel.values) for channel in channels], axis=0))
+        end = int(filled[-1]) + 1 if len(filled) else 0
+        if end:
+            name = f"{table.name} columns {first + 1} to {first + width}".strip()
+            cut = tuple(replace(channel, values=channel.values[:end]) for channel in channels)
+            parts.append(replace(table, name=name, channels=cut))
+    return parts
 
 
 def table_of(name: str, columns: Sequence[tuple[str, str, object]], told: Sequence[str] = ()) -> list[RawTable]:

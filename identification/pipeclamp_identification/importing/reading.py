@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from pipeclamp_identification.importing import formats
-from pipeclamp_identification.importing.raw import Damaged, Format, RawTable
+from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, side_by_side
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.quiet import quietly
@@ -126,7 +126,8 @@ def read_file(path: Path) -> SourceFile:
     failure = ""
     with _silently():
         try:
-            tables = tuple(_told_apart(table) for table in found.read(path) if table.length)
+            read = [part for table in found.read(path) if table.length for part in side_by_side(table)]
+            tables = tuple(_told_apart(table) for table in read)
         except Damaged as error:
             failure = f"{path}: {error}"
         except UserError as error:

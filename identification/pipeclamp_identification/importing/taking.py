@@ -128,10 +128,11 @@ class TakenTable:
 
 @dataclass(frozen=True)
 class TakenFile:
-    """A file that was taken: as campaign.toml states it, and its tables."""
+    """A file that was taken: as campaign.toml states it, its tables, and the names of those that were left aside."""
 
     file: ImportedFile
     tables: tuple[TakenTable, ...]
+    aside: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -187,14 +188,14 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
     if isinstance(used, Open):
         return used
     tables = []
-    for index, (table, mapped) in enumerate(used):
+    for index, (table, mapped) in enumerate(used.tables):
         record = way.records / f"{number:05d}_{index:03d}"
         taken = _taken(source, table, mapped, record, way, over)
         headings = {column.heading for column in mapped.columns}
         unused = tuple(one.heading for one in table.channels if one.heading not in headings)
         unread = tuple(one for one in table.unread if one.channel.heading in headings)
         tables.append(TakenTable(table.name, mapped, unused, unread, taken))
-    first, mapped = used[0]
+    first, mapped = used.tables[0]
     file = ImportedFile(
         file=source.name,
         sha256=digest,
@@ -202,7 +203,7 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         read_as="; ".join(first.told),
         columns={OURS.get(one.ours, one.ours): _imported(one) for one in mapped.columns},
     )
-    return TakenFile(file, tuple(tables))
+    return TakenFile(file, tuple(tables), used.aside)
 
 
 def _taken(source: SourceFile, table: RawTable, mapped: Mapped, record: Path, way: Way, over: Over) -> TakenPart:

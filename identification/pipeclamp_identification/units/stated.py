@@ -80,7 +80,9 @@ def unit_in_name(name: str) -> tuple[str, str]:
     text = unicodedata.normalize("NFKC", name).replace("μ", "µ").strip()
     if found := BRACKETED.match(text):
         inside = (found[2] if found[2] is not None else found[3]).strip()
-        return (found[1].strip(), inside) if inside and is_unit(inside) else (text, "")
+        # "data(1)" is the first of several
+        counted = found[2] is None and inside.isdigit()
+        return (found[1].strip(), inside) if inside and not counted and is_unit(inside) else (text, "")
     if (found := SLASHED.match(text)) and (found[2].casefold() in BARE or is_unit(found[2])):
         return found[1].strip(), found[2]
     if (found := TRAILING.match(text)) and found[2].casefold() in BARE:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import datetime
+import math
 import re
 import zipfile
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -13,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, table_of
-from pipeclamp_identification.importing.texts.sniffing import names_above
+from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, Unread, table_of
+from pipeclamp_identification.importing.texts.sniffing import CLEAR, is_number, names_above
 from pipeclamp_models.base.archive import opened_archive
 
 OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
@@ -23,6 +24,7 @@ PLACE = re.compile(rb'<c[^>]*? r="([A-Z]{1,3})(\d{1,7})"|<(?:\w+:)?row[^>]*? r="
 REPEATED = re.compile(rb'number-(?:rows|columns)-repeated="(\d+)"[^>]*?(?:office:value|office:string)')
 HEADER_ROWS = 200
 FEWEST_NUMBERS = 2
+CLOCK = (datetime.timedelta, datetime.datetime, datetime.time)
 
 
 def read(path: Path) -> Sequence[RawTable]:
@@ -35,6 +37,8 @@ def read(path: Path) -> Sequence[RawTable]:
     sheets = [(name, workbook.get_sheet_by_name(name).to_python()) for name in workbook.sheet_names]
     tables = [table for name, rows in sheets for table in _tables(name, rows)]
     if not tables:
+        for name, rows in sheets:
+            _refuse_texts(name, rows)
         raise Damaged("holds no sheet with a table of numbers")
     return tables
 
@@ -75,28 +79,76 @@ def _refuse_far_cells(name: str, chunks: Iterator[bytes]) -> None:
 
 def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
     """Give the table of a sheet: where numbers begin, with names and units above."""
-    first = next((place for place, row in enumerate(rows) if _count(row) >= FEWEST_NUMBERS), None)
-    if first is None:
+    counts = [_count(row) for row in rows]
+    some = [place for place, count in enumerate(counts) if count >= FEWEST_NUMBERS]
+    if not some:
         return []
-    # a header may hold numbers: the table is as wide as most of its rows
-    widths = [_count(row) for row in rows[first:]]
-    usual = max(set(widths), key=widths.count)
-    first = next((place for place, row in enumerate(rows) if _count(row) == usual and usual >= FEWEST_NUMBERS), first)
-    places = [place for place, cell in enumerate(rows[first]) if _number(cell) is not None]
-    header = [
-        [_text(row[place]) if place < len(row) else "" for place in places] for row in rows[:first][-HEADER_ROWS:]
-    ]
-    names, units = names_above(header, len(places))
-    last = max(place for place, row in enumerate(rows) if _count(row) >= FEWEST_NUMBERS)
-    body = [[_number(row[place]) if place < len(row) else None for place in places] for row in rows[first : last + 1]]
-    values = np.array([[np.nan if cell is None else cell for cell in row] for row in body], dtype=np.float64)
-    kept = np.any(np.isfinite(values), axis=1)
-    (table,) = table_of(name, [(names[place], units[place], values[kept, place]) for place in range(len(places))])
-    return [RawTable(name, table.channels, first + 1, (f"sheet {name!r}",))]
+    # a header may hold numbers: rows are as most, with numbers in the columns that mostly have them
+    among: Counter[int] = Counter(place for row in some for place, cell in enumerate(rows[row]) if _is_number(cell))
+    usual = [place for place, count in among.items() if 2 * count >= len(some)]
+    first = next((row for row in some if all(_cell(rows[row], place) is not None for place in usual)), some[0])
+    while first and counts[first - 1] >= max(FEWEST_NUMBERS, CLEAR * len(usual)):
+        first -= 1
+    last = some[-1]
+    body = rows[first : last + 1]
+    places = sorted({place for row in body for place, cell in enumerate(row) if _is_number(cell)})
+    wide = max(map(len, body))
+    header = [[_text(row[place]) if place < len(row) else "" for place in range(wide)] for row in rows[:first]]
+    names, units = names_above(header[-HEADER_ROWS:], wide)
+    values = np.array([[_nan(_cell(row, place)) for place in places] for row in body], dtype=np.float64)
+    timed = {place for place in places if isinstance(_filled(body, place), CLOCK)}
+    stated = ["s" if place in timed else units[place] for place in range(wide)]
+    channels = [(names[place], stated[place], values[:, column]) for column, place in enumerate(places)]
+    (table,) = table_of(name, channels)
+    texts = [_texts(body, place) for place in range(wide)]
+    unread = tuple(
+        Unread(names[place], stated[place], len(own), first + own[0][0] + 1, own[0][1], is_whole=place not in places)
+        for place, own in enumerate(texts)
+        if own
+    )
+    return [RawTable(name, table.channels, first + 1, (f"sheet {name!r}",), unread)]
+
+
+def _texts(body: list[list[Any]], place: int) -> list[tuple[int, str]]:
+    """Give what of a column is text, each with its row."""
+    cells = [(row, line[place]) for row, line in enumerate(body) if place < len(line)]
+    return [(row, text) for row, cell in cells if isinstance(cell, str) and (text := _text(cell))]
+
+
+def _refuse_texts(name: str, rows: list[list[Any]]) -> None:
+    """Refuse a sheet whose numbers are texts.
+
+    Raises:
+        Damaged: it is one.
+    """
+    for number, row in enumerate(rows, 1):
+        texts = [cell for cell in row if isinstance(cell, str) and (is_number(cell, ",") or is_number(cell, "."))]
+        if len(texts) >= FEWEST_NUMBERS:
+            raise Damaged(
+                f"holds its numbers as text ({texts[0][:20]!r} in row {number} of sheet {name!r}); turn the columns "
+                "into numbers in the spreadsheet, or save the sheet as text (.csv)"
+            )
 
 
 def _count(row: Sequence[Any]) -> int:
-    return sum(_number(cell) is not None for cell in row)
+    return sum(map(_is_number, row))
+
+
+def _is_number(cell: Any) -> bool:
+    return _number(cell) is not None
+
+
+def _cell(row: Sequence[Any], place: int) -> float | None:
+    return _number(row[place]) if place < len(row) else None
+
+
+def _nan(number: float | None) -> float:
+    return math.nan if number is None else number
+
+
+def _filled(body: list[list[Any]], place: int) -> Any:
+    """Give the first number or time in a column."""
+    return next(row[place] for row in body if _cell(row, place) is not None)
 
 
 def _number(cell: Any) -> float | None:

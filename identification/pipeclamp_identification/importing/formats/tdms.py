@@ -29,7 +29,12 @@ def read(path: Path) -> Sequence[RawTable]:
                 refuse_size(f"channel {channel.name!r}", len(channel), size)
                 if not len(channel):
                     continue
-                columns.append((channel.name, _unit(channel), _samples(channel)))
+                samples = channel[:]
+                if isinstance(samples, np.ndarray) and samples.dtype.kind == "M":
+                    # stamps of time, in seconds since the first
+                    columns.append((channel.name, "s", (samples - samples[0]) / np.timedelta64(1, "ns") * 1e-9))
+                else:
+                    columns.append((channel.name, _unit(channel), samples))
                 if increment := channel.properties.get("wf_increment"):
                     increments.add(
                         (len(channel), float(increment), float(channel.properties.get("wf_start_offset", 0)))
@@ -42,14 +47,6 @@ def read(path: Path) -> Sequence[RawTable]:
 
 def _unit(channel: Any) -> str:
     return next((str(channel.properties[name]).strip() for name in UNITS if channel.properties.get(name)), "")
-
-
-def _samples(channel: Any) -> object:
-    """Give a channel's samples; stamps of time in seconds since the first."""
-    values = channel[:]
-    if isinstance(values, np.ndarray) and values.dtype.kind == "M":
-        return (values - values[0]) / np.timedelta64(1, "ns") * 1e-9
-    return values
 
 
 FORMAT = Format(

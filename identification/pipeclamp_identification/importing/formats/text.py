@@ -35,6 +35,12 @@ RISING = 0.05
 """Share of steps up that make a column that never falls a clock, its stamps rounded perhaps, and no count of cycles."""
 NOT_A_NUMBER = ("nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "#n/a", "-", "--", "---")
 """What stands for a blank cell, in lower case."""
+GROUPED = {
+    ".": r"^[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d+|(?:['\x{2019}\x{a0}\x{202f} ]\d{3})+(?:\.\d+)?)$",
+    ",": r"^[-+]?[1-9]\d{0,2}(?:(?:\.\d{3})+,\d+|(?:['\x{2019}\x{a0}\x{202f} ]\d{3})+(?:,\d+)?)$",
+}
+"""Numbers whose thousands are parted, by the decimal sign: 1,017.21 and 1'017, but not 1,017, which may be 1.017."""
+GROUPS = {".": r"[,'\x{2019}\x{a0}\x{202f} ]", ",": r"[.'\x{2019}\x{a0}\x{202f} ]"}
 MOSTLY = 0.5
 """A row without so many of its numbers parts blocks."""
 
@@ -56,7 +62,8 @@ def read(path: Path) -> Sequence[RawTable]:
         for text, own in texts:
             columns.add(text)
             encoding = own
-    return columns.tables(f"text in {encoding}, {layout.words()}")
+    grouped = ", thousands parted" if columns.grouped else ""
+    return columns.tables(f"text in {encoding}, {layout.words()}{grouped}")
 
 
 @contextmanager
@@ -93,6 +100,7 @@ class _Columns:
         self._between: dict[int, str] = {}
         self._lost: list[Array] = []
         self._texts: dict[int, _Texts] = {}
+        self.grouped = False
 
     def add(self, text: str) -> None:
         """Take the rows of a block."""
@@ -152,16 +160,23 @@ class _Columns:
     def _read(self, place: int, cells: pl.Series) -> Array:
         """Give a column's numbers, nan where a cell is none; stamps of time become seconds."""
         text = cells.str.strip_chars()
-        if self.layout.decimal == ",":
-            plain = text.str.replace(",", ".", literal=True, n=1)
-            plain = plain.set(text.str.contains(".", literal=True).fill_null(False), None)
-        else:
-            plain = text
-        numbers = plain.cast(pl.Float64, strict=False)
+        numbers = self._plain(text).cast(pl.Float64, strict=False)
+        grouped = text.str.contains(GROUPED[self.layout.decimal]).fill_null(False)
+        if grouped.any():
+            parted = self._plain(text.filter(grouped).str.replace_all(GROUPS[self.layout.decimal], ""))
+            numbers = numbers.scatter(grouped.arg_true(), parted.cast(pl.Float64, strict=False))
+            self.grouped = True
         stamped = numbers.null_count() > MOSTLY * len(numbers) and text.str.contains(":", literal=True).any()
         if place in self._clocks or stamped:
             return self._clocks.setdefault(place, Clock()).seconds(text)
         return numbers.fill_null(float("nan")).to_numpy()
+
+    def _plain(self, text: pl.Series) -> pl.Series:
+        """Give texts of numbers with decimal points."""
+        if self.layout.decimal == ".":
+            return text
+        plain = text.str.replace(",", ".", literal=True, n=1)
+        return plain.set(text.str.contains(".", literal=True).fill_null(False), None)
 
     def tables(self, told: str) -> list[RawTable]:
         """Give the tables.
@@ -220,8 +235,10 @@ class _Columns:
 
 def _frame(content: bytes, delimiter: str, layout: Layout, quote: str | None, *, numbers: bool) -> pl.DataFrame:
     """Give the cells; rows that are shorter are filled up, what is beyond the width is left aside."""
-    return pl.read_csv(
-        content,
+    # polars takes the first row's width for that of all
+    first = delimiter.join("0" * layout.width) + "\n"
+    frame = pl.read_csv(
+        first.encode() + content,
         separator=delimiter,
         has_header=False,
         schema={str(place): pl.Float64 if numbers else pl.String for place in range(layout.width)},
@@ -229,6 +246,7 @@ def _frame(content: bytes, delimiter: str, layout: Layout, quote: str | None, *,
         truncate_ragged_lines=True,
         decimal_comma=numbers and layout.decimal == "," and delimiter != ",",
     )
+    return frame.slice(1)
 
 
 def _blocks(kept: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -52,7 +52,9 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
     first, last = _longest(~cut)
     if last - first < len(cut):
         where = ", ".join(name for name, rows in long.items() if np.any(rows))
-        words = f"{np.count_nonzero(cut)} samples are blank in {where}, the first in row {row(int(np.argmax(cut)))}"
+        count = int(np.count_nonzero(cut))
+        words = f"{count} sample{'s are' if count > 1 else ' is'} blank in {where}, the first in row "
+        words += str(row(int(np.argmax(cut))))
         if last - first < max(FEWEST_CYCLES * cycle, 2):
             raise UnusableRecord(f"{words}; no {FEWEST_CYCLES} cycles in a row are without")
         told = (f"{words}: cut off, the longest stretch without them is kept",)

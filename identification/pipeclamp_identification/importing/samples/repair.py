@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.campaign.records import Record
+from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.importing.samples.blanks import on_lines
 from pipeclamp_models.base.arrays import Array
 
@@ -24,6 +24,9 @@ EVEN = 0.25
 """Share of a step by which stamps of time may miss an even grid and be left as they are."""
 UNEVEN = 1.6
 """Largest over usual step from which on a record is put on an even grid."""
+
+FEWEST_CHANGES = 3
+"""Changes of rounded stamps that tell how fast samples were taken: two whole steps of the clock."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,9 @@ def evened(record: Record) -> Repaired:
 
     Args:
         record: one run; its time mustn't go back.
+
+    Raises:
+        UnusableRecord: its stamps are rounded so far that they don't tell how fast it was sampled.
     """
     time = record.time_s
     if len(time) < 3:
@@ -82,8 +88,16 @@ def evened(record: Record) -> Repaired:
     quantum = float(np.min(positive))
     rounded = np.all(np.abs(step / quantum - np.round(step / quantum)) < 1e-3) and np.max(np.abs(off)) <= 1.5 * quantum
     if rounded and quantum > 1.5 * mean:
-        even = np.linspace(time[0], time[-1], len(time))
-        words = f"stamps of time rounded to {quantum:.3g} s: counted out evenly, {mean:.4g} s apart"
+        # the first and the last stamp stand for parts of a step of the clock; those between stand for whole ones
+        changes = np.flatnonzero(step) + 1
+        if len(changes) < FEWEST_CHANGES:
+            raise UnusableRecord(
+                f"stamps of time rounded to {quantum:.3g} s, {len(changes)} of which begin within {len(time)} samples; "
+                "expected finer ones, or the samples per second: --rate"
+            )
+        apart = float(time[changes[-1]] - time[changes[0]]) / int(changes[-1] - changes[0])
+        even = time[changes[0]] + apart * (np.arange(len(time)) - changes[0])
+        words = f"stamps of time rounded to {quantum:.3g} s: counted out evenly, {apart:.4g} s apart"
         return Repaired(replace(record, time_s=even), (words,))
     usual = float(np.median(positive))
     if float(np.max(step)) <= UNEVEN * usual:

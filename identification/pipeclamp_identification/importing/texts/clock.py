@@ -9,6 +9,8 @@ from pipeclamp_models.base.tables import pl
 
 FORMATS = ("%Y-%m-%d", "%d.%m.%Y", "%Y/%m/%d", "%m/%d/%Y", "%d/%m/%Y", "%d-%m-%Y")
 DAY = 86400.0
+CLOCK = r"(?i)(\d{1,3}):(\d{2}(?:[.,]\d+)?)(?::(\d{2}(?:[.,:]\d+)?))?\s*([ap]\.?m\.?)?"
+"""Hours, minutes and seconds, or minutes and seconds with decimals; the decimals may stand behind a colon."""
 
 
 class Clock:
@@ -24,13 +26,14 @@ class Clock:
         Args:
             text: the stamps of a part.
         """
-        clock = (
-            text.str.extract(r"(\d{1,3}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?", 1).cast(pl.Float64, strict=False) * 3600.0
-        )
-        clock += text.str.extract(r"\d{1,3}:(\d{2})", 1).cast(pl.Float64, strict=False) * 60.0
-        seconds = text.str.extract(r"\d{1,3}:\d{2}:(\d{2}(?:[.,]\d+)?)", 1).str.replace(",", ".", literal=True)
-        clock += seconds.cast(pl.Float64, strict=False).fill_null(0.0)
-        values: Array = clock.fill_null(float("nan")).to_numpy()
+        first, second, third, half = (text.str.extract(CLOCK, group) for group in range(1, 5))
+        numbers = [part.str.replace(r"[,:]", ".").cast(pl.Float64, strict=False) for part in (first, second, third)]
+        begun, middle, rest = (part.fill_null(0.0).to_numpy() for part in numbers)
+        afternoon = half.str.contains("(?i)p").fill_null(False).to_numpy()
+        hours = np.where(half.is_null().to_numpy(), begun, begun % 12 + 12 * afternoon)
+        # nobody samples a motion by the minute: 01:02 and 01:02.345 are minutes and seconds
+        clock = np.where(third.is_null().to_numpy(), 60 * begun + middle, 3600 * hours + 60 * middle + rest)
+        values: Array = np.where((numbers[0].is_null() | numbers[1].is_null()).to_numpy(), np.nan, clock)
         date = text.str.extract(r"^(\d{1,4}[-./]\d{1,2}[-./]\d{1,4})[ T]", 1)
         if date.null_count() == len(date):
             return values

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,13 +23,18 @@ FEWEST_COLUMNS = 2
 CLEAR = 0.6
 """Share of the lines that a way to part cells must make rows of numbers of."""
 LONGEST_HEADER = 20_000
+LEFT_ALIGNED = ("\t", ";", "|")
+"""What parts names that stand above their columns though there may be more of them."""
 HEADER_ROWS = 4
 """Rows above the numbers that may name columns or state units."""
 POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 STAMP = re.compile(
-    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]+)?\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?(?:Z|[-+]\d\d:?\d\d)?$"
+    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]+)?\d{1,3}:\d{2}(?:[.,]\d+)?(?::\d{2}(?:[.,:]\d+)?)?"
+    r"(?:\s*[ap]\.?m\.?|Z|[-+]\d\d:?\d\d)?$",
+    re.IGNORECASE,
 )
+OUTSIDE_BRACKETS = re.compile(r",(?![^()]*\))")
 BRACKETED = re.compile(r"[\[(<]\s*(.*?)\s*[\])>]")
 MOST_UNITS = 0.5
 """Share of a row's cells above which, as known units, they make it one of units."""
@@ -94,13 +100,14 @@ def layout_of(lines: Sequence[str]) -> Layout:
         raise Damaged("is empty; expected a table of numbers")
     parting = [one for one in DELIMITERS if any(len(cells_of(line, one)) >= FEWEST_COLUMNS for line in sample)]
     ways = [(delimiter, decimal) for delimiter in parting for decimal in (".", ",")]
-    scored = [(*_score(sample, *way), way) for way in ways if not (way[0] == "," and way[1] == ",")]
+    quoted = any('"' in line for line in sample)
+    scored = [(*_score(sample, *way), way) for way in ways if way != (",", ",") or quoted]
     share, width, (delimiter, decimal) = max(
         scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[2][0])), default=(0.0, 0, ("", ""))
     )
     if share == 0.0:
         raise Damaged("holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks")
-    first = _first_line(lines, delimiter, decimal, width)
+    first = _first_line(lines, sample, delimiter, decimal, width)
     width = len(_trimmed(cells_of(lines[first], delimiter)))
     names, units = _names_and_units(lines[:first], delimiter, width)
     return Layout(delimiter, decimal, width, first, names, units)
@@ -141,14 +148,29 @@ def _score(sample: Sequence[str], delimiter: str, decimal: str) -> tuple[float, 
     return sum(kept) / len(kept) * (0.5 + 0.5 * len(kept) / len(rows)), width
 
 
-def _first_line(lines: Sequence[str], delimiter: str, decimal: str, width: int) -> int:
-    """Find the first line of the table: numbers, as wide as most."""
-    for index, line in enumerate(lines[:LONGEST_HEADER]):
+def _first_line(lines: Sequence[str], sample: Sequence[str], delimiter: str, decimal: str, width: int) -> int:
+    """Find the first line of the table: as wide as most, with numbers where most have them.
+
+    Lines right above it that hold text for one of these numbers belong to it, others ("Samples;2500;2500") don't.
+    """
+    rows = [row for row in (_trimmed(cells_of(line, delimiter)) for line in sample) if len(row) == width]
+    usual = [place for place in range(width) if 2 * sum(is_number(row[place], decimal) for row in rows) >= len(rows)]
+
+    def numbers_in(line: str) -> tuple[bool, bool]:
         row = _trimmed(cells_of(line, delimiter))
         numbers = sum(is_number(cell, decimal) for cell in row)
-        if len(row) == width and numbers >= FEWEST_COLUMNS and numbers >= CLEAR * len([cell for cell in row if cell]):
-            return index
-    raise Damaged(f"has no line of {width} cells with numbers among its first {LONGEST_HEADER}")
+        enough = len(row) == width and numbers >= max(FEWEST_COLUMNS, CLEAR * len([cell for cell in row if cell]))
+        return enough, enough and all(is_number(row[place], decimal) for place in usual if row[place])
+
+    found = [numbers_in(line) for line in itertools.islice(lines, LONGEST_HEADER)]
+    first = next((index for index, (_, whole) in enumerate(found) if whole), None)
+    if first is None:
+        first = next((index for index, (enough, _) in enumerate(found) if enough), None)
+    if first is None:
+        raise Damaged(f"has no line of {width} cells with numbers among its first {LONGEST_HEADER}")
+    while first and found[first - 1][0]:
+        first -= 1
+    return first
 
 
 def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -158,8 +180,11 @@ def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple
     if not above:
         return tuple(f"column {place}" for place in range(1, width + 1)), blank
     rows = [row for row in (_header_row(line, delimiter, width) for line in above) if row]
+    last = cells_of(above[-1], delimiter)
+    if len(last) > width and delimiter in LEFT_ALIGNED and any(last[width:]):
+        # the last columns may be blank in each row: LabVIEW's "Comment"
+        rows = [*rows, last[:width]]
     if not rows:
-        last = cells_of(above[-1], delimiter)
         if delimiter == "," and len(last) > 1:
             raise Damaged(
                 f"has {len(last)} names above {width} columns of numbers; expected as many; decimal commas between "
@@ -192,6 +217,9 @@ def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:
     row = cells_of(line, delimiter)
     if len(row) > width and not any(row[width:]):
         row = row[:width]
+    if len(row) > width and delimiter == ",":
+        # commas in brackets part no names: Position(8800 (0,1):Position) (mm)
+        row = [cell.strip() for cell in OUTSIDE_BRACKETS.split(line)]
     if len(row) != width and delimiter == " ":
         # names of several words, two blanks or a tab between them; or a comment's sign before them
         row = [cell.strip() for cell in re.split(r"\t|\s{2,}|;", line.strip())]

@@ -1,0 +1,204 @@
+"""Files as other programs lay them out: what they hold is read right, or refused with its remedy."""
+
+from __future__ import annotations
+
+import datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+from exports import Loop, assert_same_campaign, loop, text
+
+import pipeclamp as pc
+from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.importing.mapping import MappedFile, mapped_tables
+from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.importing.reading import SourceFile
+from pipeclamp_identification.importing.samples.repair import evened
+
+RUN = loop(0.5, 2.0, cycles=10)
+PLAIN = {"header": "", "decimal": ".", "scales": (1, 1, 1)}
+
+
+def named(names: str, **options) -> str:
+    return text(RUN, names=names, **{**PLAIN, **options})
+
+
+def grouped(cell: str) -> str:
+    return f"{float(cell):,.3f}"
+
+
+def forces(change, **options) -> str:
+    """Give the run with its forces in other words, ten times as large."""
+    lines = named("Time [s];Weg [mm];Kraft [N]", scales=(1, 1, 10), **options).splitlines()
+    return "\n".join(
+        [lines[0], *(f"{';'.join(line.split(';')[:2])};{change(line.split(';')[2])}" for line in lines[1:])]
+    )
+
+
+LABVIEW = (
+    "LabVIEW Measurement\t\nSeparator\tTab\nDate\t2024/02/01\n***End_of_Header***\t\n\t\nChannels\t2\t\t\n"
+    "Samples\t1000\t1000\t\nX0\t0\t0\t\nDelta_X\t0.005\t0.005\t\n***End_of_Header***\t\t\n"
+)
+WAVEMATRIX = "Total Time (s),Position(8800 (0,1):Position) (mm),Load(8800 (0,1):Load) (N)"
+LAYOUTS = {
+    "a semicolon ends each row": named("Time [s];Weg [mm];Kraft [N]").replace("\n", ";\n"),
+    "names with commas in brackets": named(WAVEMATRIX, delimiter=","),
+    "decimal commas in quotes": named('"t [s]","y [mm]","F [N]"', delimiter=",", decimal=",", quote='"'),
+    "LabVIEW": named("Time [s]\tWeg [mm]\tKraft [N]\tComment", delimiter="\t", header=LABVIEW),
+    "text in the first row": named("Time [s];Weg [mm];Kraft [N]").replace("\n", "\n-0.005;0;OVLD\n", 1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_layouts_of_other_programs_are_read(tmp_path, layout):
+    (tmp_path / "a.csv").write_text(LAYOUTS[layout])
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    assert_same_campaign(tmp_path / "c", [Loop("a", *list(vars(RUN).values())[1:])])
+
+
+@pytest.mark.parametrize(
+    ("change", "decimal"),
+    [
+        (grouped, "."),
+        (lambda cell: grouped(cell).replace(",", "'"), "."),
+        (lambda cell: grouped(cell).replace(",", "\u202f").replace(".", ","), ","),
+        (lambda cell: grouped(cell.replace(",", ".")).translate(str.maketrans(",.", ".,")), ","),
+    ],
+)
+def test_parted_thousands_are_numbers(tmp_path, change, decimal):
+    convert = (lambda cell: change(cell.replace(",", "."))) if decimal == "," else change
+    (tmp_path / "a.csv").write_text(forces(convert, decimal=decimal), encoding="utf-8")
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    np.testing.assert_allclose(run.record.force_N, 10 * RUN.force, atol=1e-2)
+
+
+def noon(seconds: float) -> str:
+    begun = datetime.datetime(2024, 2, 1, 12, 59, 57) + datetime.timedelta(seconds=seconds)
+    return begun.strftime("%I:%M:%S.%f %p")
+
+
+@pytest.mark.parametrize(
+    "stamp",
+    [
+        lambda seconds: f"{int(59 + seconds // 60):02d}:{seconds % 60:06.3f}",
+        lambda seconds: f"09:00:{int(seconds):02d}:{round(seconds % 1 * 1000):03d}",
+        noon,
+    ],
+)
+def test_clocks_of_other_programs_are_read(tmp_path, stamp):
+    (tmp_path / "a.csv").write_text(named("Time;Weg [mm];Kraft [N]", stamp=stamp))
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    assert_same_campaign(tmp_path / "c", [Loop("a", *list(vars(RUN).values())[1:])], t_step=1e-5)
+
+
+def test_stamps_of_whole_seconds_tell_the_rate_by_the_whole_ones():
+    found = evened(Record(np.floor(RUN.time), RUN.y, RUN.force)).record.time_s
+    np.testing.assert_allclose(np.diff(found), 1 / 200, rtol=2e-3)
+    with pytest.raises(UnusableRecord, match=r"rounded to 2 s.*--rate"):
+        evened(Record(np.floor(RUN.time / 2) * 2, RUN.y, RUN.force))
+
+
+def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> Path:
+    xlsxwriter = pytest.importorskip("xlsxwriter")
+    with xlsxwriter.Workbook(str(path)) as book:
+        clock = book.add_format({"num_format": "hh:mm:ss.000"})
+        for name, rows in sheets.items():
+            sheet = book.add_worksheet(name)
+            for number, row in enumerate(rows):
+                for place, cell in enumerate(row):
+                    if isinstance(cell, datetime.datetime):
+                        sheet.write_datetime(number, place, cell, clock)
+                    elif cell is not None:
+                        sheet.write(number, place, cell)
+    return path
+
+
+HEAD = ["Time [s]", "Weg [mm]", "Kraft [N]"]
+ROWS = [list(row) for row in zip(RUN.time.tolist(), RUN.y.tolist(), RUN.force.tolist(), strict=True)]
+
+
+def test_a_column_that_is_filled_now_and_then_counts_and_sheets_without_a_test_are_told(tmp_path):
+    pytest.importorskip("python_calamine")
+    warm = [[*row, 80.0 if number % 50 == 7 else None] for number, row in enumerate(ROWS)]
+    warm[0][2] = "OVLD"
+    path = workbook(
+        tmp_path / "a.xlsx",
+        {"D": [[*HEAD, "Temperatur [°C]"], *warm], "Summary": [["No", "Kraft [N]", "Weg [mm]"], [1, 600.0, 0.5]]},
+    )
+    found = pc.import_files(path, tmp_path / "c")
+    (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    assert run.temperature_C == 80.0
+    assert "a.xlsx: left aside, without time, displacement and force: 'Summary'" in found.notes
+    assert any("'OVLD' in row 2" in note for note in found.notes)
+
+
+def test_runs_that_stand_beside_each_other_become_tables(tmp_path):
+    pytest.importorskip("python_calamine")
+    other = loop(0.3, 2.0, cycles=8)
+    rows = [[*row, None] for row in ROWS]
+    for row, cells in zip(rows, zip(other.time, other.y, other.force, strict=True), strict=False):
+        row += cells
+    pc.import_files(workbook(tmp_path / "a.xlsx", {"D": [[*HEAD, None, *HEAD], *rows]}), tmp_path / "c")
+    records = [run.record for run in pc.read_campaign(tmp_path / "c").tests.campaign.runs]
+    assert [len(record.time_s) for record in records] == [len(RUN.time), len(other.time)]
+
+
+def test_clocks_in_a_workbook_are_seconds_and_numbers_as_text_are_refused(tmp_path):
+    pytest.importorskip("python_calamine")
+    begun = datetime.datetime(2024, 2, 1, 9)
+    rows = [[begun + datetime.timedelta(seconds=row[0]), *row[1:]] for row in ROWS]
+    pc.import_files(workbook(tmp_path / "a.xlsx", {"D": [["Uhrzeit", *HEAD[1:]], *rows]}), tmp_path / "c")
+    (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    assert run.cycles.frequency_Hz == pytest.approx(2.0, rel=1e-3)
+    texts = [[f"{cell:.4f}".replace(".", ",") for cell in row] for row in ROWS]
+    with pytest.raises(pc.UserError, match=r"holds its numbers as text \('0,0000' in row 2 of sheet 'D'\)"):
+        pc.import_files(workbook(tmp_path / "b.xlsx", {"D": [HEAD, *texts]}), tmp_path / "d")
+
+
+def structures(kind: str) -> dict[str, object]:
+    """Give two runs as MATLAB's programs keep them."""
+    runs = [RUN, loop(0.3, 2.0, cycles=8)]
+    fields = [{"time_s": run.time, "displacement_mm": run.y, "force_N": run.force} for run in runs]
+    if kind == "a cell of structures":
+        cell = np.empty(2, dtype=object)
+        cell[:] = fields
+        return {"run": cell}
+    if kind == "an array of structures":
+        array = np.zeros(2, dtype=[(name, "O") for name in (*fields[0], "T")])
+        for place, one in enumerate(fields):
+            array[place] = (*one.values(), 20.0)
+        return {"run": array}
+    channels = np.zeros(2, dtype=[("Name", "O"), ("Unit", "O"), ("Data", "O")])
+    found = {}
+    for place, run in enumerate(runs):
+        channels = channels.copy()
+        channels[0], channels[1] = ("Weg", "mm", run.y), ("Kraft", "N", run.force)
+        found[f"rec{place}"] = {"X": {"Name": "Time", "Unit": "s", "Data": run.time}, "Y": channels}
+    return found
+
+
+@pytest.mark.parametrize("kind", ["a cell of structures", "an array of structures", "dSPACE"])
+def test_structures_of_runs_are_read(tmp_path, kind):
+    pytest.importorskip("pymatreader")
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", structures(kind))
+    pc.import_files(tmp_path / "a.mat", tmp_path / "c")
+    records = [run.record for run in pc.read_campaign(tmp_path / "c").tests.campaign.runs]
+    assert [len(record.time_s) for record in records] == [1000, 800]
+
+
+def test_a_slow_channel_joins_the_one_test_and_stands_still_beyond_its_ends():
+    def table(name: str, **channels: np.ndarray) -> RawTable:
+        return RawTable(name, tuple(Channel(own, "", values) for own, values in channels.items()))
+
+    test = table("1", time_s=RUN.time, displacement_mm=RUN.y, force_N=RUN.force)
+    slow = table("2", time_s=np.array([1.0, 2, 3]), temperature_C=np.array([20.0, 30, 40]))
+    found = mapped_tables(SourceFile(Path("a.mf4"), "MDF", (test, slow)), (), None, ask=False)
+    assert isinstance(found, MappedFile)
+    ((joined, mapped),) = found.tables
+    assert joined.length == test.length
+    assert [column.ours for column in mapped.columns] == ["time", "displacement", "force", "temperature"]
+    assert joined.channels[-1].values[[0, 300, -1]] == pytest.approx([20, 25, 40])
