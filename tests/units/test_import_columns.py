@@ -115,6 +115,7 @@ def test_a_statement_that_makes_no_sense_is_refused(option):
         (["Time [s]", 'Weg "links"', "Kraft $1"], ("Kraft $1", 1.0)),
         (["Time [s]", "y (mm)", "Load (N)", "Temperatur [V]"], ("Load (N)", 1.0)),
         (["Cycle", "A", "B [mm]", "C [N]"], ("C [N]", 1.0)),
+        ([f"{'long ' * 20}{end}" for end in ("Time", "Weg [N]", "Load [kN]")], (f"{'long ' * 20}Load [kN]", 1e3)),
     ],
 )
 def test_the_ready_option_serves(headings, force):

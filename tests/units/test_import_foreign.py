@@ -15,6 +15,7 @@ from pipeclamp_identification.importing.mapping import MappedFile, mapped_tables
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.reading import SourceFile
 from pipeclamp_identification.importing.samples.repair import evened
+from pipeclamp_identification.importing.traces import without_wrong_stamps
 
 RUN = loop(0.5, 2.0, cycles=10)
 PLAIN = {"header": "", "decimal": ".", "scales": (1, 1, 1)}
@@ -98,6 +99,17 @@ def test_stamps_of_whole_seconds_tell_the_rate_by_the_whole_ones():
     np.testing.assert_allclose(np.diff(found), 1 / 200, rtol=2e-3)
     with pytest.raises(UnusableRecord, match=r"rounded to 2 s.*--rate"):
         evened(Record(np.floor(RUN.time / 2) * 2, RUN.y, RUN.force))
+
+
+@pytest.mark.parametrize("wrong", [{300: 1.0}, {300: 1e6}, {300: 1.0, 700: 0.0}])
+def test_a_single_wrong_stamp_parts_no_run(wrong):
+    time = RUN.time.copy()
+    time[list(wrong)] = list(wrong.values())
+    expected = RUN.time.copy()
+    expected[list(wrong)] = np.nan
+    np.testing.assert_array_equal(without_wrong_stamps(time), expected)
+    anew = np.concatenate([RUN.time, RUN.time])
+    assert without_wrong_stamps(anew) is anew
 
 
 def workbook(path: Path, sheets: dict[str, list[list[object]]]) -> Path:

@@ -105,6 +105,29 @@ def test_short_rows_of_blanks_are_bridged_and_long_ones_cut_off():
         whole(*((place, place + 15) for place in range(10, 2000, 50)))
 
 
+def held(first, last, value=None, digits=3, play=0.0, channel="force"):
+    """Give a run whose channel repeats a number, its last one by default, with coarser digits or with play."""
+    run = loop(0.5, 2.0, cycles=20)
+    samples = np.round(run.force if channel == "force" else run.y, digits)
+    samples = np.where(np.abs(run.y) < play, 0.0, samples)
+    samples[first:last] = samples[first] if value is None else value
+    named = {"displacement_mm": run.y, "force_N": run.force} | {
+        f"{channel}_{'N' if channel == 'force' else 'mm'}": samples
+    }
+    return without_blanks(Record(run.time, **named), lambda sample: sample + 2)
+
+
+def test_a_channel_that_a_logger_held_is_blank():
+    assert "force_N stands at 0 for 40 samples from row 702 on" in held(700, 740, 0.0).told[0]
+    assert (held(700, 740, 0.0).first, held(700, 740, 0.0).last) == (740, 2000)
+    assert "force_N stands at" in held(710, 760).told[0]
+    assert "displacement_mm stands at" in held(710, 760, channel="displacement", digits=6).told[0]
+    # a few digits that stand at the turn, and play, are what was measured
+    assert not held(0, 0, digits=-1).told
+    assert not held(0, 0, digits=1, channel="displacement").told
+    assert not held(0, 0, play=0.2).told
+
+
 def test_a_temperature_that_is_written_now_and_then_counts():
     run = loop(0.5, 2.0)
     temperature = np.where(np.arange(len(run.time)) % 100 == 0, 80.0, np.nan)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from pipeclamp_identification.importing.naming import SEGMENT, condition_name, is_measured, unit_of
@@ -15,6 +16,12 @@ from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
 
 MOST_LISTED = 8
 """Channels or choices that an error names; some files have hundreds."""
+SCALED = "  [1 N], [1 mm]: what 1 of the channel's own unit is; put its number there"
+RATE = "  or --rate 1000, samples per second, where no channel is the time"
+LONGEST_OPTION = 250
+"""Characters of an option that a message can hold whole."""
+PLACE = re.compile(r"#(\d{1,6})(?:\s*\[(.+)\])?")
+"""A channel by its place, and the unit that the file states of it."""
 MOST_UNUSED = 4
 """Channels that aren't used, of which one line names so many."""
 
@@ -79,14 +86,31 @@ def parse_columns(text: str) -> tuple[Stated, ...]:
 
 @dataclass(frozen=True)
 class Mapped:
-    """Which channels of a table are ours, and what is still to be asked."""
+    """Which channels of a table are ours, and what is still to be asked; `units` of all its channels, by heading."""
 
     columns: tuple[Column, ...]
     questions: tuple[Question, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def option(self) -> str:
         """Give --columns as it would state these, with the first choice for what is open that no other one takes."""
-        return columns_option([*map(_entry, self.columns), *(choice.text for choice in self._chosen() if choice)])
+        entries = [(_entry(column), column.heading) for column in self.columns]
+        entries += [(choice.text, choice.channel) for choice in self._chosen() if choice]
+        return self.option_of(entries)
+
+    def option_of(self, entries: Sequence[tuple[str, str]]) -> str:
+        """Give --columns with entries, each with its channel's heading; places stand for names that are too long."""
+        option = columns_option([text for text, _ in entries])
+        if len(option) <= LONGEST_OPTION:
+            return option
+        return columns_option([self._by_place(*entry) for entry in entries])
+
+    def _by_place(self, text: str, heading: str) -> str:
+        if heading not in self.units:
+            return text
+        before, _, behind = text.partition(heading)
+        own = f" [{self.units[heading]}]" if behind and self.units[heading] else ""
+        return f"{before}#{list(self.units).index(heading) + 1}{own}{behind}"
 
     def is_answerable(self) -> bool:
         """Tell whether the option would state all that is open."""
@@ -111,10 +135,11 @@ def unused_words(files: Sequence[str], headings: Sequence[str], mapped: Mapped) 
         mapped: those that are used.
     """
     likely = next((one for one in headings if is_measured(one)), headings[0])
-    stated = [_entry(column) for column in mapped.columns if column.stated]
+    stated = [(_entry(column), column.heading) for column in mapped.columns if column.stated]
     return (
         f"{listed(files, most=1)}: not used: {listed([*map(repr, headings)], most=MOST_UNUSED)}; to keep one as a "
-        f"condition, its mean over each run: {columns_option([*stated, f'{condition_name(likely)}={likely}'])}"
+        "condition, its mean over each run: "
+        + mapped.option_of([*stated, (f"{condition_name(likely)}={likely}", likely)])
     )
 
 
@@ -165,7 +190,7 @@ def map_columns(table: RawTable, stated: Sequence[Stated] = ()) -> Mapped:
             taken.add(found.heading)
     order = [*OURS, SEGMENT]
     columns.sort(key=lambda column: order.index(column.ours) if column.ours in order else len(order))
-    return Mapped(tuple(columns), tuple(questions))
+    return Mapped(tuple(columns), tuple(questions), {one.heading: unit_of(one) for one in table.channels})
 
 
 def _stated_column(table: RawTable, stated: Stated) -> Column:
@@ -205,9 +230,14 @@ def _channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
         name, unit = parts[1], parts[2].strip()
         exact = [channel for channel in table.channels if " ".join(channel.heading.split()) == name]
         matches = exact or [channel for channel in table.channels if name in called(channel)]
-    if not matches and (number := re.fullmatch(r"#(\d+)", name)) and 0 < int(number[1]) <= len(table.channels):
+    if not matches and (number := PLACE.fullmatch(name)) and 0 < int(number[1]) <= len(table.channels):
         matches = [table.channels[int(number[1]) - 1]]
+        # its own unit stands before the one that counts, as behind a name
+        exact = matches if number[2] and number[2] == unit_of(matches[0]) else []
     headings = [channel.heading for channel in table.channels]
+    text = next((one for one in table.unread if one.is_whole and name in (one.name, one.channel.heading)), None)
+    if not matches and text:
+        raise UserError(f"--columns: {text.words()}; expected numbers (for {stated.ours})")
     if not matches:
         raise UserError(
             f"--columns: there is no channel {stated.channel!r} (for {stated.ours}); {did_you_mean(name, headings)}"
@@ -242,9 +272,13 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
             f"{where}: {problems}; expected its samples per second, for example --rate 1000, or the channel that is it"
         )
     if not mapped.is_answerable():
-        raise UserError(f"{where}: {problems}; expected a channel of numbers for time, displacement and force each")
+        there = listed([repr(heading) for heading in mapped.units])
+        raise UserError(
+            f"{where}: {problems}; there are {there}; expected a channel of numbers for time, displacement and force"
+        )
+    scaled = re.search(r" \[1 [^\]]+\]", mapped.option())
     choices = [
-        f"  {question.ours}: {listed([choice.text for choice in question.choices], ' or ')}"
+        f"  {question.ours}: {listed(_short([choice.text for choice in question.choices]), ' or ')}"
         for question in mapped.questions
         if len(question.choices) > 1
     ]
@@ -254,10 +288,22 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
                 f"{where}: {problems}; expected it to be stated, for example (check it):",
                 f"  {mapped.option()}",
                 *choices,
+                *(
+                    ["  [1 N], [1 mm]: of what one of the channel's own unit is; put its number there"]
+                    if scaled
+                    else []
+                ),
                 *(["  or --rate 1000, samples per second, where no channel is the time"] if no_time else []),
             ]
         )
     )
+
+
+def _short(texts: Sequence[str]) -> Sequence[str]:
+    """Give the first texts, as many as a line holds, at least two."""
+    lengths = list(itertools.accumulate(len(text) + 4 for text in texts))
+    count = max(2, sum(length <= LONGEST_OPTION for length in lengths))
+    return texts if count >= len(texts) else [*texts[:count], f"{len(texts) - count} more"]
 
 
 def listed(texts: Sequence[str], between: str = ", ", most: int = MOST_LISTED) -> str:

@@ -304,7 +304,7 @@ class _Planner:
             raise UserError(
                 "the force of all runs has the wrong sign: stiffness and dissipated energy are both negative; force is "
                 f"what the rig applies, positive with positive displacement; expected it turned, for example\n  "
-                f"{Mapped(tuple(turned)).option()}"
+                f"{replace(self.reversed[0], columns=tuple(turned), questions=()).option()}"
             )
         for headings, (mapped, files) in self.unused.items():
             if headings:

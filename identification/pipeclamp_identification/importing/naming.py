@@ -8,7 +8,14 @@ from collections.abc import Mapping, Sequence
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, TEXT_COLUMNS, meant_column
 from pipeclamp_identification.importing.raw import Channel
-from pipeclamp_identification.units.stated import QUANTITY_OF, Quantity, conversion, quantity_of_unit, unit_in_name
+from pipeclamp_identification.units.stated import (
+    OURS,
+    QUANTITY_OF,
+    Quantity,
+    conversion,
+    quantity_of_unit,
+    unit_in_name,
+)
 from pipeclamp_models.base.errors import UserError
 
 SEGMENT = "segment"
@@ -92,6 +99,14 @@ def rank(quantity: Quantity, channel: Channel) -> int:
 def serves(quantity: Quantity, channel: Channel) -> bool:
     """Tell whether a channel's unit fits a quantity and its name doesn't say that it is derived or asked for."""
     return fits_unit(quantity, unit_of(channel)) and not _is_other(_words(_name_of(channel)))
+
+
+def is_something_else(quantity: Quantity, channel: Channel) -> bool:
+    """Tell whether name and unit both say that a channel is none of the quantity: another one, or derived from one."""
+    unit = unit_of(channel)
+    if not unit or fits_unit(quantity, unit):
+        return False
+    return _is_other(_words(_name_of(channel))) or any(rank(other, channel) > 2 for other in OURS if other != quantity)
 
 
 def is_count(channel: Channel) -> bool:

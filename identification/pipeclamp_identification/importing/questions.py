@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.importing.naming import SEGMENT, fits_unit, is_count, is_of_another, rank, serves, unit_of
+from pipeclamp_identification.importing.naming import (
+    SEGMENT,
+    fits_unit,
+    is_count,
+    is_of_another,
+    is_something_else,
+    rank,
+    serves,
+    unit_of,
+)
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.units.stated import OURS, Quantity, is_unit, quantity_of_unit
 
@@ -106,7 +115,8 @@ def _in_another_unit(quantity: Quantity, called: Sequence[Channel], channels: Se
 
 def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -> Question:
     """Ask which channel is a quantity that none is called; those without a unit come first."""
-    some = [one for one in channels if not is_count(one)]
+    # what surely is something else would serve, but wrongly
+    some = [one for one in channels if not is_count(one) and not is_something_else(quantity, one)]
     likely = [one for one in some if unit_of(one) in NO_UNIT]
     # what is in a unit of something else is no time
     if quantity != "time":

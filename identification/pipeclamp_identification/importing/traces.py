@@ -45,10 +45,27 @@ def time_of(table: RawTable, columns: Sequence[Column], rate: float | None, begi
     """Give a table's time in s; arguments as of `trace_of`."""
     for column in columns:
         if column.ours == "time":
-            return _turned(table, column)
+            return without_wrong_stamps(_turned(table, column))
     if rate is None:
         raise AssertionError("a table without time has a rate")
     return np.arange(begin, begin + table.length) / rate
+
+
+def without_wrong_stamps(time: Array) -> Array:
+    """Take single stamps out that time goes back to or from, though it goes on without them: nan in their place."""
+    back = np.flatnonzero(time[1:] < time[:-1])
+    if not len(back):
+        return time
+    # the wrong one of two stands before the step or behind it
+    places = np.unique([back, back + 1])
+    places = places[(places > 0) & (places < len(time) - 1)]
+    wrong = places[time[places + 1] > time[places - 1]]
+    wrong = wrong[(time[wrong] < time[wrong - 1]) | (time[wrong] > time[wrong + 1])]
+    if not len(wrong):
+        return time
+    found = time.copy()
+    found[wrong] = np.nan
+    return found
 
 
 def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array:
@@ -97,7 +114,8 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
     if len(places) < len(kept):
         values = {name: samples[kept] for name, samples in values.items()}
     lost = len(kept) - len(places)
-    told = [f"{lost} row{'s' if lost > 1 else ''} without time left aside"] if lost else []
+    rows = f"{lost} row{'s' if lost > 1 else ''}"
+    told = [f"{rows} without time, or with a stamp that time goes back to or from, left aside"] if lost else []
     _refuse_below_zero(where, columns, values)
     record = Record(
         time_s=values["time"],

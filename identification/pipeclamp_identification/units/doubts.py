@@ -72,23 +72,21 @@ def contradicted_units(runs: Sequence[ShownRun]) -> str:
     if amplitudes:
         ratio, meant, count = amplitudes
         return (
-            f"the records show {ratio:.3g} times the amplitudes that runs.csv states, in all {count} runs: "
-            f"{meant}; expected displacement and amplitude_mm both in mm: state the displacement's unit ([columns] "
-            f'displacement_mm = {{ from = "...", factor = {1 / ratio:.6g} }}; when importing: --columns), or mend '
-            "amplitude_mm"
+            f"the records show {ratio:.3g} times the amplitudes of runs.csv, in all {count} runs: {meant}; expected mm "
+            "in both: mend amplitude_mm, or the displacement's unit (import: --columns; campaign.toml: [columns] "
+            f"displacement_mm, factor = {1 / ratio:.6g})"
         )
     frequencies = _ratio([run.frequency_Hz for run in runs], TIMES | RATES)
     if frequencies:
         ratio, meant, count = frequencies
         remedy = (
-            f'state the time\'s unit ([columns] time_s = {{ from = "...", factor = {ratio:.6g} }}; when importing: '
-            "--columns), or mend frequency_Hz"
+            f", or the time's unit (import: --columns; campaign.toml: [columns] time_s, factor = {ratio:.6g})"
             if meant in TIMES.values()
-            else "mend frequency_Hz in runs.csv"
+            else " in runs.csv"
         )
         return (
-            f"the records show {ratio:.3g} times the frequencies that runs.csv states, in all {count} runs: {meant}; "
-            f"expected time in s and frequency_Hz in Hz: {remedy}"
+            f"the records show {ratio:.3g} times the frequencies of runs.csv, in all {count} runs: {meant}; expected s "
+            f"and Hz: mend frequency_Hz{remedy}"
         )
     return _contradicted_temperatures([run.temperature_C for run in runs])
 

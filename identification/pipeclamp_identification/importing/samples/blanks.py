@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.campaign.clipping import FEWEST_ALIKE
 from pipeclamp_identification.campaign.records import NEEDED, Record, UnusableRecord
 from pipeclamp_identification.importing.samples.split import GAP_CYCLES, turns_of
 from pipeclamp_models.base.arrays import Array
@@ -16,6 +17,15 @@ MOST_BLANK = 0.01
 """Share of a channel's samples that may be blank in rows as long as a gap in time may be."""
 FINE_CYCLES = 0.02
 """Rows so short are bridged however many there are: a channel may be sampled at a part of another's rate."""
+HELD_CYCLES = 0.05
+"""A number that a channel holds for longer, while the other moves, may be none that was measured."""
+MOVES = 0.1
+"""Share of its range by which the other channel moves meanwhile."""
+JUMPS = 0.05
+"""Share of its own range by which it goes there or back at once: a sensor's last digit that stands doesn't."""
+MOST_HELD = 0.5
+"""Of the cycles have such a stretch, or it is the clamp's own."""
+MOVING = ("displacement_mm", "force_N")
 FEWEST_CYCLES = 3
 """Fewer cycles between blanks aren't worth a run."""
 
@@ -43,12 +53,26 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
         UnusableRecord: no three cycles in a row are left.
     """
     blank = {name: ~np.isfinite(values) for name, values in record.channels.items()}
-    if not any(np.any(gone) for gone in blank.values()):
+    still = {name: _longest_plateau(record.channels[name]) for name in MOVING}
+    if not any(np.any(gone) for gone in blank.values()) and max(still.values()) < FEWEST_ALIKE:
         return Whole(record, 0, len(record.time_s))
     cycle = _samples_of_cycle(on_lines(record.displacement_mm, blank["displacement_mm"]))
+    told: tuple[str, ...] = ()
+    for name, other in (MOVING, MOVING[::-1]):
+        held = _held(record.channels[name], record.channels[other], cycle)
+        for begin, end in held:
+            blank[name][begin:end] = True
+        if held:
+            begin, end = held[0]
+            more = f", and {len(held) - 1} times more" if len(held) > 1 else ""
+            told += (
+                f"{name} stands at {record.channels[name][begin]:g} for {end - begin} samples from row {row(begin)} "
+                f"on, while {other} moves{more}: taken as blank",
+            )
+    if not any(np.any(gone) for gone in blank.values()):
+        return Whole(record, 0, len(record.time_s))
     long = {name: _long_rows(blank[name], cycle) for name in NEEDED}
     cut = np.logical_or.reduce([*long.values()])
-    told: tuple[str, ...] = ()
     first, last = _longest(~cut)
     if last - first < len(cut):
         where = ", ".join(name for name, rows in long.items() if np.any(rows))
@@ -57,7 +81,7 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
         words += str(row(int(np.argmax(cut))))
         if last - first < max(FEWEST_CYCLES * cycle, 2):
             raise UnusableRecord(f"{words}; no {FEWEST_CYCLES} cycles in a row are without")
-        told = (f"{words}: cut off, the longest stretch without them is kept",)
+        told += (f"{words}: cut off, the longest stretch without them is kept",)
     kept = {}
     for name, gone in blank.items():
         count = int(np.count_nonzero(gone[first:last]))
@@ -67,6 +91,39 @@ def without_blanks(record: Record, row: Callable[[int], int]) -> Whole:
         if count:
             told += (f"{count} blank sample{'s' if count > 1 else ''} in {name}: replaced by straight lines",)
     return Whole(Record(**kept), first, last, told)
+
+
+def _longest_plateau(values: Array) -> int:
+    """Give how many samples in a row are one number, at most."""
+    changes = np.flatnonzero(values[1:] != values[:-1])
+    return int(np.max(np.diff(changes, prepend=-1, append=len(values) - 1)))
+
+
+def _held(values: Array, other: Array, cycle: float) -> list[tuple[int, int]]:
+    """Give stretches, as (first, one after the last), in which a channel holds one number while the other moves.
+
+    A logger that misses a channel repeats its last number, or writes zero. Play holds the force in every cycle, and the
+    end of a sensor's range is looked for elsewhere: neither counts.
+    """
+    if not cycle or not np.any(np.isfinite(values)) or not np.any(np.isfinite(other)):
+        return []
+    edges = np.concatenate([[0], np.flatnonzero(values[1:] != values[:-1]) + 1, [len(values)]])
+    begins, ends = edges[:-1], edges[1:]
+    long = np.flatnonzero(ends - begins >= max(HELD_CYCLES * cycle, FEWEST_ALIKE))
+    if len(long) * cycle > MOST_HELD * len(values):
+        return []
+    if not len(long):
+        return []
+    extremes, steps = (np.nanmin(values), np.nanmax(values)), np.abs(np.diff(values))
+    jump = max(JUMPS * float(extremes[1] - extremes[0]), 2 * float(np.nanpercentile(steps, 95)))
+    least = MOVES * float(np.nanmax(other) - np.nanmin(other))
+    found = []
+    for begin, end in zip(begins[long].tolist(), ends[long].tolist(), strict=True):
+        moved = other[begin:end][np.isfinite(other[begin:end])]
+        beside = [steps[place] for place in (begin - 1, end - 1) if 0 <= place < len(steps)]
+        if values[begin] not in extremes and len(moved) and np.ptp(moved) > least and max(beside, default=0) > jump:
+            found.append((begin, end))
+    return found
 
 
 def on_lines(values: Array, gone: Mask) -> Array:
