@@ -85,6 +85,8 @@ def test_channels_are_found(headings, option, expected):
         (["Time (s)", "y (mm)", "Load [foo]"], "", r"no known unit is stated of 'Load \[foo\]'"),
         (["Time (s)", "y (mm)", "Load [mm]"], "", "'Load .mm.' is called a force, but 'mm' is a unit of displacement"),
         (["y (mm)", "Load (N)", "T [°C]"], "", "--rate 1000"),
+        (["Time (s)", "y (mm)", "Load (N)"], "fource=Load (N)", "'fource': did you mean 'force'"),
+        (["Time (s)", "Acceleration [m/s^2]", "Load (N)"], "", "there are 'Time .s.', 'Acceleration .m/s.2.'"),
         (["Time (s)", "y (mm)", "Load (V)"], "force=Load (V)", "'V' is no unit of force"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Load [kN]", r"the file says 'Load \(N\)'"),
         (["Time (s)", "y (mm)", "Load (N)"], "force=Last", "no channel 'Last'.*there are 'Time"),
@@ -96,7 +98,7 @@ def test_what_is_open_is_asked(headings, option, told):
         found(headings, option)
 
 
-@pytest.mark.parametrize("option", ["force", "force=", "force=a,force=b", "force=a,time=a", "=a"])
+@pytest.mark.parametrize("option", ["force", "force=", "force=a,force=b", "force=a,time=a", "=a", "displacement=none"])
 def test_a_statement_that_makes_no_sense_is_refused(option):
     with pytest.raises(UsageError, match="--columns"):
         parse_columns(option)

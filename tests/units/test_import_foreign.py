@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import time
 from pathlib import Path
 
 import numpy as np
@@ -101,13 +102,35 @@ def test_stamps_of_whole_seconds_tell_the_rate_by_the_whole_ones():
         evened(Record(np.floor(RUN.time / 2) * 2, RUN.y, RUN.force))
 
 
+def test_a_time_that_falls_and_a_rate_beside_a_time_are_told(tmp_path):
+    lines = named("Time [s];Weg [mm];Kraft [N]").splitlines()
+    (tmp_path / "a.csv").write_text("\n".join([lines[0], *lines[:0:-1]]))
+    with pytest.raises(pc.UserError, match=r"a\.csv: its time falls in 999 of 999 steps.*--rate"):
+        pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c", columns="time=none", rate=200.0)
+    assert not any("--rate" in note for note in found.notes)
+    (tmp_path / "b.csv").write_text("\n".join(lines))
+    found = pc.import_files(tmp_path / "b.csv", tmp_path / "d", rate=100.0)
+    assert "--rate isn't used where 'Time [s]' is the time; to use it instead: --columns time=none" in found.notes
+    with pytest.raises(pc.UserError, match="time=none' without --rate"):
+        pc.import_files(tmp_path / "b.csv", tmp_path / "e", columns="time=none")
+
+
+def test_a_cell_of_any_length_takes_no_time(tmp_path):
+    lines = named("Time [s];Weg [mm];Kraft [N]").splitlines()
+    (tmp_path / "a.csv").write_text("\n".join([lines[0], "1" * 100_000 + ";0;0", *lines[1:]]))
+    begun = time.process_time()
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c", dry_run=True)
+    assert time.process_time() - begun < 20
+
+
 @pytest.mark.parametrize("wrong", [{300: 1.0}, {300: 1e6}, {300: 1.0, 700: 0.0}])
 def test_a_single_wrong_stamp_parts_no_run(wrong):
-    time = RUN.time.copy()
-    time[list(wrong)] = list(wrong.values())
+    stamps = RUN.time.copy()
+    stamps[list(wrong)] = list(wrong.values())
     expected = RUN.time.copy()
     expected[list(wrong)] = np.nan
-    np.testing.assert_array_equal(without_wrong_stamps(time), expected)
+    np.testing.assert_array_equal(without_wrong_stamps(stamps), expected)
     anew = np.concatenate([RUN.time, RUN.time])
     assert without_wrong_stamps(anew) is anew
 

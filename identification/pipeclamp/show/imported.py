@@ -67,8 +67,8 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
     done = "" if found.written else " (nothing is written)"
     if not answer.new_files:
         head = (
-            f"{found.folder}: nothing to do, these {len(answer.known_files)} files are there already; options count "
-            "for new files alone"
+            f"{found.folder}: nothing to do, {_counted(len(answer.known_files), 'file')} named and there already; "
+            "options count for new files alone"
         )
     else:
         files = _counted(len(answer.new_files), "file")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
 import re
 import shlex
@@ -18,6 +19,8 @@ MOST_LISTED = 8
 """Channels or choices that an error names; some files have hundreds."""
 SCALED = "  [1 N], [1 mm]: what 1 of the channel's own unit is; put its number there"
 RATE = "  or --rate 1000, samples per second, where no channel is the time"
+ALIKE = 0.75
+"""Likeness of a condition's name to a quantity that is missing from which on it may be that, misspelled."""
 LONGEST_OPTION = 250
 """Characters of an option that a message can hold whole."""
 PLACE = re.compile(r"#(\d{1,6})(?:\s*\[(.+)\])?")
@@ -73,6 +76,8 @@ def parse_columns(text: str) -> tuple[Stated, ...]:
         if not equals or not re.fullmatch(r"[A-Za-z_]\w*", ours) or not channel:
             raise UsageError(f"--columns: got {entry!r}; expected OURS=CHANNEL, for example 'force=Last [kN]'")
         ours = QUANTITY_OF.get(ours, ours)
+        if ours in ("displacement", "force") and channel.casefold() == NONE:
+            raise UsageError(f"--columns: got {entry!r}; expected a channel: a loop has displacement and force")
         if ours in found:
             raise UsageError(f"--columns: {ours} stands there twice; expected it once")
         sign = channel.startswith("-") and len(channel) > 1
@@ -266,6 +271,10 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
     if not mapped.questions:
         return
     problems = "; ".join(question.why for question in mapped.questions)
+    own = [column.ours for column in mapped.columns if column.ours not in (*OURS, SEGMENT)]
+    for question in mapped.questions:
+        if question.is_missing and (near := difflib.get_close_matches(question.ours, own, n=1, cutoff=ALIKE)):
+            problems += f" (--columns states {near[0]!r}: did you mean {question.ours!r}?)"
     no_time = any(question.ours == "time" and question.is_missing for question in mapped.questions)
     if no_time and len(mapped.questions) == 1 and not mapped.is_answerable():
         raise UserError(

@@ -208,6 +208,9 @@ class _Planner:
                         f"{column.heading!r} is taken in {column.unit}, as --columns states, though the file says "
                         f"{column.overrides}"
                     )
+            time = next((column.heading for column in table.mapped.columns if column.ours == "time"), None)
+            if self.options.rate and time:
+                self._note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
             for unread in table.unread:
                 self._note(f"{path.name}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))

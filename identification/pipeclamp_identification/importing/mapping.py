@@ -51,7 +51,7 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
         joined = joined_rates(tables, whole[0] if whole else None)
         if joined and _is_whole(joined, stated):
             tables = (joined,)
-    found = [(table, _mapped(table, stated, rate, several=len(tables) > 1)) for table in tables]
+    found = [(table, _mapped(source, table, stated, rate, several=len(tables) > 1)) for table in tables]
     complete = any(mapped and not mapped.questions for _, mapped in found)
     used: list[tuple[RawTable, Mapped]] = []
     aside = []
@@ -65,7 +65,7 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
         used.append((table, mapped))
     if not used:
         table = max(tables, key=lambda one: len(one.channels))
-        refuse_open_questions(where_of(source, table), map_columns(table, stated))
+        refuse_open_questions(where_of(source, table), _mapped_or_refused(source, table, stated))
     return MappedFile(tuple(used), tuple(aside))
 
 
@@ -79,10 +79,24 @@ def _is_whole(table: RawTable, stated: Sequence[Stated]) -> bool:
     return {"displacement", "force"} <= {one.ours for one in found.columns} | open_yet
 
 
-def _mapped(table: RawTable, stated: Sequence[Stated], rate: float | None, *, several: bool) -> Mapped | None:
+def _mapped_or_refused(source: SourceFile, table: RawTable, stated: Sequence[Stated]) -> Mapped:
+    """Give the channels of a table.
+
+    Raises:
+        UserError: what is stated of them doesn't fit; with the file's name.
+    """
+    try:
+        return map_columns(table, stated)
+    except UserError as error:
+        raise UserError(f"{where_of(source, table)}: {error}") from error
+
+
+def _mapped(
+    source: SourceFile, table: RawTable, stated: Sequence[Stated], rate: float | None, *, several: bool
+) -> Mapped | None:
     """Give the channels of a table; None for one that holds no test, beside others that do."""
     try:
-        mapped = map_columns(table, stated)
+        mapped = _mapped_or_refused(source, table, stated)
     except UserError:
         if several:
             return None

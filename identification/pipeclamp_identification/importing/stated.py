@@ -8,6 +8,7 @@ from pathlib import Path
 from pipeclamp_identification.importing.columns import parse_columns
 from pipeclamp_identification.importing.conditions import Pattern, read_conditions
 from pipeclamp_identification.importing.importer import Ask, Options
+from pipeclamp_identification.importing.questions import NONE
 from pipeclamp_models.base.errors import UsageError
 
 
@@ -28,8 +29,11 @@ def stated_options(
     """
     if rate is not None and not (math.isfinite(rate) and rate > 0):
         raise UsageError(f"--rate: got {rate:g}; expected samples per second, above 0")
+    stated = parse_columns(columns)
+    if rate is None and any(one.ours == "time" and one.channel.casefold() == NONE for one in stated):
+        raise UsageError("--columns: got 'time=none' without --rate; expected the samples per second, too")
     return Options(
-        columns=parse_columns(columns),
+        columns=stated,
         pattern=Pattern(pattern) if pattern else None,
         conditions=read_conditions(conditions) if conditions else {},
         rate=rate,

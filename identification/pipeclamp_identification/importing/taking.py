@@ -34,6 +34,8 @@ from pipeclamp_models.base.tables import pl
 OURS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N", "temperature": "temperature_C"}
 BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
+MOST_FALLS = 0.1
+"""Share of its steps in which a time may fall, as it does where a clock begins anew."""
 WIDEST_OVERVIEW = 600
 """Stretches that a picture of a whole table is thinned out to."""
 
@@ -235,6 +237,11 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     timed = None if np.all(finite) else np.flatnonzero(finite)
     own = time if timed is None else time[timed]
     bounds = np.zeros(2, dtype=np.intp)
+    if (falls := np.count_nonzero(own[1:] < own[:-1])) > MOST_FALLS * len(own):
+        raise UserError(
+            f"{where}: its time falls in {falls} of {len(own) - 1} steps, {own[0]:g}, {own[1]:g}, ...; expected one "
+            "that rises: another channel by --columns, or the samples per second by --columns time=none --rate"
+        )
     if len(own):
         bounds = piece_bounds(own, lambda: first_motion(table, columns, timed), segment_of(table, columns, timed))
     inner = bounds[1:-1] if timed is None else timed[bounds[1:-1]]

@@ -42,12 +42,16 @@ LOOKED_AT = 1_000_000
 
 
 def time_of(table: RawTable, columns: Sequence[Column], rate: float | None, begin: int = 0) -> Array:
-    """Give a table's time in s; arguments as of `trace_of`."""
+    """Give a table's time in s; arguments as of `trace_of`.
+
+    Raises:
+        UserError: there is neither a channel of time nor a rate.
+    """
     for column in columns:
         if column.ours == "time":
             return without_wrong_stamps(_turned(table, column))
     if rate is None:
-        raise AssertionError("a table without time has a rate")
+        raise UserError("no channel is the time; expected the samples per second: --rate")
     return np.arange(begin, begin + table.length) / rate
 
 

@@ -29,6 +29,8 @@ HEADER_ROWS = 4
 """Rows above the numbers that may name columns or state units."""
 POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
+LONGEST_NUMBER = 100
+"""Characters; looking for a number in a longer cell takes the square of its length."""
 STAMP = re.compile(
     r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[ T]+)?\d{1,3}:\d{2}(?:[.,]\d+)?(?::\d{2}(?:[.,:]\d+)?)?"
     r"(?:\s*[ap]\.?m\.?|Z|[-+]\d\d:?\d\d)?$",
@@ -85,6 +87,8 @@ def cells_of(line: str, delimiter: str) -> list[str]:
 
 def is_number(cell: str, decimal: str) -> bool:
     """Tell whether a cell is a number, or a stamp of time."""
+    if len(cell) > LONGEST_NUMBER:
+        return False
     return bool((COMMA if decimal == "," else POINT).match(cell) or STAMP.match(cell))
 
 
