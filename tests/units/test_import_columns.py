@@ -19,7 +19,7 @@ from pipeclamp_models.base.errors import UsageError, UserError
 
 
 def table(*headings):
-    return RawTable("", tuple(Channel(name, "", np.zeros(3)) for name in headings))
+    return RawTable("", tuple(Channel(name, "", np.arange(3.0) / 100) for name in headings))
 
 
 def found(headings, option=""):

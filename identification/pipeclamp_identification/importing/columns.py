@@ -17,8 +17,8 @@ from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
 
 MOST_LISTED = 8
 """Channels or choices that an error names; some files have hundreds."""
-SCALED = "  [1 N], [1 mm]: what 1 of the channel's own unit is; put its number there"
-RATE = "  or --rate 1000, samples per second, where no channel is the time"
+ODD = re.compile(r"^[-#]|^none$|,\s*[A-Za-z_]\w*\s*=|,$", re.IGNORECASE)
+"""Names of channels that would be read as something else."""
 ALIKE = 0.75
 """Likeness of a condition's name to a quantity that is missing from which on it may be that, misspelled."""
 LONGEST_OPTION = 250
@@ -105,7 +105,9 @@ class Mapped:
 
     def option_of(self, entries: Sequence[tuple[str, str]]) -> str:
         """Give --columns with entries, each with its channel's heading; places stand for names that are too long."""
-        option = columns_option([text for text, _ in entries])
+        option = columns_option(
+            [self._by_place(text, heading) if ODD.search(heading) else text for text, heading in entries]
+        )
         if len(option) <= LONGEST_OPTION:
             return option
         return columns_option([self._by_place(*entry) for entry in entries])
@@ -118,8 +120,14 @@ class Mapped:
         return f"{before}#{list(self.units).index(heading) + 1}{own}{behind}"
 
     def is_answerable(self) -> bool:
-        """Tell whether the option would state all that is open."""
-        return all(self._chosen())
+        """Tell whether the option would state all that is open, but for a time that no channel is."""
+        open_yet = zip(self.questions, self._chosen(), strict=True)
+        return all(choice or question in self.without_time for question, choice in open_yet)
+
+    @property
+    def without_time(self) -> tuple[Question, ...]:
+        """The question for the time, where no channel may be it: samples per second answer it."""
+        return tuple(one for one in self.questions if one.ours == "time" and not one.choices)
 
     def _chosen(self) -> list[Choice | None]:
         """Give a choice for each question, of another channel each; None where there is none left."""
@@ -275,37 +283,26 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
     for question in mapped.questions:
         if question.is_missing and (near := difflib.get_close_matches(question.ours, own, n=1, cutoff=ALIKE)):
             problems += f" (--columns states {near[0]!r}: did you mean {question.ours!r}?)"
-    no_time = any(question.ours == "time" and question.is_missing for question in mapped.questions)
-    if no_time and len(mapped.questions) == 1 and not mapped.is_answerable():
+    rate = " --rate 1000" if mapped.without_time else ""
+    if rate and len(mapped.questions) == 1:
         raise UserError(
-            f"{where}: {problems}; expected its samples per second, for example --rate 1000, or the channel that is it"
+            f"{where}: {problems}; expected its samples per second, for example{rate}, or the channel that is it"
         )
     if not mapped.is_answerable():
         there = listed([repr(heading) for heading in mapped.units])
         raise UserError(
             f"{where}: {problems}; there are {there}; expected a channel of numbers for time, displacement and force"
         )
-    scaled = re.search(r" \[1 [^\]]+\]", mapped.option())
-    choices = [
-        f"  {question.ours}: {listed(_short([choice.text for choice in question.choices]), ' or ')}"
-        for question in mapped.questions
-        if len(question.choices) > 1
-    ]
-    raise UserError(
-        "\n".join(
-            [
-                f"{where}: {problems}; expected it to be stated, for example (check it):",
-                f"  {mapped.option()}",
-                *choices,
-                *(
-                    ["  [1 N], [1 mm]: of what one of the channel's own unit is; put its number there"]
-                    if scaled
-                    else []
-                ),
-                *(["  or --rate 1000, samples per second, where no channel is the time"] if no_time else []),
-            ]
-        )
-    )
+    option = mapped.option()
+    lines = [f"{where}: {problems}; expected it to be stated, for example (check it):", f"  {option}{rate}"]
+    for question in mapped.questions:
+        if len(question.choices) > 1:
+            lines.append(f"  {question.ours}: {listed(_short([one.text for one in question.choices]), ' or ')}")
+        if question.ours == "time" and question.is_missing and question.choices:
+            lines.append("  or --rate 1000, samples per second, where no channel is the time")
+    if re.search(r" \[1 [^\]]+\]", option):
+        lines.append("  [1 N], [1 mm]: of what one of the channel's own unit is; put its number there")
+    raise UserError("\n".join(lines))
 
 
 def _short(texts: Sequence[str]) -> Sequence[str]:

@@ -59,7 +59,7 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
         if mapped is None or (complete and any(one.is_missing for one in mapped.questions)):
             aside.append(table.name)
             continue
-        if mapped.questions and ask:
+        if mapped.questions and ask and mapped.is_answerable() and not mapped.without_time:
             return Open(where_of(source, table), mapped)
         refuse_open_questions(where_of(source, table), mapped)
         used.append((table, mapped))

@@ -19,10 +19,13 @@ from pipeclamp_identification.importing.naming import (
 )
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.units.stated import OURS, Quantity, is_unit, quantity_of_unit
+from pipeclamp_models.base.arrays import Array
 
 NEEDED = ("time", "displacement", "force")
 NONE = "none"
 """States that a quantity isn't there."""
+MOST_FALLS = 0.1
+"""Share of its steps in which a time may fall, as it does where a clock begins anew."""
 SLOW = 1.0
 """Steps of a time without a unit from which on milliseconds are likelier than seconds."""
 USUAL = {"time": ("s", "ms"), "displacement": ("mm", "m"), "force": ("N", "kN"), "temperature": ("°C", "K")}
@@ -119,7 +122,9 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -
     some = [one for one in channels if not is_count(one) and not is_something_else(quantity, one)]
     likely = [one for one in some if unit_of(one) in NO_UNIT]
     # what is in a unit of something else is no time
-    if quantity != "time":
+    if quantity == "time":
+        likely = [one for one in likely if _rises(one.values)]
+    else:
         others = [one for one in some if unit_of(one) not in NO_UNIT]
         likely += sorted(others, key=lambda one: bool(quantity_of_unit(unit_of(one))))
     why = f"no channel is called a {quantity} or is in a unit of one"
@@ -127,6 +132,12 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -
         if column.is_whole and rank(quantity, column.channel):
             why = f"{column.words()}, so there is no {quantity}: export it as numbers"
     return Question(quantity, why, _choices(quantity, likely), is_missing=True)
+
+
+def _rises(values: Array) -> bool:
+    """Tell whether samples rise as a time does, but for where a clock begins anew."""
+    step = np.diff(values[np.isfinite(values)])
+    return bool(np.any(step > 0)) and int(np.count_nonzero(step < 0)) <= MOST_FALLS * len(step)
 
 
 def _choices(quantity: Quantity, channels: Sequence[Channel]) -> tuple[Choice, ...]:

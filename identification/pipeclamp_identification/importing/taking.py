@@ -20,6 +20,7 @@ from pipeclamp_identification.campaign.seen import SeenRecord, seen_free, seen_s
 from pipeclamp_identification.campaign.writing import Format, encoded
 from pipeclamp_identification.importing.columns import Column, Mapped, Stated
 from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
+from pipeclamp_identification.importing.questions import MOST_FALLS
 from pipeclamp_identification.importing.raw import RawTable, Unread
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
 from pipeclamp_identification.importing.samples.blanks import without_blanks
@@ -34,8 +35,6 @@ from pipeclamp_models.base.tables import pl
 OURS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N", "temperature": "temperature_C"}
 BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
-MOST_FALLS = 0.1
-"""Share of its steps in which a time may fall, as it does where a clock begins anew."""
 WIDEST_OVERVIEW = 600
 """Stretches that a picture of a whole table is thinned out to."""
 

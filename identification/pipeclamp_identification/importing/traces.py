@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.importing.columns import Column
+from pipeclamp_identification.importing.columns import Column, columns_option
 from pipeclamp_identification.importing.naming import SEGMENT
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.samples.repair import mended_channel
+from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS
@@ -147,7 +148,8 @@ def _refuse_below_zero(where: str, columns: Sequence[Column], values: Mapping[st
     lowest = float(np.nanmin(values["temperature"])) if np.any(np.isfinite(values["temperature"])) else math.inf
     if lowest < -CELSIUS:
         column = next(one for one in columns if one.ours == "temperature")
+        remedy = f"{column.heading} [°C]" if column.conversion != Conversion() else "none"
         raise UserError(
             f"{where}, channel {column.heading!r}: {lowest:.4g} °C is below absolute zero; expected another unit than "
-            f"{column.unit!r}: state it, for example --columns 'temperature={column.heading} [°C]'"
+            f"{column.unit!r}, or none: state it, for example {columns_option([f'temperature={remedy}'])}"
         )
