@@ -166,13 +166,18 @@ def _first_line(lines: Sequence[str], sample: Sequence[str], delimiter: str, dec
         enough = len(row) == width and numbers >= max(FEWEST_COLUMNS, CLEAR * len([cell for cell in row if cell]))
         return enough, enough and all(is_number(row[place], decimal) for place in usual if row[place])
 
-    found = [numbers_in(line) for line in itertools.islice(lines, LONGEST_HEADER)]
-    first = next((index for index, (_, whole) in enumerate(found) if whole), None)
-    if first is None:
-        first = next((index for index, (enough, _) in enumerate(found) if enough), None)
-    if first is None:
-        raise Damaged(f"has no line of {width} cells with numbers among its first {LONGEST_HEADER}")
-    while first and found[first - 1][0]:
+    enough: list[bool] = []
+    for line in itertools.islice(lines, LONGEST_HEADER):
+        some, whole = numbers_in(line)
+        enough.append(some)
+        if whole:
+            break
+    else:
+        if not any(enough):
+            raise Damaged(f"has no line of {width} cells with numbers among its first {LONGEST_HEADER}")
+        return enough.index(True)
+    first = len(enough) - 1
+    while first and enough[first - 1]:
         first -= 1
     return first
 
