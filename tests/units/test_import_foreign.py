@@ -48,6 +48,8 @@ LAYOUTS = {
     "names with commas in brackets": named(WAVEMATRIX, delimiter=","),
     "decimal commas in quotes": named('"t [s]","y [mm]","F [N]"', delimiter=",", decimal=",", quote='"'),
     "LabVIEW": named("Time [s]\tWeg [mm]\tKraft [N]\tComment", delimiter="\t", header=LABVIEW),
+    "a comment's sign before names and units": named("% Time, Weg, Kraft\n% s, mm, N", delimiter=", "),
+    "names of two lines": named('"Time\n(s)";"Weg\n(mm)";"Kraft\n(N)"'),
     "text in the first row": named("Time [s];Weg [mm];Kraft [N]").replace("\n", "\n-0.005;0;OVLD\n", 1),
 }  # fmt: skip
 
@@ -90,7 +92,7 @@ def noon(seconds: float) -> str:
     ],
 )
 def test_clocks_of_other_programs_are_read(tmp_path, stamp):
-    (tmp_path / "a.csv").write_text(named("Time;Weg [mm];Kraft [N]", stamp=stamp))
+    (tmp_path / "a.csv").write_text(named("Datum/Uhrzeit;Weg [mm];Kraft [N]", stamp=stamp))
     pc.import_files(tmp_path / "a.csv", tmp_path / "c")
     assert_same_campaign(tmp_path / "c", [Loop("a", *list(vars(RUN).values())[1:])], t_step=1e-5)
 
@@ -114,6 +116,21 @@ def test_a_time_that_falls_and_a_rate_beside_a_time_are_told(tmp_path):
     assert "--rate isn't used where 'Time [s]' is the time; to use it instead: --columns time=none" in found.notes
     with pytest.raises(pc.UserError, match="time=none' without --rate"):
         pc.import_files(tmp_path / "b.csv", tmp_path / "e", columns="time=none")
+
+
+def test_channels_in_rows_are_refused(tmp_path):
+    rows = (";".join(f"{value:.4f}" for value in values) for values in (RUN.time, RUN.y, RUN.force))
+    (tmp_path / "a.csv").write_text("\n".join(rows))
+    with pytest.raises(pc.UserError, match=r"has 1000 columns of 3 numbers: its channels seem to stand in rows"):
+        pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+
+
+@pytest.mark.parametrize(
+    ("stem", "guess"), [("A0.5_f2_T20", "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"), ("a7", ""), ("f12", "")]
+)
+def test_a_pattern_is_proposed_where_it_says_what_was_measured(tmp_path, stem, guess):
+    (tmp_path / f"{stem}.csv").write_text(named("Time [s];Weg [mm];Kraft [N]"))
+    assert pc.import_files(tmp_path / f"{stem}.csv", tmp_path / "c", dry_run=True).to_dict()["pattern"] == guess
 
 
 def test_a_cell_of_any_length_takes_no_time(tmp_path):

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun
-from pipeclamp_identification.campaign.plausibility import STATED_APART, reversed_sign
+from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART, reversed_sign
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.columns import Mapped, Stated, listed, unused_words
@@ -184,6 +184,7 @@ class _Planner:
         self.stems: list[str] = []
         self.notes: list[str] = []
         self.reversed: list[Mapped] = []
+        self.stem_of: dict[str, str] = {}
         self.known_as: dict[str, str] = {}
         self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
 
@@ -234,6 +235,7 @@ class _Planner:
     ) -> PlannedRun:
         """Give a draft its name and its row; `settings` are those that the stem states."""
         name = self._name(stem, single)
+        self.stem_of[name] = stem
         measured: Settings = {
             column: _digits(_in_its_unit(table.mapped, column, value))
             for column, value in draft.further.items()
@@ -314,9 +316,25 @@ class _Planner:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
         guess = "" if self.options.pattern or self.options.conditions else guessed_pattern(self.stems)
+        guess = guess if self._fits(guess) else ""
         return Plan(
             tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, tuple(self.notes), again
         )
+
+    def _fits(self, pattern: str) -> bool:
+        """Tell whether what a guessed pattern reads of names is what was measured, of most runs that tell it."""
+        if not pattern:
+            return False
+        read = Pattern(pattern)
+        apart = []
+        for run in self.runs:
+            stated = read.settings(self.stem_of[run.name]) or {}
+            for column, own in zip(("amplitude_mm", "frequency_Hz"), run.measured or (), strict=False):
+                value = stated.get(column)
+                if isinstance(value, float):
+                    twice = PEAK_TO_PEAK[0] * value < own < PEAK_TO_PEAK[1] * value
+                    apart.append(not twice and abs(own - value) > STATED_APART * value)
+        return 2 * sum(apart) <= len(apart)
 
     def _note_conditions(self, again: set[str]) -> None:
         """Say which rows of the table of conditions met no run, and which runs no row; `again` are known files."""

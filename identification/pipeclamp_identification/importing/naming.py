@@ -21,7 +21,9 @@ from pipeclamp_models.base.errors import UserError
 SEGMENT = "segment"
 """A channel that tells one run of a file from the next."""
 WORDS: Mapping[Quantity, tuple[str, ...]] = {
-    "time": ("time", "timestamp", "zeit", "zeitstempel", "uhrzeit", "temps", "tempo", "tiempo", "elapsed", "t"),
+    "time": (
+        "time", "timestamp", "datetime", "zeit", "zeitstempel", "uhrzeit", "temps", "tempo", "tiempo", "elapsed", "t",
+    ),
     "displacement": (
         "displacement", "displ", "disp", "stroke", "travel", "position", "pos", "lvdt", "deflection", "extension",
         "crosshead", "weg", "kolbenweg", "hub", "verschiebung", "auslenkung", "traverse", "deplacement", "course",
@@ -36,6 +38,8 @@ WORDS: Mapping[Quantity, tuple[str, ...]] = {
 """Words that name a quantity, folded; a compound may end with one that is long enough (Kolbenweg, Axialkraft)."""
 ENDINGS = 3
 """Letters from which on a compound's last word counts."""
+DATES = ("date", "datum")
+"""Words that stand beside those of a time where stamps hold both."""
 OTHERS = frozenset(
     (
         *("command", "cmd", "setpoint", "soll", "sollwert", "target", "demand", "reference", "fuehrung"),
@@ -83,6 +87,8 @@ def rank(quantity: Quantity, channel: Channel) -> int:
     if QUANTITY_OF.get(channel.name) == quantity:
         return 4
     words = _words(_name_of(channel))
+    if quantity == "time" and _is_named(quantity, dated := [word for word in words if word not in DATES], bool(unit)):
+        words = dated
     if _is_other(words):
         return 0
     of_unit = fits_unit(quantity, unit)

@@ -123,6 +123,7 @@ def _missing(quantity: Quantity, table: RawTable, channels: Sequence[Channel]) -
     likely = [one for one in some if unit_of(one) in NO_UNIT]
     # what is in a unit of something else is no time
     if quantity == "time":
+        likely = [one for one in some if unit_of(one) in NO_UNIT or fits_unit("time", unit_of(one))]
         likely = [one for one in likely if _rises(one.values)]
     else:
         others = [one for one in some if unit_of(one) not in NO_UNIT]

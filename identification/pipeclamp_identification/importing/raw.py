@@ -14,6 +14,8 @@ MOST_SAMPLES = 250_000_000
 """Numbers that a channel may claim to hold: 2 GB; what claims more is damaged."""
 FEW_SAMPLES = 1_000_000
 """So many may be claimed by any file."""
+FEWEST_ROWS, MANY_CHANNELS = 8, 100
+"""Fewer rows than these of more columns than those are channels that stand in rows."""
 COMPRESSED = 20.0
 """Samples for each byte of a file that compresses: channels that stand still shrink far more, but hardly all do."""
 
@@ -128,6 +130,23 @@ def refuse_size(what: str, count: float, holds: int, times: float = 1.0) -> None
     """
     if not 0 <= count <= min(MOST_SAMPLES, FEW_SAMPLES + holds * times):
         raise Damaged(f"{what} claims {count:g} samples, more than a file of {holds} bytes holds")
+
+
+def refuse_rows(length: int, channels: int) -> None:
+    """Refuse a table whose channels seem to stand in rows.
+
+    Args:
+        length: rows.
+        channels: columns.
+
+    Raises:
+        Damaged: they do.
+    """
+    if length < FEWEST_ROWS and channels > MANY_CHANNELS:
+        raise Damaged(
+            f"has {channels} columns of {length} numbers: its channels seem to stand in rows; expected a column each: "
+            "transpose it"
+        )
 
 
 def side_by_side(table: RawTable) -> list[RawTable]:

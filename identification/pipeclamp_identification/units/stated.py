@@ -177,7 +177,8 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
     spelled = meant.get(text, meant.get(text.casefold(), SPELLINGS.get(text.casefold(), text)))
     if spelled == "K" and ours == "degC":
         return Conversion(number, -CELSIUS)
-    if not re.fullmatch(r"[\w°µ^*/%.\- ·²³]{1,24}", spelled) or POWERS.search(spelled):
+    # "% s" is a comment's sign before a unit, no hundredth of a second
+    if not re.fullmatch(r"[\w°µ^*/.\- ·²³]{1,24}", spelled) or POWERS.search(spelled):
         return None
     # what is plain needs no library of units
     if spelled == ours:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, Unread, table_of
+from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, Unread, refuse_rows, table_of
 from pipeclamp_identification.importing.texts.sniffing import CLEAR, is_number, names_above
 from pipeclamp_models.base.archive import opened_archive
 
@@ -92,6 +92,7 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
     last = some[-1]
     body = rows[first : last + 1]
     places = sorted({place for row in body for place, cell in enumerate(row) if _is_number(cell)})
+    refuse_rows(len(body), len(places))
     wide = max(map(len, body))
     header = [[_text(row[place]) if place < len(row) else "" for place in range(wide)] for row in rows[:first]]
     names, units = names_above(header[-HEADER_ROWS:], wide)

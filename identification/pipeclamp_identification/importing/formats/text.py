@@ -14,7 +14,7 @@ from typing import BinaryIO, cast
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread
+from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
 from pipeclamp_identification.importing.texts.sniffing import FEWEST_COLUMNS, Layout, cells_of, is_number, layout_of
@@ -192,6 +192,7 @@ class _Columns:
         numeric = [place for place, samples in enumerate(values) if np.any(np.isfinite(samples))]
         if len(numeric) < 2:
             raise Damaged("holds no table of numbers")
+        refuse_rows(self.length, len(numeric))
         layout = self.layout
         kept = np.concatenate(self._present) >= MOSTLY * len(numeric)
         for rows in self._lost:

@@ -25,6 +25,10 @@ CLEAR = 0.6
 LONGEST_HEADER = 20_000
 LEFT_ALIGNED = ("\t", ";", "|")
 """What parts names that stand above their columns though there may be more of them."""
+MOST_SHOWN = 40
+"""Characters of a line that an error shows."""
+LINES_OF_NAMES = 4
+"""Lines that a row of names may take, at most."""
 HEADER_ROWS = 4
 """Rows above the numbers that may name columns or state units."""
 POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
@@ -37,6 +41,8 @@ STAMP = re.compile(
     re.IGNORECASE,
 )
 OUTSIDE_BRACKETS = re.compile(r",(?![^()]*\))")
+COMMENT = re.compile(r"^\s*[#%!*]+\s+")
+"""What some programs put before a line of names or units."""
 BRACKETED = re.compile(r"[\[(<]\s*(.*?)\s*[\])>]")
 MOST_UNITS = 0.5
 """Share of a row's cells above which, as known units, they make it one of units."""
@@ -110,11 +116,25 @@ def layout_of(lines: Sequence[str]) -> Layout:
         scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[2][0])), default=(0.0, 0, ("", ""))
     )
     if share == 0.0:
-        raise Damaged("holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks")
+        line = sample[len(sample) // 2][:MOST_SHOWN]
+        raise Damaged(
+            f"holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks; got {line!r} in it"
+        )
     first = _first_line(lines, sample, delimiter, decimal, width)
     width = len(_trimmed(cells_of(lines[first], delimiter)))
-    names, units = _names_and_units(lines[:first], delimiter, width)
+    names, units = _names_and_units(_whole_lines(lines[:first]), delimiter, width)
     return Layout(delimiter, decimal, width, first, names, units)
+
+
+def _whole_lines(lines: Sequence[str]) -> list[str]:
+    """Give lines of a header; those that quotes hold together, as names with a line end are, become one."""
+    found: list[str] = []
+    for line in lines:
+        if found and found[-1].count('"') % 2 and found[-1].count("\n") < LINES_OF_NAMES:
+            found[-1] += "\n" + line
+        else:
+            found.append(line)
+    return found
 
 
 def _places(lines: Sequence[str]) -> list[int]:
@@ -223,7 +243,7 @@ def names_above(rows: Sequence[Sequence[str]], width: int) -> tuple[tuple[str, .
 
 def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:
     """Give the cells of a row of names; None where there aren't as many as columns."""
-    row = cells_of(line, delimiter)
+    row = cells_of(COMMENT.sub("", line), delimiter)
     if len(row) > width and not any(row[width:]):
         row = row[:width]
     if len(row) > width and delimiter == ",":
