@@ -139,7 +139,7 @@ def test_add_says_what_the_error_did(pipeclamp, law, clamp_a, tmp_path):
     assert after["fit"]["nrmse"] < 0.6 * before["fit"]["nrmse"]
     assert "error on left-out conditions" in done.stdout
     assert [step["step"] for step in after["history"]] == ["power", "+ damping_temperature"]
-    assert after["history"][-1]["heldout_nrmse"] < after["history"][0]["heldout_nrmse"]
+    assert after["history"][-1]["refitted_nrmse"] < after["history"][0]["refitted_nrmse"]
 
 
 def test_effects_lists_the_whole_catalogue(pipeclamp):

@@ -52,7 +52,7 @@ def test_adding_it_brings_the_error_down_to_the_scatter(with_bracket: Path):
     file = open_law(str(with_bracket))
     assert file.effects == ("bracket",)
     before, after = file.history[-2:]
-    assert after.heldout_nrmse < 0.6 * before.heldout_nrmse
+    assert after.refitted_nrmse < 0.6 * before.refitted_nrmse
     assert file.fit.nrmse < 1.1 * file.fit.noise_nrmse
     assert abs(file.coefficients["k_b"].value - 150) < 5 * file.coefficients["k_b"].standard_error
     assert abs(file.coefficients["y_b"].value - 0.45) < 5 * file.coefficients["y_b"].standard_error

@@ -23,6 +23,6 @@ def test_each_effect_takes_a_part(pipeclamp, tmp_path):
     assert found["remains"]["noise_share"] > 3
     pipeclamp("add", law, "memory:2", FOLDER, "-o", tmp_path / "memory.json")
     pipeclamp("add", tmp_path / "memory.json", "condition:tension_lb", FOLDER, "-o", tmp_path / "tension.json")
-    base, memory, tension = (step.heldout_nrmse for step in read_law(tmp_path / "tension.json").history)
+    base, memory, tension = (step.refitted_nrmse for step in read_law(tmp_path / "tension.json").history)
     assert base > 0.35 > memory
     assert tension < 0.26

@@ -32,7 +32,7 @@ def test_current_then_memory_are_found_and_the_error_falls(pipeclamp, tmp_path):
     assert second["kind"] == "part"
     assert {effect_id(name) for name in second["effects"]} <= WITH_A_SLIPPING_STATE
     pipeclamp("add", tmp_path / "current.json", second["effects"][0], FOLDER, "-o", tmp_path / "memory.json")
-    base, current, memory = (step.heldout_nrmse for step in read_law(tmp_path / "memory.json").history)
+    base, current, memory = (step.refitted_nrmse for step in read_law(tmp_path / "memory.json").history)
     assert base > 0.3
     assert current < 0.207
     assert memory < 0.08

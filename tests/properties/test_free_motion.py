@@ -261,7 +261,7 @@ def test_the_share_of_the_error_outside_of_the_laws_range_is_told(law):
 
 def told_errors(file, on_left_out):
     """Give a law whose file tells this error on left-out sines."""
-    return file.model_copy(update={"history": (HistoryStep(step="t", nrmse=0.0, heldout_nrmse=on_left_out),)})
+    return file.model_copy(update={"history": (HistoryStep(step="t", nrmse=0.0, refitted_nrmse=on_left_out),)})
 
 
 def test_a_law_without_memory_is_told_what_it_lacks_along_a_free_motion(law, write_law, tmp_path):

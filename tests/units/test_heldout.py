@@ -6,7 +6,7 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.fitting.heldout import condition_groups, folds, further_groups, heldout_nrmse
+from pipeclamp_identification.fitting.heldout import condition_groups, folds, further_groups, refitted_nrmse
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.base.errors import UserError
@@ -34,7 +34,7 @@ def test_a_sweep_in_small_steps_is_left_out_in_classes(tmp_path):
 def test_at_one_amplitude_and_frequency_runs_are_left_out(tmp_path):
     loops = _loops(tmp_path, rig.TestPlan((0.5,), (3.0,), (20.0, 100.0, 200.0, 300.0), cycles=3, rate=200))
     assert sorted(condition_groups(loops)) == [0, 1, 2, 3]
-    assert 0 < heldout_nrmse(law_of(open_law("emwm2")), loops, loop_observations(loops)) < 0.2
+    assert 0 < refitted_nrmse(law_of(open_law("emwm2")), loops, loop_observations(loops)) < 0.2
 
 
 def test_of_one_test_nothing_can_be_left_out(tmp_path):

@@ -18,10 +18,15 @@ FIT = FitQuality(
     runs=(RunQuality(run="slow", nrmse=0.004), RunQuality(run="<hot>", nrmse=0.0123)),
 )
 STEPS = (
-    HistoryStep(step="power", nrmse=0.03, heldout_nrmse=0.04),
-    HistoryStep(step="+ memory", nrmse=0.01, heldout_nrmse=0.02),
-    HistoryStep(step="- memory", nrmse=0.029, heldout_nrmse=0.03),
+    HistoryStep(step="power", nrmse=0.03, refitted_nrmse=0.04),
+    HistoryStep(step="+ memory", nrmse=0.01, refitted_nrmse=0.02),
+    HistoryStep(step="- memory", nrmse=0.029, refitted_nrmse=0.03),
 )
+
+
+def test_a_step_of_an_older_file_is_read_and_written_under_the_name_of_today():
+    step = HistoryStep.model_validate({"step": "power", "nrmse": 0.03, "heldout_nrmse": 0.04})
+    assert step.model_dump(exclude_none=True) == {"step": "power", "nrmse": 0.03, "refitted_nrmse": 0.04}
 
 
 def test_a_waterfall_starts_where_the_step_before_ended():

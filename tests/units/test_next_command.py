@@ -7,7 +7,7 @@ import pytest
 from typer.main import get_command
 
 from pipeclamp.cli.app import app
-from pipeclamp_identification.workflow.next_command import next_command
+from pipeclamp_identification.workflow.next_command import after_discovery, next_command
 
 
 @dataclass
@@ -43,6 +43,13 @@ def test_the_next_command(found, law, expected):
     name, *words = shlex.split(line)[1:]
     command = get_command(app).commands[name]
     command.make_context(name, words, resilient_parsing=True)
+
+
+def test_after_a_search_that_the_catalogue_made_needless_its_effect_is_added():
+    line = after_discovery(False, Found("missing", ("memory:2",)), "law.json", "tests", "term.toml", None)
+    assert line == "pipeclamp add law.json memory:2 tests -o law_2.json"
+    line = after_discovery(False, Found("unknown", calls_for_a_term=True), "law.json", "tests", "term.toml", None)
+    assert line == "pipeclamp compare law.json tests --report compare.html"
 
 
 def test_a_test_that_is_run_is_joined_to_those_so_far():

@@ -53,7 +53,7 @@ def credibility(file: LawFile, sets: ParameterSets, software: str) -> bytes:
         "fit": told.get("fit"),
         "spread": told.get("spread"),
         "history": [
-            {key: step[key] for key in ("step", "nrmse", "heldout_nrmse") if key in step} for step in told["history"]
+            {key: step[key] for key in ("step", "nrmse", "refitted_nrmse") if key in step} for step in told["history"]
         ],
         "diagnosis": told.get("diagnosis", {"verdict": NEVER}),
         "parameter_sets": [

@@ -21,7 +21,7 @@ def history_section(history: Sequence[HistoryStep], fit: FitQuality | None) -> S
 def _waterfall(history: Sequence[HistoryStep], noise: float | None) -> Bars | None:
     if not history:
         return None
-    foretold = [step.heldout_nrmse for step in history if step.heldout_nrmse is not None]
+    foretold = [step.refitted_nrmse for step in history if step.refitted_nrmse is not None]
     whole = len(foretold) == len(history)
     levels = foretold if whole else [step.nrmse for step in history]
     longest = max(*levels, noise or 0.0, 1e-300)
@@ -31,7 +31,7 @@ def _waterfall(history: Sequence[HistoryStep], noise: float | None) -> Bars | No
             step.step,
             level / longest,
             before / longest,
-            (_percent(step.nrmse), "–" if step.heldout_nrmse is None else _percent(step.heldout_nrmse)),
+            (_percent(step.nrmse), "–" if step.refitted_nrmse is None else _percent(step.refitted_nrmse)),
         )
         for step, level, before in zip(history, levels, befores, strict=True)
     ]

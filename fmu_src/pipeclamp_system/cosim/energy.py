@@ -8,6 +8,17 @@ import numpy as np
 
 from pipeclamp_models.base.arrays import Array
 
+NAMES = {
+    "excitation": "given by the excitation",
+    "coupling": "made by the coupling",
+    "pipe_stored": "stored in the pipe",
+    "pipe_dissipated": "dissipated in the pipe",
+    "clamps_stored": "stored in the clamps",
+    "clamps_dissipated": "dissipated in the clamps",
+    "unexplained": "unexplained",
+}
+"""How people are told the parts of `EnergyBalance.final`."""
+
 
 @dataclass(frozen=True, eq=False)
 class EnergyBalance:

@@ -14,7 +14,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.cosim.beating import FEWEST_CYCLES, Beats, Swing, is_judged, swing_of
-from pipeclamp_system.cosim.energy import EnergyBalance
+from pipeclamp_system.cosim.energy import NAMES, EnergyBalance
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_system.description.system import ClampSource, SystemDescription
 from pipeclamp_system.description.trust_mark import doubt
@@ -222,7 +222,8 @@ class CosimResult:
                 f"the displacement errs by {self.step_error:.2%} in amplitude and phase for its steps, "
                 "as a run in another step tells"
             )
-        lines.append("energy, J: " + ", ".join(f"{name} {value:.4g}" for name, value in self.energy.final().items()))
+        parts = (f"{NAMES[name]} {value:.4g}" for name, value in self.energy.final().items())
+        lines.append(f"energy, J: {', '.join(parts)}")
         for clamp in self.system.clamps:
             name = clamp.at
             found, assumed = self.amplitude(f"{name}.s"), self.columns[f"{name}.A_used"][-1]

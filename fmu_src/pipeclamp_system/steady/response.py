@@ -56,6 +56,14 @@ class Curve:
         return tuple(state for piece in self.pieces for state in piece)
 
 
+AMOUNTS = {
+    "acceleration_m_s2": "acceleration {:g} m/s²",
+    "displacement_mm": "displacement {:g} mm",
+    "force_N": "force {:g} N",
+}
+"""What shakes the pipe at level 1, in words, by the key of a system's excitation."""
+
+
 @dataclass(frozen=True)
 class FrequencyResponse:
     """All curves of a system and the co-simulations on them.
@@ -89,7 +97,7 @@ class FrequencyResponse:
         for curve in self.curves:
             peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
             peak_text = ", ".join(
-                f"{name} {peak:.4g} mm at {frequency:.4g} Hz"
+                f"{name} {peak:.3g} mm at {frequency:.3g} Hz"  # the highest of the states that were found, no more
                 for name, (peak, frequency) in zip(self.points, peaks, strict=True)
             )
             unstable = [state.frequency for state in curve.states if not state.stable]
@@ -120,7 +128,8 @@ class FrequencyResponse:
         more = "the force steps there, or more can't be balanced; co-simulate there"
         if self.stated_harmonics:
             more = "leave harmonics out of [response], so that they follow the motion"
-        return [doubt(f"{line}; more than {DOUBTFUL:.0%} from {low:.4g} to {high:.4g} Hz: {more}")]
+        where = f"at {low:.4g} Hz" if f"{low:.4g}" == f"{high:.4g}" else f"from {low:.4g} to {high:.4g} Hz"
+        return [doubt(f"{line}; more than {DOUBTFUL:.0%} {where}: {more}")]
 
     def about_ranges(self) -> list[str]:
         """Say where a clamp's law is used beyond the range of its data."""
@@ -228,7 +237,7 @@ def run_response(path: Path, progress: Progress | None = None, *, dots: bool = T
         description.name,
         tuple(clamp.at for clamp in description.clamps),
         pipe.probe_names,
-        ", ".join(f"{name} = {value:g}" for name, value in amount.items()),
+        ", ".join(AMOUNTS[name].format(value) for name, value in amount.items()),
         tuple(curves),
         tuple(found),
         tuple(ranges_of(law_in(path.parent, str(clamp.law))) for clamp in description.clamps),

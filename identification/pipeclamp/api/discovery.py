@@ -75,7 +75,9 @@ class Discovery(Shown):
 
     @cached_property
     def _next(self) -> str:
-        return after_discovery(self.proposed, self.before.origin, self.tests.origin, "effect.toml", None)
+        return after_discovery(
+            self.proposed, self._found.search.diagnosed, self.before.origin, self.tests.origin, "effect.toml", None
+        )
 
     def view(self) -> View:
         """Give what `pipeclamp discover` tells."""

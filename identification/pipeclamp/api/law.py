@@ -157,8 +157,8 @@ class Law:
 
     def _history(self) -> Sequence[str]:
         """Say what each step did to the error on left-out conditions."""
-        known = [step for step in self.file.history if step.heldout_nrmse is not None]
-        return [f"{step.step}: error on left-out conditions {step.heldout_nrmse:.2%}" for step in known]
+        known = [step for step in self.file.history if step.refitted_nrmse is not None]
+        return [f"{step.step}: error on left-out conditions {step.refitted_nrmse:.2%}" for step in known]
 
     def _repr_html_(self) -> str:
         """Give what a notebook shows."""

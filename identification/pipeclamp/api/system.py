@@ -75,7 +75,7 @@ class Cosimulation:
         from pipeclamp.pages.page import write_report
 
         target = Path(path)
-        write_report(target, f"Co-simulation {self.origin.stem}", "pipe and clamps", self._sections())
+        write_report(target, f"Co-simulation: {self.result.name}", self.origin.name, self._sections())
         return target
 
     def _sections(self) -> Sequence[Section]:

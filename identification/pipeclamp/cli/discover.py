@@ -46,7 +46,7 @@ def discover(
     from pipeclamp_identification.workflow.next_command import after_discovery
     from pipeclamp_models.base.errors import UsageError
     from pipeclamp_models.base.files import write_whole
-    from pipeclamp_models.law.declaration_files import SUFFIX, read_effects
+    from pipeclamp_models.law.declaration_files import SUFFIX, read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
 
     if output.suffix != SUFFIX:
@@ -60,7 +60,10 @@ def discover(
         found = workflow.discover(
             file, tests, command=command_called(), declared=declarations, jobs=jobs, progress=tell
         )  # fmt: skip
-    following = after_discovery(found.proposed, law, str(campaign), str(output), str(auto) if auto else None)
+    paths = {read_declaration(path).id: str(path) for path in declared or ()}
+    following = after_discovery(
+        found.proposed, found.search.diagnosed, law, str(campaign), str(output), str(auto) if auto else None, paths
+    )
     if report:
         from pipeclamp.pages.discovery import discovery_page
         from pipeclamp.pages.page import write_report

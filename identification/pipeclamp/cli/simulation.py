@@ -197,7 +197,7 @@ def cosim(
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Co-simulation {system.stem}", "pipe and clamps", sections, command_called())
+        write_report(report, f"Co-simulation: {result.name}", system.name, sections, command_called())
     write_result(result, output)
     say([*sections[0].paragraphs, *(banded.words() if banded else ()), str(output)])
 
@@ -229,7 +229,7 @@ def response(
     if report:
         from pipeclamp.pages.page import write_report
 
-        write_report(report, f"Frequency response {system.stem}", "pipe and clamps", sections, command_called())
+        write_report(report, f"Frequency response: {found.name}", system.name, sections, command_called())
     write_response(found, output, banded.columns() if banded else None)
     say([*sections[0].paragraphs, *(banded.words() if banded else ()), str(output)])
 

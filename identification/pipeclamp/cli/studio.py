@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
@@ -42,8 +43,10 @@ def studio(
     if any(find_spec(name) is None for name in NEEDED):
         raise UserError(f"studio: needs {' and '.join(NEEDED)}; pip install 'pipeclamp[studio]' brings them")
     from pipeclamp.studio.desk import Desk, default_home
+    from pipeclamp.studio.rendering import warm_drawing
     from pipeclamp.studio.serve import serve
 
+    threading.Thread(target=warm_drawing, daemon=True).start()
     with told("studio") as tell:
         tell(f"read {campaign}" if campaign else "start")
         desk = Desk(output or default_home(campaign), campaign)

@@ -70,12 +70,19 @@ def folder_option(metavar: str, help: str, *names: str) -> Any:
 
 
 def _output_option(refuse: Callable[[Path], None], metavar: str, help: str, names: Sequence[str]) -> Any:
+    given = names or ("-o", "--output")
+
     def checked(path: Path | None) -> Path | None:
+        if path is not None and str(path) in ("-o", "--output"):
+            # `--auto -o LAW2.json`: the option itself takes the file
+            rest = command_called().split(f" {path}", 1)
+            line = "".join(rest) if rest[-1].strip() else f"{rest[0]} {metavar}"
+            raise typer.BadParameter(f"got {path}; expected the file itself. Run: {line}", param_hint=f"'{given[-1]}'")
         if path is not None:
             refuse(path)
         return path
 
-    return typer.Option(*(names or ("-o", "--output")), metavar=metavar, help=help, callback=checked)
+    return typer.Option(*given, metavar=metavar, help=help, callback=checked)
 
 
 def _refuse_report(path: Path) -> None:

@@ -48,6 +48,7 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
                 f"{'or ' if place and len(judged.effects) == 1 else ''}+ {' + '.join(judged.effects)}",
                 {ESTIMATED: judged.heldout_nrmse},
                 promised=True,
+                explained=explained_share(judged, diagnosis.law),
             )
             for place, judged in enumerate([*alone, *together])
         ),
@@ -61,10 +62,11 @@ def evidence_sections(answer: Diagnosed) -> list[Section]:
         "phase / deg after the largest displacement", "residual / N",
         [("rms over runs", leftover.phase.tolist(), leftover.shape.tolist(), "lines")],
         f"Residual force along the cycle, {_law_described(diagnosis)}, noise included",
-    )  # fmt: skip
+    ).update_yaxes(rangemode="tozero")  # fmt: skip
     cards = [_card(candidate, diagnosis.law) for candidate in helpful(diagnosis)[:SKETCHED]]
+    candidates = Section("Candidates", _screened(diagnosis), [candidate_table(diagnosis)], cards=cards)
     sections = [
-        Section("Candidates", _screened(diagnosis), [candidate_table(diagnosis)], cards=cards),
+        *([candidates] if diagnosis.candidates else []),
         Section("What is left over", _left_over_sentences(answer), (), [residual]),
     ]
     return [*sections, _proposal_section(answer.proposal)] if answer.proposal else sections

@@ -28,5 +28,6 @@ def metric_promised(diagnosis: MetricDiagnosis) -> list[Rung]:
     rungs = [Rung("law as it is", {LEFT_OUT: diagnosis.heldout[""]})]
     if diagnosis.best.effects:
         name = diagnosis.best.effects[0]
-        rungs.append(Rung(f"+ {name}", {LEFT_OUT: diagnosis.heldout[name]}, promised=True))
+        explained = diagnosis.explained(diagnosis.best)
+        rungs.append(Rung(f"+ {name}", {LEFT_OUT: diagnosis.heldout[name]}, promised=True, explained=explained))
     return rungs

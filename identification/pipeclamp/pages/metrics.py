@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.pictures import curves_picture, overlay_picture
-from pipeclamp.show.metrics import axis_of, runs_table, study_table
+from pipeclamp.show.metrics import MEANINGS, axis_of, metrics_words, runs_table, setting, study_table
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.loops.metrics import Metrics, metrics_of, scatter_of
@@ -15,7 +15,8 @@ def metrics_sections(campaign: Campaign, loops: Loops) -> list[Section]:
     """Give the report: one study for each quantity that varies, then every run."""
     metrics, scatter = metrics_of(loops), scatter_of(loops)
     studies = principal_variations(variations_of(campaign, loops))
-    sections = [_study_section(study, loops, metrics) for study in studies]
+    answer = Section("Answer", [metrics_words(metrics), MEANINGS])
+    sections = [answer, *(_study_section(study, loops, metrics) for study in studies)]
     noted = [*(f"Left out: {entry}." for entry in campaign.left_out), *(f"Note: {one}." for one in campaign.remarks)]
     return [*sections, Section("All runs", noted, [runs_table(loops, metrics, scatter)])]
 
@@ -23,6 +24,8 @@ def metrics_sections(campaign: Campaign, loops: Loops) -> list[Section]:
 def _study_section(study: Variation, loops: Loops, metrics: Metrics) -> Section:
     axis = axis_of(study)
     published = [row for row in study.published if row is not None]
+    names = [setting(study.quantity, value, named=False) for value in study.values]
+    drawn = [(name, *loop) for name, loop in zip(names, loops_to_draw(loops, study), strict=True)]
     measured = [
         (name, study.values, [float(values[row]) for row in study.rows], "lines+markers")
         for name, values in (("dW", metrics.dissipated_energy_J), ("W", metrics.max_elastic_energy_J))
@@ -34,10 +37,10 @@ def _study_section(study: Variation, loops: Loops, metrics: Metrics) -> Section:
     ]
     return Section(
         f"Against {axis}",
-        [f"Held: {', '.join(f'{name} {value}' for name, value in study.held) or 'nothing'}."],
+        (),
         [study_table(study, metrics)],
         [
-            overlay_picture(loops_to_draw(loops, study), f"Loops against {axis}"),
+            overlay_picture(drawn, f"Loops against {axis}"),
             curves_picture(
                 axis, "energy / J", [*measured, *(beside_them if published else [])], f"Energy against {axis}"
             ),

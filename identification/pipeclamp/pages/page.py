@@ -27,6 +27,8 @@ MEASURED, MODEL = "#52606d", "#d64545"
 """Measured data is grey and drawn first; the model is red and drawn over it, in every picture."""
 SERIES = ("#1c7ed6", "#e8590c", "#2b8a3e", "#9c36b5", "#c2255c", "#0b7285", "#846358", "#495057")
 
+HALF = 520
+"""px: pictures that need no more stand side by side."""
 MOST_ROWS = 40
 """Rows up to which a table stands whole on its page; longer ones, a row a run, scroll within a box."""
 
@@ -90,18 +92,45 @@ def doubted(figure: go.Figure) -> go.Figure:
 
 @dataclass(frozen=True)
 class _Drawn:
-    """A picture as the page holds it: what Plotly draws, what it shows in words, and the least width in px."""
+    """A picture as the page holds it.
+
+    Attributes:
+        specification: what Plotly draws.
+        alternative: what it shows in words.
+        least_width: px, below which it scrolls.
+        wide: whether it takes the whole width of the page.
+    """
 
     specification: str
     alternative: str
     least_width: int
+    wide: bool
+
+
+def with_narrow(figure: go.Figure, narrow: go.Figure) -> go.Figure:
+    """Give the figure with another one that takes its place where the window is narrower than its least width."""
+    return figure.update_layout(meta={"least_width": figure.layout.meta, "narrow": plain(narrow)})
+
+
+def plain(figure: go.Figure) -> dict[str, Any]:
+    """Give what Plotly draws of a figure, and what page.js picks by the width that it has."""
+    specification: dict[str, Any] = json.loads(figure.to_json())
+    # it repeats Plotly's own look in each picture
+    specification["layout"].pop("template", None)
+    meta = specification["layout"].pop("meta", None)
+    return specification | (meta if isinstance(meta, dict) else {})
+
+
+def least_width(figure: go.Figure) -> int:
+    """Give the width in px below which a figure scrolls; none where another takes its place."""
+    meta = figure.layout.meta
+    return 0 if meta is None or isinstance(meta, dict) else int(meta)
 
 
 def _drawn(figure: go.Figure) -> _Drawn:
-    specification = json.loads(figure.to_json())
-    # it repeats Plotly's own look in each picture
-    specification["layout"].pop("template", None)
-    return _Drawn(_for_script(specification), words_of(figure), figure.layout.meta or 0)
+    meta = figure.layout.meta
+    wide = (meta["least_width"] if isinstance(meta, dict) else meta or 0) > HALF
+    return _Drawn(_for_script(plain(figure)), words_of(figure), least_width(figure), wide)
 
 
 def _for_script(content: Mapping[str, Any]) -> str:

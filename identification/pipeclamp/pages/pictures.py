@@ -88,9 +88,12 @@ def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go
 
 
 def _shade(index: int, count: int) -> str:
-    """Give a colour from blue to red: neighbouring conditions get neighbouring colours."""
+    """Give a colour from blue by purple to red: neighbouring conditions get neighbouring colours.
+
+    None is as light as yellow or green, which a white page swallows, or as dark as a dark page.
+    """
     share = index / max(count - 1, 1)
-    return f"hsl({210 - 210 * share:.0f}, 75%, {45 + 8 * math.sin(math.pi * share):.0f}%)"
+    return f"hsl({210 + 150 * share:.0f}, 70%, 53%)"
 
 
 def curves_picture(

@@ -20,7 +20,7 @@ from pipeclamp.show.metric_comparison import metric_comparison_words, metric_wor
 from pipeclamp.show.metrics import metric_table
 from pipeclamp.show.views import scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.comparison.laws import laws_held, stages_held
+from pipeclamp_identification.comparison.laws import labels_of, laws_held, stages_held
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.law import METHOD, MetricComparison
@@ -109,7 +109,7 @@ def comparison_title(files: Sequence[LawFile], tests: str) -> tuple[str, str]:
     made_of = f"base {last.base}, effects: {', '.join(last.effects) or 'none'}"
     if not others:
         return f"Law {last.name} against {tests}", made_of
-    return f"{len(files)} laws against {tests}", ", ".join(file.name for file in files)
+    return f"{len(files)} laws against {tests}", "; ".join(labels_of(files))
 
 
 def diagnosis_page(file: LawFile, found: AnyDiagnosed, next_command: str) -> list[Section]:

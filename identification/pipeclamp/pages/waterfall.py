@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import MODEL, SERIES, styled
+from pipeclamp.pages.page import MODEL, SERIES, styled, with_narrow
 from pipeclamp_models.law.file import LawFile
 
 RUNG_WIDTH = 130
+LINE_HEIGHT = 22
+"""px, of a bar where rungs stand below each other."""
 USED, LEFT_OUT = "on the tests used", "on left-out conditions"
 ESTIMATED = "on left-out conditions, estimated from the fit to all"
 """Another quantity than the error of fits that never saw the conditions: a diagnosis has no time for those."""
@@ -25,17 +28,19 @@ class Rung:
         label: what was done.
         errors: rms error over rms force after it, by the tests that it is on.
         promised: whether it isn't done yet: what the step would do.
+        explained: the share of what is missing that a promised step would take, as the diagnosis tells it.
     """
 
     label: str
     errors: Mapping[str, float]
     promised: bool = False
+    explained: float | None = None
 
 
 def rungs_of(file: LawFile) -> list[Rung]:
     """Give the rungs of a law's history."""
     return [
-        Rung(step.step, {USED: step.nrmse} | ({} if step.heldout_nrmse is None else {LEFT_OUT: step.heldout_nrmse}))
+        Rung(step.step, {USED: step.nrmse} | ({} if step.refitted_nrmse is None else {LEFT_OUT: step.refitted_nrmse}))
         for step in file.history
     ]
 
@@ -57,56 +62,133 @@ def with_promised(rungs: Sequence[Rung], now: Rung, coming: Sequence[Rung]) -> l
 def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, error: str = "RMS error") -> go.Figure:
     """Draw the error falling rung by rung, with the scatter that no law can explain as a line.
 
+    In a narrow window the rungs stand below each other.
+
     Args:
         rungs: in their order.
         scatter: as a share of the rms force, where it is known.
         title: the picture's title.
         error: the error's name.
     """
-    names = dict.fromkeys(name for rung in rungs for name in rung.errors)
-    labels = [_label(index, rungs, scatter) for index in range(len(rungs))]
+    axis = f"{error} / % of rms force"
+    return with_narrow(_side_by_side(rungs, scatter, title, axis), _below_each_other(rungs, scatter, title, axis))
+
+
+def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
+    names = _names(rungs)
+    labels = ["<br>".join([*_name(index, rungs), *_did(index, rungs, scatter)]) for index in range(len(rungs))]
     figure = go.Figure(
         [
             go.Bar(
                 x=labels,
                 y=[100 * rung.errors[name] if name in rung.errors else None for rung in rungs],
-                name=name,
-                text=[f"{100 * rung.errors[name]:.3g} %" if name in rung.errors else "" for rung in rungs],
-                textposition="outside", cliponaxis=False,
-                marker={
-                    "color": COLOURS.get(name, SERIES[0]),
-                    "pattern": {"shape": ["/" if rung.promised else "" for rung in rungs]},
-                },
+                text=[_percent(rung.errors[name]) if name in rung.errors else "" for rung in rungs],
+                **_look(name, rungs),
             )
             for name in names
         ]
-    )  # fmt: skip
+    )
     if scatter is not None:
         figure.add_hline(
             y=100 * scatter, line={"color": MODEL, "dash": "dash"},
             annotation={"text": f"scatter<br>{100 * scatter:.2g} %", "x": 1.0, "xanchor": "left", "yanchor": "middle"},
         )  # fmt: skip
     figure.update_xaxes(tickangle=0, type="category")
-    figure.update_yaxes(title_text=f"{error} / % of rms force", rangemode="tozero")
+    figure.update_yaxes(title_text=axis, rangemode="tozero")
     figure = styled(figure, title, least_width=min(150 + RUNG_WIDTH * len(rungs), 1100))
-    return figure.update_layout(showlegend=len(names) > 1, margin={"r": 70, "b": 90}, bargap=0.25)
+    return figure.update_layout(showlegend=len(names) > 1, margin={"r": 70, "b": 105}, bargap=0.25)
 
 
-def _label(index: int, rungs: Sequence[Rung], scatter: float | None) -> str:
-    """Give a rung's name, and below it the share that it took of what was missing before."""
-    # one effect a line, so that the names stand beside each other; a blank keeps those alike apart
-    name = rungs[index].label.replace(" + ", "<br>+ ").replace("or<br>+ ", "or + ") + " " * sum(
-        rung.label == rungs[index].label for rung in rungs[:index]
-    )
-    before = next((rung for rung in reversed(rungs[:index]) if not rung.promised), None)
-    shared = [key for key in (ESTIMATED, LEFT_OUT, *rungs[index].errors) if before and key in rungs[index].errors]
-    shared = [key for key in shared if before and key in before.errors]
+def _below_each_other(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
+    """Draw the rungs from top to bottom: the words of each stand above its bars, as long as they are."""
+    names = _names(rungs)
+    places: dict[str, list[tuple[float, Rung]]] = {name: [] for name in names}
+    words, below = [], 0.0
+    for index, rung in enumerate(rungs):
+        for line in filter(None, (*_name(index, rungs), " ".join(_did(index, rungs, scatter)))):
+            words.append((below, line))
+            below += 0.8
+        for name in rung.errors:
+            places[name].append((below, rung))
+            below += 1.0
+        below += 0.6
+    figure = go.Figure(
+        [
+            go.Bar(
+                x=[100 * rung.errors[name] for _, rung in there], y=[place for place, _ in there], orientation="h",
+                width=0.9, text=[_percent(rung.errors[name]) for _, rung in there],
+                **_look(name, [rung for _, rung in there]),
+            )
+            for name, there in places.items()
+        ]
+    )  # fmt: skip
+    for place, line in words:
+        figure.add_annotation(
+            x=0, xref="paper", xanchor="left", y=place, yanchor="middle", text=line, showarrow=False, align="left",
+            bgcolor="white", borderpad=0,
+        )  # fmt: skip
+    most = max((error for rung in rungs for error in rung.errors.values()), default=0.0)
+    if scatter is not None:
+        figure.add_vline(
+            x=100 * scatter, line={"color": MODEL, "dash": "dash"},
+            annotation={"text": f"scatter {100 * scatter:.2g} %", "y": 1.0, "yanchor": "bottom", "xanchor": "left"},
+        )  # fmt: skip
+    figure.update_yaxes(range=[below - 0.5, -0.7], visible=False)
+    legend = 20 * len(names) if len(names) > 1 else 0
+    figure = styled(figure, title, height=round(130 + legend + LINE_HEIGHT * below))
+    figure.update_xaxes(title_text=axis, range=[0, 125 * max(most, scatter or 0.0) or 1.0])
+    figure.update_yaxes(automargin=False)
+    legend_look = {"showlegend": len(names) > 1, "legend": {"traceorder": "normal", "orientation": "v"}}
+    return figure.update_layout(margin={"l": 10, "r": 10, "t": 70, "b": 55 + legend}, **legend_look)
+
+
+def _names(rungs: Sequence[Rung]) -> list[str]:
+    """Give the names of the errors, in the order in which they come."""
+    return list(dict.fromkeys(name for rung in rungs for name in rung.errors))
+
+
+def _look(name: str, rungs: Sequence[Rung]) -> dict[str, Any]:
+    """Give the look of an error's bars; what is promised is hatched."""
+    return {
+        "name": name,
+        "textposition": "outside",
+        "cliponaxis": False,
+        "marker": {
+            "color": COLOURS.get(name, SERIES[0]),
+            "pattern": {"shape": ["/" if rung.promised else "" for rung in rungs]},
+        },
+    }
+
+
+def _percent(error: float) -> str:
+    return f"{100 * error:.3g} %"
+
+
+def _name(index: int, rungs: Sequence[Rung]) -> list[str]:
+    """Give a rung's name, one effect a line, so that the names stand beside each other."""
+    label = rungs[index].label
+    # a blank keeps those alike apart
+    name = label + " " * sum(other.label == label for other in rungs[:index])
+    return name.replace(" + ", "\n+ ").replace("or\n+ ", "or + ").split("\n")
+
+
+def _did(index: int, rungs: Sequence[Rung], scatter: float | None) -> list[str]:
+    """Say what a rung did, in lines.
+
+    A step that was done is told by what it took of the squared error, by the errors that are drawn; one that is
+    promised by the share of what is missing that the diagnosis states: another quantity, under another name.
+    """
+    rung = rungs[index]
+    if rung.promised:
+        return [] if rung.explained is None else [f"would take {rung.explained:.0%}", "of what is missing"]
+    before = rungs[index - 1] if index else None
+    shared = [key for key in (LEFT_OUT, *rung.errors) if before and key in rung.errors and key in before.errors]
     if before is None or not shared:
-        return name
+        return []
     floor = (scatter or 0.0) ** 2
-    missing, left = (rung.errors[shared[0]] ** 2 - floor for rung in (before, rungs[index]))
+    missing, left = (each.errors[shared[0]] ** 2 - floor for each in (before, rung))
     if missing <= 0.0:
-        return name
-    took = min(1.0 - left / missing, 1.0)
-    verb = ("would take" if rungs[index].promised else "took") if took >= 0 else "gave back"
-    return f"{name}<br>{verb} {abs(took):.0%}"
+        return []
+    change = max(left / missing - 1.0, -1.0)
+    beyond = " above scatter" if scatter else ""
+    return ["squared error", f"{beyond} {change:+.0%}".strip().replace("-", "\N{MINUS SIGN}")]

@@ -80,7 +80,7 @@ def diagnosis_view(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comman
     """Tell a diagnosis, the ladder before it, and the command to run next; sensors that fail, then its verdict."""
     return View(
         diagnosis_answer(found, ladder, next_command),
-        [candidate_table(found.diagnosis)],
+        [candidate_table(found.diagnosis)] if found.diagnosis.candidates else [],
         [*before_physics(found), *verdict_lines(found, next_command, drive)],
     )
 

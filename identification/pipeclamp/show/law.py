@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from pipeclamp.show.table import SINGLE_CYCLES, Table
+from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
+from pipeclamp_identification.comparison.laws import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
 from pipeclamp_identification.metrics_only.law import METHOD
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import Addition
+    from pipeclamp_models.law.outline import ParameterOutline
 
+NEAR_BOUND = 1e-5
+"""A parameter that is at a bound lies this close to it, or at another one."""
 MOVED = 2.0
 """A parameter that changes by more than so many of its standard errors has moved."""
 
 
 def coefficient_table(file: LawFile) -> Table:
     """Give the parameters with unit, standard error and how they came about."""
-    meanings = {parameter.name: parameter.meaning for parameter in structure_of(file).equations.parameters}
+    outlines = outlines_of(file)
+    meanings = {name: outline.meaning for name, outline in outlines.items()}
     rows = [
         (
             name,
-            entry.value,
+            value_shown(entry, outlines.get(name)),
             entry.standard_error,
             entry.unit,
             entry.state,
@@ -32,6 +38,25 @@ def coefficient_table(file: LawFile) -> Table:
         for name, entry in file.coefficients.items()
     ]
     return Table(("parameter", "value", "standard error", "unit", "state", "meaning"), rows, f"Law {file.name}")
+
+
+def value_shown(entry: CoefficientEntry, outline: ParameterOutline | None) -> str | float:
+    """Give a parameter's value; one that ran into a bound as that bound, and marked so: "0 (at its bound)".
+
+    A fit stops short of a bound by what its arithmetic leaves, which is no property of the clamp. A bound in sizes of
+    the data isn't known here; the value stands for it.
+    """
+    if entry.state != "at_bound":
+        return entry.value
+    bounds = (outline.lower, outline.upper) if outline else ()
+    known = [bound for bound in bounds if not isinstance(bound, str) and math.isfinite(bound)]
+    near = [bound for bound in known if abs(entry.value - bound) <= NEAR_BOUND * max(abs(bound), 1.0)]
+    return f"{cell(near[0] if near else entry.value)} (at its bound)"
+
+
+def outlines_of(file: LawFile) -> dict[str, ParameterOutline]:
+    """Give the parameters of a law's equations, by name."""
+    return {outline.name: outline for outline in structure_of(file).equations.parameters}
 
 
 def fit_words(fit: FitQuality) -> str:
@@ -70,15 +95,16 @@ def per_group_table(column: str, files: Mapping[str, LawFile]) -> Table:
 
 def laws_table(laws: Sequence[tuple[LawFile, float, float | None]]) -> Table:
     """Give laws held against the same tests: file, error, and the scatter of it where it is known; as they came."""
+    labels = labels_of(file for file, *_ in laws)
     rows = [
         (
-            file.name,
+            label,
             " + ".join((file.base, *file.effects)),
             100 * error,
             None if scatter is None else 100 * scatter,
             None if not scatter else error / scatter,
         )
-        for file, error, scatter in laws
+        for label, (file, error, scatter) in zip(labels, laws, strict=True)
     ]
     header = ("law", "made of", "RMS error / %", "scatter / %", "error over scatter")
     return Table(header, rows, "the same runs; 1 is as good as can be")
@@ -88,10 +114,12 @@ def parameters_table(files: Sequence[LawFile]) -> Table:
     """Give the parameters of laws side by side."""
     names = dict.fromkeys(name for law in files for name in law.coefficients)
     rows: list[Sequence[str | float | None]] = []
+    outlines = [outlines_of(law) for law in files]
     for name in names:
         entries = [law.coefficients.get(name) for law in files]
-        rows.append((name, next(entry.unit for entry in entries if entry), *(_shown(entry) for entry in entries)))
-    return Table(("parameter", "unit", *(law.name for law in files)), rows, "value ± standard error")
+        shown = (_shown(entry, known.get(name)) for entry, known in zip(entries, outlines, strict=True))
+        rows.append((name, next(entry.unit for entry in entries if entry), *shown))
+    return Table(("parameter", "unit", *labels_of(files)), rows, "value ± standard error")
 
 
 def stages_table(file: LawFile) -> Table | None:
@@ -99,24 +127,26 @@ def stages_table(file: LawFile) -> Table | None:
     steps = [(step.step, step.stage.values) for step in file.history if step.stage is not None]
     if not steps:
         return None
-    columns = [*steps, (file.history[-1].step, {name: entry.value for name, entry in file.coefficients.items()})]
-    names = dict.fromkeys(name for _, values in columns for name in values)
+    names = dict.fromkeys(name for _, values in [*steps, ("", file.coefficients)] for name in values)
     units = {name: entry.unit for name, entry in file.coefficients.items()}
-    rows = [(name, units.get(name, ""), *(values.get(name) for _, values in columns)) for name in names]
-    return Table(("parameter", "unit", *(step for step, _ in columns)), rows, "the law's parameters, step by step")
+    outlines = outlines_of(file)
+    now = {name: value_shown(entry, outlines.get(name)) for name, entry in file.coefficients.items()}
+    rows = [(name, units.get(name, ""), *(values.get(name) for _, values in steps), now.get(name)) for name in names]
+    columns = (*(step for step, _ in steps), file.history[-1].step)
+    return Table(("parameter", "unit", *columns), rows, "the law's parameters, step by step")
 
 
-def _shown(entry: CoefficientEntry | None) -> str | None:
+def _shown(entry: CoefficientEntry | None, outline: ParameterOutline | None) -> str | None:
     if entry is None:
         return None
     error = "" if entry.standard_error is None else f" ± {entry.standard_error:.1g}"
-    return f"{entry.value:.4g}{error}"
+    return f"{cell(value_shown(entry, outline))}{error}"
 
 
 def addition_table(addition: Addition) -> Table:
     """Give what a change of a law did to the error, and which parameters came, went, or moved beyond doubt."""
     scatter = None if addition.noise_nrmse is None else 100 * addition.noise_nrmse
-    rows: list[tuple[str, float | None, float | None]] = [
+    rows: list[Sequence[str | float | None]] = [
         ("error on the runs used / %", 100 * addition.nrmse[0], 100 * addition.nrmse[1]),
         ("error on left-out conditions / %", 100 * addition.heldout[0], 100 * addition.heldout[1]),
         ("scatter that no law explains / %", scatter, scatter),
@@ -124,9 +154,13 @@ def addition_table(addition: Addition) -> Table:
     before, after = addition.before.coefficients, addition.after.coefficients
     names = list(dict.fromkeys((*before, *after)))
     moved = [name for name in names if _moved(before.get(name), after.get(name))]
+    outlines = [outlines_of(law) for law in (addition.before, addition.after)]
     for name in moved:
         unit = (after.get(name) or before[name]).unit
-        values = (before[name].value if name in before else None, after[name].value if name in after else None)
+        values = (
+            value_shown(law[name], known.get(name)) if name in law else None
+            for law, known in zip((before, after), outlines, strict=True)
+        )
         rows.append((f"{name} / {unit}", *values))
     stay = len(names) - len(moved)
     said = f"; {stay} further parameters stay within {MOVED:g} of their standard errors" if stay else ""

@@ -13,6 +13,7 @@ from pipeclamp_identification.loops.metrics import Metrics, metrics_of
 from pipeclamp_identification.loops.one_condition import Variation, principal_variations, variations_of
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.metrics_answer import metric_rows_answer
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 
 
@@ -32,9 +33,46 @@ def metric_table(campaign: MetricCampaign) -> Table:
     )
 
 
+MEANINGS = (
+    "dW is the energy dissipated in a cycle and W the largest elastic energy, eta = dW/(2 pi W) the loss factor, and k "
+    "the stiffness: the range of the force over that of the displacement."
+)
+
+
+def metrics_words(metrics: Metrics) -> str:
+    """Say over which ranges the metrics of runs lie."""
+    ranges = (
+        (metrics.dissipated_energy_J, "dissipated energy {} J a cycle"),
+        (metrics.loss_factor, "loss factor {}"),
+        (metrics.stiffness_N_mm, "stiffness {} N/mm"),
+    )
+    told = [words.format(_range(values)) for values, words in ranges]
+    count = len(metrics.loss_factor)
+    return f"{count} run{'s' if count > 1 else ''}: {', '.join(told)}."
+
+
+def _range(values: Array) -> str:
+    low, high = (f"{value:.3g}" for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
+
+
 def axis_of(study: Variation) -> str:
     """Give the name and unit of what a study varies."""
     return AXES.get(study.quantity, study.quantity)
+
+
+def title_of(study: Variation) -> str:
+    """Give what varies and what is held: "against f, at A 0.8 mm, T 20 °C"."""
+    symbol, *_ = axis_of(study).split(" / ")
+    held = ", ".join(setting(name, value) for name, value in study.held)
+    return f"against {symbol}, at {held}" if held else f"against {symbol}"
+
+
+def setting(name: str, value: float | str, *, named: bool = True) -> str:
+    """Give a setting in words, "A 0.8 mm"; without its name where that is said elsewhere."""
+    symbol, *unit = AXES.get(name, name).split(" / ", 1)
+    number = value if isinstance(value, str) else f"{value:.3g}"
+    return " ".join([*([symbol] if named or not unit else []), number, *unit])
 
 
 def study_table(study: Variation, metrics: Metrics) -> Table:
@@ -57,7 +95,7 @@ def study_table(study: Variation, metrics: Metrics) -> Table:
                 [beside.dissipated_energy_J, beside.max_elastic_energy_J, beside.loss_factor] if beside else [None] * 3
             )
         rows.append(entries)
-    return Table(header, rows, f"Loop metrics {study.title}")
+    return Table(header, rows, f"Loop metrics {title_of(study)}")
 
 
 AXES = {
@@ -98,7 +136,7 @@ def metrics_view(campaign: Campaign, loops: Loops) -> View:
     """Tell the metrics of records' loops: a table for each quantity that varies."""
     metrics = metrics_of(loops)
     tables = [study_table(study, metrics) for study in principal_variations(variations_of(campaign, loops))]
-    lines = (f"{len(campaign.runs)} runs; every run is in --json and --report",)
+    lines = (metrics_words(metrics), MEANINGS, "Every run is in --json and --report.")
     return View(metrics_answer(campaign, loops), tables, lines)
 
 

@@ -9,6 +9,7 @@ from pipeclamp.show import comparison, metric_comparison, metrics
 from pipeclamp.show.law import laws_table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.comparison.laws import labels_of
 from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.workflow.laws_answer import LawComparison, LawsComparisonAnswer
 from pipeclamp_identification.workflow.on_metrics import MetricTests
@@ -59,7 +60,8 @@ def laws_view(laws: Sequence[tuple[LawFile, Held]]) -> View:
         for (file, _), view in zip(laws, views, strict=True)
     ]
     table = laws_table([(file, held.nrmse, scatter_of(held)) for file, held in laws])
-    last = [f"{laws[-1][0].name}: {line}" for line in views[-1].lines]
+    label = labels_of(file for file, _ in laws)[-1]
+    last = [f"{label}: {line}" for line in views[-1].lines]
     return View(LawsComparisonAnswer(laws=tuple(answers)), [table], last)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from pipeclamp.pages.alternative import words_of
+from pipeclamp.pages.page import least_width, plain
 from pipeclamp.pages.waterfall import ESTIMATED, USED, Rung, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import parameters_table
@@ -141,16 +142,14 @@ def waterfall_of(file: LawFile, told: Told | None) -> Picture:
     if told and rungs:
         named = [each for each in told.candidates if each.name in told.effects]
         coming = [
-            Rung(f"{'or ' if place else ''}+ {each.name}", {ESTIMATED: each.heldout_nrmse}, promised=True)
+            Rung(f"{'or ' if place else ''}+ {each.name}", {ESTIMATED: each.heldout_nrmse}, True, each.explained)
             for place, each in enumerate(named)
         ]
         rungs = with_promised(rungs, Rung("law as it is", {ESTIMATED: told.heldout_nrmse}), coming)
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
-    figure.update_yaxes(title_text="% of rms force")
-    figure.update_layout(height=None, margin={"t": 10, "b": 75}, title_text=None)
-    specification = json.loads(figure.to_json())
-    specification["layout"].pop("template", None)
-    return Picture(json.dumps(specification), words_of(figure), int(figure.layout.meta or 0))
+    specification = plain(figure)
+    specification["layout"] |= {"title": None, "margin": specification["layout"]["margin"] | {"t": 10}}
+    return Picture(json.dumps(specification), words_of(figure), least_width(figure))
 
 
 def told_in(project: Project, name: str, file: LawFile) -> Told | None:

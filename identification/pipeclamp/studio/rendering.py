@@ -10,6 +10,7 @@ import jinja2
 
 from pipeclamp.api.tests import Tests
 from pipeclamp.pages.page import templates_of
+from pipeclamp.pages.waterfall import USED, Rung, waterfall_picture
 from pipeclamp.show.sentences import sentence
 from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
@@ -83,6 +84,13 @@ def _last_diagnosis(project: Project, law: str | None) -> str:
     """Give the command that diagnosed a law last."""
     done = [step.command for step in project.steps if step.of == law and step.law is None]
     return next((command for command in reversed(done) if command.startswith("pipeclamp diagnose")), "")
+
+
+def warm_drawing() -> None:
+    """Make what every campaign's page needs, while the campaign is read: templates, and what draws pictures."""
+    _environment().get_template("campaign.html.jinja")
+    _environment().get_template("parts.html.jinja")
+    waterfall_picture([Rung("", {USED: 0.0})], 0.0, "").to_json()
 
 
 def warm(desk: Desk) -> None:

@@ -57,13 +57,20 @@ def stages_held(file: LawFile, comparison: Comparison) -> tuple[HeldLaw, ...]:
 
 def laws_held(comparisons: Iterable[tuple[LawFile, Comparison]]) -> tuple[HeldLaw, ...]:
     """Give laws of files, each held against the same tests, with labels that tell them apart."""
-    held: list[HeldLaw] = []
-    for file, comparison in comparisons:
-        label, labels = file.name, {law.label for law in held}
+    held = tuple(comparisons)
+    labels = labels_of([file for file, _ in held])
+    return tuple(HeldLaw(label, one.law, one.runs) for label, (_, one) in zip(labels, held, strict=True))
+
+
+def labels_of(files: Iterable[LawFile]) -> tuple[str, ...]:
+    """Give names that tell laws apart: their own, with the effects where another has that name already."""
+    labels: list[str] = []
+    for file in files:
+        label = file.name
         if label in labels:
             label = f"{file.name}: {', '.join(file.effects) or file.base}"
         number = 2
         while label in labels:
             label, number = f"{file.name} ({number})", number + 1
-        held.append(HeldLaw(label, comparison.law, comparison.runs))
-    return tuple(held)
+        labels.append(label)
+    return tuple(labels)

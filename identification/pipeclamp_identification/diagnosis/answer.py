@@ -29,7 +29,10 @@ class LawErrors(AnswerModel):
 
 
 class HeldoutErrors(AnswerModel):
-    """Errors on groups of conditions that were left out, estimated from the fits to all."""
+    """Errors on groups of conditions that were left out: of records estimated from the fits to all.
+
+    The `refitted_nrmse` of a law's history is another number: that of fits without these conditions.
+    """
 
     law: float
     best: float
@@ -40,7 +43,9 @@ class RungAnswer(AnswerModel):
 
     effect: str = Field(description="what was added; with - before it what went again, with `base` what took its place")
     kind: Kind | Literal["revision"] = Field(description="how it was named; `revision`: asked again, and changed")
-    heldout_before: float = Field(description="error on left-out groups of A and f before")
+    heldout_before: float = Field(
+        description="error on left-out groups of A and f before, of fits without them, as a law's history has it"
+    )
     heldout_after: float = Field(description="the same after")
 
 

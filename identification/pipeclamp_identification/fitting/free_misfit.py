@@ -123,7 +123,7 @@ def _on_sines(file: LawFile) -> float | None:
     if not file.history:
         return None
     last = file.history[-1]
-    return last.nrmse if last.heldout_nrmse is None else last.heldout_nrmse
+    return last.nrmse if last.refitted_nrmse is None else last.refitted_nrmse
 
 
 def _range(file: LawFile, name: str) -> Interval:

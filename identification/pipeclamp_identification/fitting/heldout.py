@@ -83,7 +83,7 @@ def folds(groups: npt.NDArray[np.intp], most: int) -> Iterator[tuple[Rows, Rows]
         yield np.flatnonzero(~left_out), np.flatnonzero(left_out)
 
 
-def heldout_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> float:
+def refitted_nrmse(law: Law, loops: Loops, observations: LoopObservations, most: int = FOLDS) -> float:
     """Give the error of a law's structure on (amplitude, frequency) groups that weren't used to fit it.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pipeclamp_identification.fitting.heldout import heldout_nrmse
+from pipeclamp_identification.fitting.heldout import refitted_nrmse
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import LoopObservations
 from pipeclamp_identification.loops.loops import Loops
@@ -29,7 +29,7 @@ def choose_series(loops: Loops, observations: LoopObservations, structure: Struc
         return replace(structure, base=f"series:{orders[0]}:{orders[1]}")
 
     def error_of(orders: list[int]) -> float:
-        return heldout_nrmse(fit(of(orders), observations).law, loops, observations)
+        return refitted_nrmse(fit(of(orders), observations).law, loops, observations)
 
     orders = [1, 1]
     best = error_of(orders)

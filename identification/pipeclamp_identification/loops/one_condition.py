@@ -33,13 +33,6 @@ class Variation:
     published: tuple[PublishedRow | None, ...]
     """The published row at the conditions of each row."""
 
-    @property
-    def title(self) -> str:
-        """Return the variation in words, for example "against frequency_Hz at amplitude_mm 0.8, temperature_C 20"."""
-        named = (f"{name} {value if isinstance(value, str) else f'{value:g}'}" for name, value in self.held)
-        held = ", ".join(named)
-        return f"against {self.quantity} at {held}" if held else f"against {self.quantity}"
-
 
 def variations_of(campaign: Campaign, loops: Loops) -> tuple[Variation, ...]:
     """Find the variations in a campaign: every set of runs that differ in one quantity only.
@@ -100,7 +93,7 @@ def principal_variations(variations: Sequence[Variation]) -> tuple[Variation, ..
     return tuple(chosen)
 
 
-def loops_to_draw(loops: Loops, variation: Variation, points: int = 256) -> tuple[tuple[str, Array, Array], ...]:
+def loops_to_draw(loops: Loops, variation: Variation, points: int = 256) -> tuple[tuple[Array, Array], ...]:
     """Return a variation's loops to be laid over one another, as in the paper's Fig. 5-8.
 
     Args:
@@ -109,13 +102,12 @@ def loops_to_draw(loops: Loops, variation: Variation, points: int = 256) -> tupl
         points: points per loop.
 
     Returns:
-        For each run a name such as "frequency_Hz 3", the displacement (points,) in mm and the force (points,) in N,
-        from the harmonics of the cycle-averaged loop.
+        For each run the displacement (points,) in mm and the force (points,) in N, from the harmonics of the
+        cycle-averaged loop.
     """
     rows = list(variation.rows)
     y, force = on_grid(loops.displacement[rows], points), on_grid(loops.force[rows], points)
-    names = [f"{variation.quantity} {value:g}" for value in variation.values]
-    return tuple(zip(names, y, force, strict=True))
+    return tuple(zip(y, force, strict=True))
 
 
 def _score(variation: Variation) -> tuple[int, int]:

@@ -23,7 +23,7 @@ class MetricCandidateAnswer(AnswerModel):
     """An effect, refitted jointly with the law."""
 
     effect: str = Field(description="as `add` takes it")
-    heldout_nrmse: float = Field(description="error on conditions that were left out")
+    heldout_nrmse: float = Field(description="error on left-out conditions, of fits without them")
     nrmse: float
     explained: float = Field(description="share of what the richest law explains that it explains alone")
     chance: float = Field(description="that scatter alone makes what it gains, once for each effect tried")
@@ -67,7 +67,7 @@ class MetricDiagnosisAnswer(AnswerModel):
     screened_out: tuple[str, ...] = Field(description="effects that were fitted and gain next to nothing")
     not_visible: Mapping[str, str] = Field(description="effects that metrics can't show here, and why")
     nrmse: LawErrors
-    heldout_nrmse: HeldoutErrors
+    heldout_nrmse: HeldoutErrors = Field(description="of metrics: of fits without the left-out conditions")
     scatter: MetricScatterAnswer
     richest_law: tuple[str, ...] = Field(description="the effects that the metrics support together")
     rests_on: tuple[str, ...] = Field(description="runs without any one of which the named effect gains little")

@@ -149,8 +149,8 @@ def _changed(
     done = tests.refit(file, new, new.own({**law_of(file).values, **(start or {})}), progress)
     after = done.fitted.file(name=file.name, command=command, date=date)
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
-    left = {"heldout_nrmse": rounded(done.heldout[0]), "stage": stage_of(file)}
+    left = {"refitted_nrmse": rounded(done.heldout[0]), "stage": stage_of(file)}
     history = (*history[:-1], history[-1].model_copy(update=left))
-    last = HistoryStep(step=step, nrmse=rounded(done.nrmse[1]), heldout_nrmse=rounded(done.heldout[1]))
+    last = HistoryStep(step=step, nrmse=rounded(done.nrmse[1]), refitted_nrmse=rounded(done.heldout[1]))
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
     return Addition(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)

@@ -65,15 +65,26 @@ def after_comparison(law: str, tests: str, *, loops: bool) -> str:
     return _line("diagnose", law, tests, "--report", "diagnosis.html")
 
 
-def after_discovery(proposed: bool, law: str, tests: str, effect: str, following: str | None) -> str:
+def after_discovery(
+    proposed: bool,
+    found: Diagnosed,
+    law: str,
+    tests: str,
+    effect: str,
+    following: str | None,
+    declared: Mapping[str, str] | None = None,
+) -> str:
     """Give the shell line to run after a discovery.
 
     Args:
         proposed: whether a term was.
-        law, tests: as for `next_command`.
+        found: the diagnosis that the search began with.
+        law, tests, declared: as for `next_command`.
         effect: the declaration's file.
         following: the law with the term, where it was written.
     """
+    if not proposed and found.verdict != "unknown":
+        return next_command(found, law, tests, declared)
     if not proposed:
         return _line("compare", law, tests, "--report", "compare.html")
     if following:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.fitting.heldout import heldout_nrmse
+from pipeclamp_identification.fitting.heldout import refitted_nrmse
 from pipeclamp_identification.fitting.identify import Identification, Method, fit_structure, identify, law_file
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
 from pipeclamp_identification.fitting.observations import loop_observations
@@ -165,8 +165,8 @@ class RecordTests:
         runs = misfits(result.law, sines, self.loops)
         progress("error on left-out conditions")
         heldout = (
-            heldout_nrmse(law, self.loops, observations),
-            heldout_nrmse(result.law, self.loops, observations),
+            refitted_nrmse(law, self.loops, observations),
+            refitted_nrmse(result.law, self.loops, observations),
         )
         fitted = FittedToRecords(sines, Identification(result, self.loops, observations, runs, "joint"))
         return Refitted(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import read_text, write_whole
@@ -218,11 +218,19 @@ class Stage(Part):
 
 
 class HistoryStep(Part):
-    """One step of the law's way: what was done, what the error did, and the law at that step, of all but the last."""
+    """One step of the law's way: what was done, what the error did, and the law at that step, of all but the last.
+
+    `nrmse` is the error on the tests used; `refitted_nrmse` that on left-out conditions, each foretold by a fit without
+    them. A diagnosis estimates the latter from the fit to all, as `heldout_nrmse`, which is another number.
+    """
 
     step: str
     nrmse: Finite
-    heldout_nrmse: Finite | None = None
+    refitted_nrmse: Finite | None = Field(
+        default=None,
+        validation_alias=AliasChoices("refitted_nrmse", "heldout_nrmse"),  # files have had it under the other name
+        description="error on left-out groups of A and f, of fits without them",
+    )
     stage: Stage | None = None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
@@ -13,11 +14,14 @@ from pipeclamp.pages.system.bands import add_area, run_bands_section
 from pipeclamp.show.table import Table
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.ensemble import RunBands
+from pipeclamp_system.cosim.energy import NAMES
 from pipeclamp_system.cosim.result import CosimResult
 
 MOST_POINTS = 4000
 """A time history is drawn with at most so many points, highest and lowest of each stretch kept."""
 LAST_SHARE = 0.2
+SYMBOLS = {"s": "y", "A_used": "A"}
+"""Of the columns that are drawn, as the clamp's law has them."""
 
 
 def cosim_sections(result: CosimResult, bands: RunBands | None = None) -> list[Section]:
@@ -31,13 +35,14 @@ def cosim_sections(result: CosimResult, bands: RunBands | None = None) -> list[S
         if np.ptp(result.columns[f"{name}.A_used"]) > 0
     ]
     final = result.energy.final()
-    energy = Table(("energy at the end", "J"), list(final.items()), "excitation + coupling = all the others")
+    rows = [(NAMES[name], value) for name, value in final.items()]
+    energy = Table(("energy at the end", "J"), rows, "the first two together are what all the others make")
     balance = _energy_picture(result)
     if not result.trusted:
         for picture in (*histories, *tracked, *loops, balance):
             doubted(picture)
     return [
-        Section("What came out", result.summary().splitlines()),
+        Section("What came out", answer_first(result.summary().splitlines())),
         *([run_bands_section(bands)] if bands else []),
         Section("Motion", (), (), histories + tracked),
         Section("The clamps' loops", (), (), loops),
@@ -45,10 +50,16 @@ def cosim_sections(result: CosimResult, bands: RunBands | None = None) -> list[S
     ]
 
 
+def answer_first(lines: Sequence[str]) -> list[str]:
+    """Give a summary as a page tells it: what came out before how it was computed."""
+    how, *what = lines
+    return [*what, how]
+
+
 def history_picture(result: CosimResult, column: str, factor: float, unit: str, title: str) -> go.Figure:
     """Draw one column over time."""
     time, values = _thinned(result.time, factor * result.columns[column])
-    name = column.rpartition(".")[2]
+    name = SYMBOLS[column.rpartition(".")[2]]
     figure = curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], title)
     if f"{column}_low" in result.columns:
         shown = np.searchsorted(result.time, time)
@@ -61,17 +72,17 @@ def _loop_picture(result: CosimResult, name: str) -> go.Figure:
     last = slice(int(np.searchsorted(result.time, (1 - LAST_SHARE) * result.time[-1])), None)
     y, force = 1e3 * result.columns[f"{name}.s"][last], result.columns[f"{name}.f"][last]
     figure = go.Figure(go.Scatter(x=y, y=force, mode="lines", name=name, line={"width": 1.2}))
-    figure.update_xaxes(title_text="s / mm").update_yaxes(title_text="f / N")
+    figure.update_xaxes(title_text="y / mm").update_yaxes(title_text="F / N")
     return styled(figure, f"Loop of {name}, last fifth of the run")
 
 
 def _energy_picture(result: CosimResult) -> go.Figure:
     parts = {
-        "given by the excitation": result.energy.excitation,
-        "dissipated in the clamps": result.energy.clamps_dissipated,
-        "dissipated in the pipe": result.energy.pipe_dissipated,
+        NAMES["excitation"]: result.energy.excitation,
+        NAMES["clamps_dissipated"]: result.energy.clamps_dissipated,
+        NAMES["pipe_dissipated"]: result.energy.pipe_dissipated,
         "stored in pipe and clamps": result.energy.pipe_stored + result.energy.clamps_stored,
-        "made by the coupling": result.energy.coupling,
+        NAMES["coupling"]: result.energy.coupling,
     }
     curves = []
     for name, values in parts.items():

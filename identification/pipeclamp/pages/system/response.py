@@ -8,6 +8,7 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import SERIES, Section, styled
 from pipeclamp.pages.system.bands import add_band, bands_section
+from pipeclamp.pages.system.cosim import answer_first
 from pipeclamp.show.table import Table
 from pipeclamp_system.bands.told import ResponseBands
 from pipeclamp_system.description.trust_mark import DOUBT
@@ -20,6 +21,9 @@ WIDE = 4.0
 
 WORDS = "Half the peak-to-peak displacement; the stronger a line's colour, the higher its level. Dotted: unstable."
 
+BEYOND = "a clamp's law beyond its data"
+BEYOND_COLOUR = "#f08c00"
+
 TRUSTED = {"size": 7, "line": {"color": "white", "width": 1}}
 DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
@@ -30,19 +34,20 @@ def response_sections(response: FrequencyResponse, bands: ResponseBands | None =
     pictures = [response_picture(response, index, bands) for index in range(len(response.points))]
     header = (
         "clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve",
-        "curve leaves out", "step / ms", "",
+        "curve leaves out", "step / ms", "remark",
     )  # fmt: skip
-    rows: list[tuple[str | float, ...]] = [
+    rows: list[tuple[str | float | None, ...]] = [
         (
-            "own" if dot.temperature is None else f"{dot.temperature:g} °C", dot.level, dot.frequency, *dot.amplitudes,
-            f"{dot.difference:.2%}", "" if dot.truncated is None else f"{dot.truncated:.2%}", 1e3 * dot.step,
+            "as stated" if dot.temperature is None else f"{dot.temperature:g} °C",
+            dot.level, dot.frequency, *dot.amplitudes,
+            f"{dot.difference:.2%}", None if dot.truncated is None else f"{dot.truncated:.2%}", 1e3 * dot.step,
             _remark(dot),
         )
         for dot in response.dots
     ]  # fmt: skip
     tables = [Table(header, rows, "co-simulations, and how far they are off the nearest stable branch")] if rows else []
     return [
-        Section("What came out", response.summary().splitlines()),
+        Section("What came out", answer_first(response.summary().splitlines())),
         *([bands_section(bands)] if bands else []),
         Section("Frequency response", (WORDS,), (), pictures),
         *([Section("Co-simulations", (), tables)] if tables else []),
@@ -51,7 +56,8 @@ def response_sections(response: FrequencyResponse, bands: ResponseBands | None =
 
 def _remark(dot: Dot) -> str:
     """Give what a table says besides of a co-simulation."""
-    return ", ".join(words for words, said in (("not settled", not dot.settled), (DOUBT, not dot.trusted)) if said)
+    told = [words for words, said in (("not settled", not dot.settled), (DOUBT, not dot.trusted)) if said]
+    return ", ".join(told) or "–"
 
 
 def response_picture(response: FrequencyResponse, point: int, bands: ResponseBands | None = None) -> go.Figure:
@@ -64,6 +70,12 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
             add_band(figure, followed, of_points[point], colour)
     for curve in response.curves:
         colour = SERIES[temperatures.index(curve.temperature) % len(SERIES)]
+        for piece in beyond_pieces(curve):
+            figure.add_scatter(
+                x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
+                mode="lines", name=BEYOND, showlegend=False, hoverinfo="skip",
+                line={"color": BEYOND_COLOUR, "width": 7}, opacity=0.3,
+            )  # fmt: skip
         for stable, piece in pieces(curve):
             figure.add_scatter(
                 x=[state.frequency for state in piece], y=[amplitudes_of(state)[point] for state in piece],
@@ -85,6 +97,9 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
         name = "clamps as stated" if temperature is None else f"{temperature:g} °C"
         line = {"color": SERIES[index % len(SERIES)], "width": 2}
         figure.add_scatter(x=[None], y=[None], mode="lines", name=name, line=line)
+    if any(any(state.beyond) for curve in response.curves for state in curve.states):
+        line = {"color": BEYOND_COLOUR, "width": 7}
+        figure.add_scatter(x=[None], y=[None], mode="lines", name=BEYOND, line=line, opacity=0.3)
     for trusted, mark in ((True, TRUSTED), (False, DOUBTFUL)):
         if any(dot.trusted == trusted for dot in response.dots):
             name = "co-simulation" if trusted else "co-simulation, not to be trusted"
@@ -94,6 +109,12 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
     figure.update_xaxes(title_text="f / Hz")
     figure.update_yaxes(title_text="amplitude / mm", type="log" if wide else "linear")
     return styled(figure, f"Displacement at {response.points[point]}", height=480)
+
+
+def beyond_pieces(curve: Curve) -> list[list[SteadyState]]:
+    """Give the pieces of a curve on which a clamp's law is used beyond its data."""
+    runs = (groupby(followed, key=lambda state: any(state.beyond)) for followed in curve.pieces)
+    return [list(group) for run in runs for beyond, group in run if beyond]
 
 
 def pieces(curve: Curve) -> list[tuple[bool, list[SteadyState]]]:

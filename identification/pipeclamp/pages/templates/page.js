@@ -7,6 +7,8 @@ const DARK = {
   "#846358": "#c8a99e", "#495057": "#adb5bd",
 };
 const PAPER_WIDTH = 680;
+const TITLE_CHARACTER = 7.6; // px, of a title at 15 px
+const TITLE_LINE = 20;
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 let onPaper = false;
 
@@ -34,14 +36,58 @@ function saveButton(format) {
   };
 }
 
+// A picture that has another layout for narrow windows is drawn by that where it would be cut.
+function fitting(element, specification) {
+  const width = onPaper ? PAPER_WIDTH : element.clientWidth;
+  const { narrow, least_width: least } = specification;
+  return { fitted: narrow && width && width < least ? narrow : specification, width };
+}
+
+// Plotly cuts titles that are wider than the picture.
+function withTitleWrapped(layout, width) {
+  const text = layout.title?.text;
+  if (!text || !width) return;
+  const most = Math.max(Math.floor((width - 10) / TITLE_CHARACTER), 20);
+  const lines = text.split("<br>").flatMap((line) => (line.includes("<") ? [line] : wrapped(line, most)));
+  const further = lines.length - text.split("<br>").length;
+  if (!further) return;
+  layout.title = { ...layout.title, text: lines.join("<br>"), yref: "container", y: 1, yanchor: "top", pad: { t: 12 } };
+  layout.margin = { ...layout.margin, t: (layout.margin?.t ?? 50) + TITLE_LINE * further };
+  if (layout.height) layout.height += TITLE_LINE * further;
+}
+
+function wrapped(line, most) {
+  const lines = [""];
+  for (const word of line.split(" ")) {
+    const last = lines[lines.length - 1];
+    if (last && last.length + word.length >= most) lines.push(word);
+    else lines[lines.length - 1] = last ? `${last} ${word}` : word;
+  }
+  return lines;
+}
+
 function drawIn(element, specification) {
-  const { data, layout } = inLook(specification);
+  const { fitted, width } = fitting(element, specification);
+  const { data, layout } = inLook({ data: fitted.data, layout: fitted.layout });
+  withTitleWrapped(layout, onPaper ? width : element.closest("figure")?.clientWidth || width);
   if (onPaper) layout.width = PAPER_WIDTH;
   const config = {
     responsive: !onPaper, displaylogo: false, modeBarButtons: [[saveButton("svg"), saveButton("png")]],
   };
-  return Plotly.react(element, data, layout, config);
+  return Plotly.react(element, data, layout, config).then(markMore);
 }
+
+// What goes on beyond its right edge fades there, and can be scrolled from the keyboard.
+const SCROLLED = "figure, .table, .maps, .scroll";
+
+function markMore() {
+  for (const element of document.querySelectorAll(SCROLLED)) {
+    element.classList.toggle("more", element.scrollWidth - element.clientWidth - element.scrollLeft > 4);
+    if (element.scrollWidth > element.clientWidth + 4 && !element.hasAttribute("tabindex")) element.tabIndex = 0;
+  }
+}
+
+document.addEventListener("scroll", (event) => { if (event.target.matches?.(SCROLLED)) markMore(); }, true);
 
 const redrawn = [];
 
@@ -55,6 +101,16 @@ function lookChanged() {
 }
 
 darkness.addEventListener("change", lookChanged);
+let lastWidth = innerWidth, resizing = 0;
+addEventListener("resize", () => {
+  clearTimeout(resizing);
+  resizing = setTimeout(() => {
+    if (innerWidth === lastWidth) return; // a bar of the browser that comes and goes
+    lastWidth = innerWidth;
+    lookChanged();
+    markMore();
+  }, 150);
+});
 for (const [event, paper] of [["beforeprint", true], ["afterprint", false]]) {
   addEventListener(event, () => { onPaper = paper; lookChanged(); });
 }
@@ -65,6 +121,8 @@ for (const element of document.querySelectorAll(".picture")) {
   script.remove();
   onLookChanged(() => drawIn(element, specification));
 }
+
+markMore();
 
 for (const command of document.querySelectorAll(".command")) {
   const button = command.querySelector("button");
