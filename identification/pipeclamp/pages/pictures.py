@@ -93,7 +93,7 @@ def _shade(index: int, count: int) -> str:
     None is as light as yellow or green, which a white page swallows, or as dark as a dark page.
     """
     share = index / max(count - 1, 1)
-    return f"hsl({210 + 150 * share:.0f}, 70%, 53%)"
+    return f"hsl({210 + 150 * share:.0f}, 70%, 57%)"
 
 
 def curves_picture(

@@ -127,7 +127,7 @@ def stages_table(file: LawFile) -> Table | None:
     steps = [(step.step, step.stage.values) for step in file.history if step.stage is not None]
     if not steps:
         return None
-    names = dict.fromkeys(name for _, values in [*steps, ("", file.coefficients)] for name in values)
+    names = dict.fromkeys([*(name for _, values in steps for name in values), *file.coefficients])
     units = {name: entry.unit for name, entry in file.coefficients.items()}
     outlines = outlines_of(file)
     now = {name: value_shown(entry, outlines.get(name)) for name, entry in file.coefficients.items()}

@@ -52,7 +52,7 @@ def metrics_words(metrics: Metrics) -> str:
 
 
 def _range(values: Array) -> str:
-    low, high = (f"{value:.3g}" for value in (values.min(), values.max()))
+    low, high = (f"{value:.4g}" for value in (values.min(), values.max()))
     return low if low == high else f"{low} to {high}"
 
 

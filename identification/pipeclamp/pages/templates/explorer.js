@@ -190,7 +190,7 @@ function explore(root, content) {
         else state.shown.delete(law);
         update();
       },
-    }), " ", element("span", { className: "swatch", style: `border-top-color: ${lawLine(law, laws.length).color}` }),
+    }), " ", element("span", { className: "swatch" }),
     ` ${label}: ${percent(errorOf(runs, law).error)}`));
 
   const picker = element("select", { onchange: (event) => { state.run = Number(event.target.value); update(); } },
@@ -296,6 +296,9 @@ function explore(root, content) {
     const shownRuns = [...runs.keys()].filter((index) =>
       state.level < 0 || runs[index].levels[2 + state.split] === state.level);
     const reach = state.show === "difference" ? differenceReach(shownRuns.map((index) => runs[index]), shown) : 1.0;
+    root.querySelectorAll(".swatch").forEach((swatch, law) => {
+      swatch.style.borderTopColor = inLook(lawLine(law, laws.length)).color;
+    });
     maps.replaceChildren(...shown.map((law) => mapOf(law, shownRuns, reach)), element("p", {}, scale()));
     if (focused) [...maps.querySelectorAll("button")].find((button) => button.title === focused)?.focus();
     picker.value = String(state.run);

@@ -4,7 +4,7 @@
 const DARK = {
   "#1f2933": "#e6eaef", "#e4e7eb": "#313a45", "white": "#161b22", "#52606d": "#a9b4c0", "#d64545": "#ff7b72",
   "#1c7ed6": "#74b3f0", "#2b8a3e": "#69db7c", "#9c36b5": "#da77f2", "#c2255c": "#f783ac", "#0b7285": "#66d9e8",
-  "#846358": "#c8a99e", "#495057": "#adb5bd",
+  "#846358": "#c8a99e", "#495057": "#adb5bd", "#5f9bd1": "#3d73a6",
 };
 const PAPER_WIDTH = 680;
 const TITLE_CHARACTER = 7.6; // px, of a title at 15 px
