@@ -75,3 +75,20 @@ def test_it_prints_in_the_light_look(pages, page, tmp_path):
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.evaluate("document.querySelector('.chosen').layout.paper_bgcolor") == "#161b22"
     assert len(page.pdf()) > 50_000
+
+
+def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pages, page):
+    page.set_viewport_size({"width": 420, "height": 900})
+    open_page(page, pages / "compare.html")
+    bars = page.locator("#section-1 .picture .bars .point path")
+    assert bars.count() == 4, "two errors before the effect, and two with it"
+    assert all(box["x"] >= 0 and box["x"] + box["width"] <= 420 for box in (bar.bounding_box() for bar in bars.all()))
+    texts = page.locator("#section-1 .picture .bartext")
+    assert all(box["x"] + box["width"] <= 420 for box in (text.bounding_box() for text in texts.all()))
+    cut = (
+        "[...document.querySelectorAll('figure, .table, .maps')].filter((one) => one.scrollWidth > one.clientWidth + 4)"
+    )
+    assert page.evaluate(f"{cut}.length") > 0
+    assert page.evaluate(f"{cut}.every((one) => one.classList.contains('more') && one.tabIndex === 0)")
+    page.set_viewport_size({"width": 1300, "height": 900})
+    page.wait_for_function("document.querySelector('#section-1 .picture').layout.yaxis.title?.text?.startsWith('RMS')")

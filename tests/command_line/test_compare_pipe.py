@@ -45,6 +45,7 @@ def test_the_answer_the_words_and_the_report(pipeclamp, bench):
     assert [probe["probe"] for probe in found["probes"]] == ["midspan"]
     assert len(found["sines"]) == 5
     assert f"errs by {found['nrmse']:.2%}" in done.stdout
+    assert "phase" not in done.stdout, "none was measured"
     assert "Response at midspan" in report.read_text(encoding="utf-8")
 
 

@@ -41,7 +41,9 @@ def answer_words(comparison: Comparison) -> list[str]:
     """Say how much a law errs, where, and what to know of the tests."""
     words = [*how_much(comparison), *where_words(comparison)]
     if comparison.outside:
-        words.append(f"{len(comparison.outside)} runs lie outside the range in which the law was identified.")
+        count = len(comparison.outside)
+        several = "runs lie" if count > 1 else "run lies"
+        words.append(f"{count} {several} outside the range in which the law was identified.")
     words += [f"Left out: {entry}." for entry in comparison.campaign.left_out]
     return [*words, *(f"Note: {remark}." for remark in comparison.campaign.remarks)]
 

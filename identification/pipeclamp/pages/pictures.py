@@ -16,6 +16,7 @@ from pipeclamp_models.base.arrays import Array
 PANELS_PER_ROW = 4
 PANEL_HEIGHT = 250
 LEAST_PANEL_WIDTH = 230
+FEW = 12
 BESIDE = "published "
 
 
@@ -138,6 +139,11 @@ def surface_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: s
     return styled(figure, title)
 
 
+def few(values: Array) -> list[str] | Array:
+    """Give few values as names, so that cells are alike in size whatever lies between them."""
+    return [f"{value:g}" for value in values] if len(values) <= FEW else values
+
+
 def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str, title: str) -> go.Figure:
     """Draw positive values as coloured cells, one a point of the grid, the colours by the logarithm.
 
@@ -154,8 +160,8 @@ def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str
     ticks = [tick for tick in ticks if low <= tick <= high] or [low, high]
     figure = go.Figure(
         go.Heatmap(
-            x=xs, y=ys, z=np.log10(level), customdata=level, colorscale="Blues", xgap=1, ygap=1,
-            hovertemplate=f"{x} %{{x:g}}<br>{y} %{{y:g}}<br>%{{customdata:.4g}} {label}<extra></extra>",
+            x=few(xs), y=few(ys), z=np.log10(level), customdata=level, colorscale="Blues", xgap=1, ygap=1,
+            hovertemplate=f"{x} %{{x}}<br>{y} %{{y}}<br>%{{customdata:.4g}} {label}<extra></extra>",
             colorbar={
                 "title": {"text": label},
                 "tickvals": [math.log10(tick) for tick in ticks],
@@ -163,5 +169,11 @@ def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str
             },
         )
     )  # fmt: skip
+    if max(len(xs), len(ys)) <= FEW:
+        texts = [[f"{value:.3g}" if math.isfinite(value) else "" for value in row] for row in level.tolist()]
+        figure.update_traces(text=texts, texttemplate="%{text}")
+    for values, update in ((xs, figure.update_xaxes), (ys, figure.update_yaxes)):
+        if len(values) <= FEW:
+            update(type="category")
     figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
     return styled(figure, title)

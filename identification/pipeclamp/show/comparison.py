@@ -84,7 +84,7 @@ def free_table(comparison: Comparison) -> Table:
         for run in comparison.worst_free_first()
     ]
     header = (
-        "run of free motion", "s", "farthest / mm", "fastest / mm/s", "came from / mm", "error / %",
+        "run of free motion", "duration / s", "farthest / mm", "fastest / mm/s", "came from / mm", "error / %",
         "outside the law's range",
     )  # fmt: skip
     caption = "error as a share of the run's rms force; worst first; where the law's memory isn't unloaded: came from"

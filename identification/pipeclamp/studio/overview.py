@@ -24,6 +24,9 @@ from pipeclamp_identification.comparison.breakdown import conditions_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile
 
+NO_TITLE = 45
+"""px that the waterfall's title takes, which stands above it here."""
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -148,7 +151,12 @@ def waterfall_of(file: LawFile, told: Told | None) -> Picture:
         rungs = with_promised(rungs, Rung("law as it is", {ESTIMATED: told.heldout_nrmse}), coming)
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
     specification = plain(figure)
-    specification["layout"] |= {"title": None, "margin": specification["layout"]["margin"] | {"t": 10}}
+    layout = specification["layout"]
+    del layout["height"]  # it fills its place
+    layout |= {"title": None, "margin": layout["margin"] | {"t": 10, "b": 75}}
+    layout["yaxis"]["title"] = {"text": "% of rms force"}
+    narrow = specification["narrow"]["layout"]
+    narrow |= {"title": None, "height": narrow["height"] - NO_TITLE, "margin": narrow["margin"] | {"t": 25}}
     return Picture(json.dumps(specification), words_of(figure), least_width(figure))
 
 

@@ -60,6 +60,11 @@ class PipeComparison:
         """Where there is both a measured and a computed value, (P, probes)."""
         return np.isfinite(self.measurement.steady.response) & np.isfinite(self.prediction.response)
 
+    @property
+    def phased(self) -> bool:
+        """Whether any phase was measured: else nothing can be said of phases."""
+        return bool(self.measurement.steady.phased.any())
+
     @cached_property
     def measured(self) -> Complex:
         """What was measured, in SI; 0 where nothing is compared, (P, probes)."""
@@ -182,7 +187,7 @@ class PipeComparison:
         if probes > 1:
             for index, name in enumerate(self.probes):
                 yield Factor("probe", f"at probe {name}", everywhere, (parts // 2 == index).astype(np.float64))
-        for index, kind in enumerate(KINDS):
+        for index, kind in enumerate(KINDS if self.phased else ()):
             yield Factor("kind", f"in {kind}", everywhere, (parts % 2 == index).astype(np.float64))
 
 

@@ -24,7 +24,7 @@ def where_words(comparison: PipeComparison) -> list[str]:
     """Say in sentences where the error sits: region, amplitude or phase, resonances, what was left out."""
     kinds = comparison.by_kind()
     words = [region_sentence(comparison.region(), comparison.by_probe(), "model")]
-    if not is_scatter(kinds):
+    if comparison.phased and not is_scatter(kinds):
         amplitude, phase = (kinds.share(part) for part in kinds.parts)
         words.append(f"{amplitude:.0%} of it is wrong in amplitude, {phase:.0%} in phase.")
     words += _peak_words(comparison)

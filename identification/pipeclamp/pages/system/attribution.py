@@ -21,5 +21,7 @@ NOT_COVERED = (
 
 def attribution_section(found: Attribution | None, proposal: Proposal | None) -> Section:
     """Give the report's section."""
-    words = [*attribution_words(found, proposal), METHOD, NOT_COVERED]
-    return Section("What is wrong", words, [candidate_table(found)] if found else [])
+    words = attribution_words(found, proposal)
+    if found is None:
+        return Section("What is wrong", words)
+    return Section("What is wrong", [*words, METHOD, NOT_COVERED], [candidate_table(found)])

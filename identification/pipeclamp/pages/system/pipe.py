@@ -53,7 +53,7 @@ def pipe_comparison_sections(
     pictures = [response_picture(comparison, series, index, corrected, bands) for index in range(len(probes))]
     broken = [
         comparison.by_probe(),
-        comparison.by_kind(),
+        *([comparison.by_kind()] if comparison.phased else []),
         *(comparison.by_condition(entry) for entry in comparison.conditions),
     ]
     bars = error_bars([bars_of("", parts.by, parts) for parts in broken], "Percent of the rms of what was measured")

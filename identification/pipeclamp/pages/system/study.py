@@ -16,6 +16,11 @@ from pipeclamp_system.study.description import Study
 
 LEVEL = ".s [mm]"
 """How columns of displacement amplitudes end."""
+UNITS = {
+    "_kg_m2": "kg m²", "_kg_m3": "kg/m³", "_kg_m": "kg/m", "_m_s2": "m/s²", "_m_s": "m/s", "_N_mm": "N/mm",
+    "_GPa": "GPa", "_bar": "bar", "_mm": "mm", "_kg": "kg", "_Hz": "Hz", "_C": "°C", "_N": "N", "_m": "m",
+}  # fmt: skip
+"""By the ends of a description's keys, longer ones first."""
 
 
 def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
@@ -25,7 +30,8 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
     points = [name for name in frame.columns if name.endswith(LEVEL)]
     axes = list(study.description.axes)
     lines = [
-        f"study {study.description.name!r}: {frame.height} cases, {study.description.measure}, of {' x '.join(axes)}"
+        f"study {study.description.name!r}: {frame.height} cases, {study.description.measure}; varied: "
+        f"{', '.join(named(axis)[0] for axis in axes)}"
     ]
     if failed.height:
         lines.append(f"{failed.height} cases gave no result; the first: {failed['error'][0]}")
@@ -35,7 +41,7 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
             continue
         for word, order in (("least", False), ("most", True)):
             row = known.sort(name, descending=order).row(0, named=True)
-            where = ", ".join(f"{axis} = {row[axis]:g}" for axis in axes)
+            where = ", ".join(setting(axis, row[axis]) for axis in axes)
             lines.append(f"{name.removesuffix(LEVEL)} moves {word} at {where}: {row[name]:.4g} mm")
     unstable = fine.filter(pl.col("stable") == 0.0).height if "stable" in fine.columns else 0
     if unstable:
@@ -59,6 +65,25 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
     return [Section("What came out", lines), Section("Vibration level", (note,) if note else (), tables, figures)]
 
 
+def named(axis: str) -> tuple[str, str]:
+    """Give what is varied in words, and its unit: "position of clamp1" and "m" of pipe.clamps.clamp1.position_m."""
+    *place, key = axis.split(".")
+    name, unit = next(((key.removesuffix(end), unit) for end, unit in UNITS.items() if key.endswith(end)), (key, ""))
+    whose = f"all {place[-2]}" if place[-1] == "*" else place[-1]
+    return f"{name.replace('_', ' ')} of {whose}", unit
+
+
+def title_of(axis: str) -> str:
+    """Give what is varied with its unit, as an axis has it."""
+    return " / ".join(filter(None, named(axis)))
+
+
+def setting(axis: str, value: float) -> str:
+    """Give a value of what is varied in words: "position of clamp1 4.5 m"."""
+    name, unit = named(axis)
+    return " ".join(filter(None, (name, f"{value:g}", unit)))
+
+
 def _bands_words(study: Study, fine: pl.DataFrame, points: list[str]) -> list[str]:
     """Say where each amplitude's band is widest beside it."""
     lines = []
@@ -69,7 +94,7 @@ def _bands_words(study: Study, fine: pl.DataFrame, points: list[str]) -> list[st
         known = fine.filter(pl.col(low).is_not_null() & (pl.col(name) > 0))
         if known.height:
             widest = known.sort((pl.col(high) - pl.col(low)) / pl.col(name), descending=True).row(0, named=True)
-            where = ", ".join(f"{axis} = {widest[axis]:g}" for axis in study.description.axes)
+            where = ", ".join(setting(axis, widest[axis]) for axis in study.description.axes)
             lines.append(
                 f"{name.removesuffix(LEVEL)} is least sure at {where}: {widest[name]:.4g} mm ({study.per_cent:g} %: "
                 f"{widest[low]:.4g} to {widest[high]:.4g})"
@@ -83,7 +108,7 @@ def _marks(fine: pl.DataFrame, axes: list[str]) -> list[str]:
     if not doubtful.height:
         return []
     first = doubtful.row(0, named=True)
-    where = ", ".join(f"{axis} = {first[axis]:g}" for axis in axes)
+    where = ", ".join(setting(axis, first[axis]) for axis in axes)
     return [
         doubt(
             f"{doubtful.height} of {fine.height} cases, column {TRUSTED!r} says which; the first, at {where}: "
@@ -98,7 +123,7 @@ def _picture(frame: pl.DataFrame, axes: list[str], name: str) -> go.Figure:
     if len(axes) == 1:
         line = frame.sort(axes[0])
         curve = (name, line[axes[0]].to_list(), line[name].to_list(), "lines+markers")
-        figure = curves_picture(axes[0], "amplitude / mm", [curve], title)
+        figure = curves_picture(title_of(axes[0]), "amplitude / mm", [curve], title)
         low, high = (name.removesuffix(LEVEL) + end for end in (LOW, HIGH))
         if low in line.columns:
             own = line.filter(pl.col(low).is_not_null())
@@ -111,4 +136,4 @@ def _picture(frame: pl.DataFrame, axes: list[str], name: str) -> go.Figure:
     for x, y, value in largest.iter_rows():
         level[np.searchsorted(ys, y), np.searchsorted(xs, x)] = np.nan if value is None else value
     level[level <= 0] = np.nan
-    return cells_picture(axes[0], axes[1], xs, ys, level, "mm", title)
+    return cells_picture(title_of(axes[0]), title_of(axes[1]), xs, ys, level, "mm", title)

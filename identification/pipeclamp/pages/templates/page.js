@@ -69,6 +69,7 @@ function wrapped(line, most) {
 function drawIn(element, specification) {
   const { fitted, width } = fitting(element, specification);
   const { data, layout } = inLook({ data: fitted.data, layout: fitted.layout });
+  if (specification.narrow) element.style.height = fitted === specification.narrow ? `${layout.height}px` : "";
   withTitleWrapped(layout, onPaper ? width : element.closest("figure")?.clientWidth || width);
   if (onPaper) layout.width = PAPER_WIDTH;
   const config = {
