@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import mimetypes
 import os
+import subprocess
 
 import pytest
 
@@ -15,6 +17,7 @@ from studio_server import running
 from pipeclamp.studio import uploads
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.security import Door
+from pipeclamp.studio.work import end_with_children
 from pipeclamp_models.base.errors import UserError
 
 
@@ -22,6 +25,23 @@ from pipeclamp_models.base.errors import UserError
 def studio(tmp_path_factory):
     with running(tmp_path_factory.mktemp("studio") / "home") as running_studio:
         yield running_studio
+
+
+def test_scripts_are_scripts_whatever_the_system_calls_them(tmp_path, monkeypatch):
+    """Windows has types of files in its registry, where .js is often text/plain: no browser runs that as a module."""
+    monkeypatch.setitem(mimetypes.types_map, ".js", "text/plain")
+    mimetypes.add_type("text/plain", ".js")
+    with running(tmp_path / "home") as studio:
+        for name, kind in (("studio.js", "text/javascript"), ("studio.css", "text/css"), ("icon.svg", "image/svg+xml")):
+            assert studio.ask(f"/static/{name}")[1]["content-type"].startswith(kind)
+
+
+def test_where_there_are_no_groups_a_job_is_ended_with_its_children(monkeypatch):
+    called = []
+    monkeypatch.delattr(os, "killpg")
+    monkeypatch.setattr(subprocess, "run", lambda words, **_: called.append(words))
+    end_with_children(1234)
+    assert called == [["taskkill", "/T", "/F", "/PID", "1234"]]
 
 
 EVIL = "http://evil.example"

@@ -5,17 +5,16 @@ from __future__ import annotations
 import asyncio
 import itertools
 import multiprocessing
-import os
-import signal
 import threading
 import time
 from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from pipeclamp.studio.work import Task, process_of
+from pipeclamp.studio.work import Task, end_with_children, process_of
 from pipeclamp_models.base.errors import UserError
 
 MOST_RUNNING = 2
@@ -181,10 +180,7 @@ class Jobs:
 
 def _end(process: BaseProcess) -> None:
     """End a process with those that it started."""
-    if hasattr(os, "killpg") and process.pid is not None:
-        try:
-            os.killpg(process.pid, signal.SIGKILL)
-        except (ProcessLookupError, PermissionError):
-            process.kill()  # it hasn't made a group of its own yet
-    else:
-        process.kill()
+    if process.pid is not None:
+        with suppress(OSError):
+            end_with_children(process.pid)
+    process.kill()  # it may not have made a group of its own yet

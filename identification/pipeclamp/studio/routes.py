@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import mimetypes
 from collections.abc import AsyncIterator, Callable, Mapping
 from functools import wraps
 from pathlib import Path
@@ -41,6 +42,9 @@ MEDIA = {
     ".toml": "application/toml",
 }
 
+SERVED = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+"""Types of the studio's own files."""
+
 Endpoint = Callable[[Request], Response]
 
 
@@ -51,6 +55,9 @@ def most_bytes(path: str) -> int:
 
 def application(desk: Desk) -> Starlette:
     """Give the application."""
+    for suffix, kind in SERVED.items():
+        # what Windows keeps of them in its registry may be anything, and a module of another type isn't run
+        mimetypes.add_type(kind, suffix)
     pages = Pages(desk)
     routes = [
         Route("/", pages.home),

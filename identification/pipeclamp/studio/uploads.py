@@ -76,7 +76,7 @@ async def take(home: Path, batch: str, given: str, content: AsyncIterator[bytes]
     """
     folder, name = batch_folder(home, batch), safe_name(given)
     folder.mkdir(parents=True, exist_ok=True)
-    if folder.is_symlink() or folder.parent.is_symlink():
+    if folder.resolve() != home.resolve() / "uploads" / batch:
         raise UserError(f"{folder}: leads elsewhere; expected a folder of the studio")
     if sum(1 for _ in folder.iterdir()) >= MOST_FILES:
         raise UserError(f"{name}: one file too many; expected at most {MOST_FILES} at once")

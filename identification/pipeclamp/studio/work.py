@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import subprocess
 import sys
 import threading
 import traceback
@@ -83,6 +84,17 @@ def _end_with_the_studio() -> None:
     if parent is None:
         return
     waiting.wait([parent.sentinel])
-    if hasattr(os, "killpg"):
-        os.killpg(os.getpgid(0), signal.SIGKILL)
+    end_with_children(os.getpid())
     os._exit(1)
+
+
+def end_with_children(number: int) -> None:
+    """End a job's process, by its number, with those that it started.
+
+    Raises:
+        OSError: it has ended, or hasn't made a group of its own yet.
+    """
+    if hasattr(os, "killpg"):
+        os.killpg(number, signal.SIGKILL)
+    else:  # Windows has no groups that a process could be made the head of afterwards
+        subprocess.run(["taskkill", "/T", "/F", "/PID", str(number)], capture_output=True, check=False)

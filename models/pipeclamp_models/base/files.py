@@ -6,6 +6,7 @@ import os
 import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +21,8 @@ KINDS = {
     stat.S_ISSOCK: "is a socket",
 }
 """What may stand where a file is expected; opening some of them waits for ever."""
+WAITS_s = (0.02, 0.05, 0.1, 0.2, 0.4)
+"""Waited before a file that can't be replaced is tried again."""
 
 
 def refuse_no_file(path: Path, expected: str, where: str | None = None) -> None:
@@ -139,12 +142,24 @@ def write_whole(path: Path, content: bytes | str) -> None:
         with os.fdopen(handle, "wb") as stream:
             stream.write(data)
         Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
+        _replace(Path(temporary), path)
     except BaseException as error:
         Path(temporary).unlink(missing_ok=True)
         if isinstance(error, OSError):
             raise UserError(f"{path}: can't be written ({error.strerror})") from error
         raise
+
+
+def _replace(temporary: Path, path: Path) -> None:
+    """Put a file in the place of another; on Windows only once nobody reads that one, which takes moments."""
+    for wait in WAITS_s:
+        try:
+            temporary.replace(path)
+        except PermissionError:
+            time.sleep(wait)
+        else:
+            return
+    temporary.replace(path)
 
 
 def write_folder(folder: Path, files: Iterable[tuple[str, bytes]]) -> tuple[str, ...]:

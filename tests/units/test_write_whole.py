@@ -1,0 +1,29 @@
+"""A file that somebody reads just then is replaced all the same: Windows refuses that until they have read it."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeclamp_models.base import files
+from pipeclamp_models.base.errors import UserError
+
+
+@pytest.mark.parametrize(("refusals", "written"), [(2, "new"), (100, "old")])
+def test_it_is_tried_again_for_a_while(tmp_path, monkeypatch, refusals, written):
+    path, replace, waited = tmp_path / "law.json", Path.replace, []
+    path.write_text("old", encoding="utf-8")
+
+    def refused(temporary, target):
+        if len(waited) < refusals:
+            raise PermissionError(13, "Permission denied")
+        return replace(temporary, target)
+
+    monkeypatch.setattr(Path, "replace", refused)
+    monkeypatch.setattr(files.time, "sleep", waited.append)
+    if written == "new":
+        files.write_whole(path, "new")
+    else:
+        with pytest.raises(UserError, match="can't be written"):
+            files.write_whole(path, "new")
+    assert path.read_text(encoding="utf-8") == written
+    assert [each.name for each in tmp_path.iterdir()] == ["law.json"]
