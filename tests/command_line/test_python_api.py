@@ -79,6 +79,13 @@ def test_add_takes_what_a_diagnosis_names(tests, law):
             pc.add(law, answer, tests)
 
 
+def test_where_no_file_holds_the_law_the_next_step_says_how_to_make_it(tests, tmp_path):
+    law = pc.identify(tests)
+    assert str(pc.diagnose(law, tests)).splitlines()[-1].strip().startswith("law.save('virtual.json') writes the law")
+    law.save(tmp_path / "law.json")
+    assert str(pc.diagnose(law, tests)).splitlines()[-1].startswith("Next: pipeclamp ")
+
+
 @pytest.mark.parametrize("name", ["emwm2", "published_R1"])
 def test_force_is_that_of_the_law_on_its_loops(name):
     law = pc.open_law(name)
@@ -160,7 +167,7 @@ def test_tests_may_be_named_where_they_are_wanted(small, tests, law):
 def test_results_are_shown(tests, law, tmp_path):
     held = pc.compare(law, tests)
     assert repr(held).startswith("<comparison of virtual with virtual: error ")
-    assert "<table>" in held._repr_html_()
+    assert "<table" in held._repr_html_()
     assert held.to_frame().shape[0] == tests.to_frame().shape[0] == 8
     assert law.to_frame().columns[0] == "parameter"
     for number, shown in enumerate((tests, law, held)):

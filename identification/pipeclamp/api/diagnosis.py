@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from os import fspath
 from pathlib import Path
@@ -68,7 +69,13 @@ class Diagnosis(Shown):
         from pipeclamp.show.diagnosis_views import diagnosis_view
 
         with one_thread():
-            return diagnosis_view(self._found, (), self.next_command)
+            view = diagnosis_view(self._found, (), self.next_command)
+        return view if self.law.is_kept else replace(view, lines=[*view.lines, self._from_python()])
+
+    def _from_python(self) -> str:
+        """Say how to go on where no file holds the law, which the command reads."""
+        then = "; pc.add(law, answer, tests) does it from here" if self.verdict == "missing" else ""
+        return f"  law.save({self.law.origin!r}) writes the law that it reads{then}"
 
     def view(self) -> View:
         """Give answer, tables and sentences, as `pipeclamp diagnose` tells them."""

@@ -34,6 +34,12 @@ class Law:
     def __init__(self, file: LawFile, origin: str | None = None) -> None:
         self.file = file
         self.origin = origin or f"{file.name}.json"
+        self._kept = origin is not None
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether `origin` holds it: it was read from there, or saved."""
+        return self._kept
 
     @property
     def name(self) -> str:
@@ -112,6 +118,7 @@ class Law:
         target = Path(path)
         write_law(self.file, target)
         self.origin = fspath(path)
+        self._kept = True
         return target
 
     def to_dict(self) -> dict[str, Any]:

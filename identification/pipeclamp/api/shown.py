@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from pipeclamp.pages.page import Section
     from pipeclamp_models.base.tables import pl
 
+LEFT = "text-align: left"
+
 PathOrName = str | PathLike[str]
 """Path of a file or folder, or the name of something that comes with the program."""
 
@@ -70,11 +72,16 @@ class Shown:
 
 
 def html_table(table: Table) -> str:
-    """Give a table as HTML."""
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.header)
-    rows = "".join("<tr>" + "".join(f"<td>{escape(cell(value))}</td>" for value in row) + "</tr>" for row in table.rows)
-    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
-    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+    """Give a table as HTML; words begin on the left, where a notebook would put them on the right."""
+    words = [any(isinstance(row[column], str) for row in table.rows) for column in range(len(table.header))]
+    looks = [f' style="{LEFT}"' if are else "" for are in words]
+    head = "".join(f'<th scope="col"{look}>{escape(name)}</th>' for name, look in zip(table.header, looks, strict=True))
+    rows = "".join(
+        f"<tr>{''.join(f'<td{look}>{escape(cell(value))}</td>' for value, look in zip(row, looks, strict=True))}</tr>"
+        for row in table.rows
+    )
+    caption = f'<caption style="{LEFT}">{escape(table.caption)}</caption>' if table.caption else ""
+    return f'<table style="margin-top: 1em">{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
 
 
 def frame_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:

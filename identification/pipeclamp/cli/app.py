@@ -207,6 +207,8 @@ def metrics(
 
         write_report(report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests), command_called())
     show(view, json)
+    if tests.has_loops and not (json or report):
+        console().print("Every run is in --json and --report.", highlight=False)
 
 
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")

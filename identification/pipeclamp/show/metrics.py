@@ -136,7 +136,7 @@ def metrics_view(campaign: Campaign, loops: Loops) -> View:
     """Tell the metrics of records' loops: a table for each quantity that varies."""
     metrics = metrics_of(loops)
     tables = [study_table(study, metrics) for study in principal_variations(variations_of(campaign, loops))]
-    lines = (metrics_words(metrics), MEANINGS, "Every run is in --json and --report.")
+    lines = (metrics_words(metrics), MEANINGS)
     return View(metrics_answer(campaign, loops), tables, lines)
 
 
