@@ -5,11 +5,11 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from pipeclamp.demo import EFFECTS
-from pipeclamp.pages.comparison import loop_panels
 from pipeclamp.pages.page import MEASURED, MODEL, styled
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
 
@@ -41,14 +41,13 @@ def picture() -> go.Figure:
         row_heights=[0.64, 0.36], horizontal_spacing=0.02, vertical_spacing=0.05,
     )  # fmt: skip
     for column, (_, comparison) in enumerate(steps, 1):
-        (panel,) = loop_panels(comparison, [row])
-        assert panel.measured is not None
-        assert panel.computed is not None
-        y = np.append(panel.y, panel.y[0])
+        y, measured = loop_of_run(comparison.loops, row)
+        computed = force_of_rows(comparison.law, comparison.loops, DRAWN_SAMPLES)[row]
+        y = np.append(y, y[0])
         for place, force, name, colour, width in (
-            (1, panel.measured, "measured", MEASURED, 4.0),
-            (1, panel.computed, "law", MODEL, 1.6),
-            (2, panel.measured - panel.computed, "measured less law", "#1c7ed6", 1.6),
+            (1, measured, "measured", MEASURED, 4.0),
+            (1, computed, "law", MODEL, 1.6),
+            (2, measured - computed, "measured less law", "#1c7ed6", 1.6),
         ):
             figure.add_trace(
                 go.Scatter(
