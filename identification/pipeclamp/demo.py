@@ -15,7 +15,7 @@ from pipeclamp.pages.page import Section, write_report
 from pipeclamp.pages.pictures import overlay_picture
 from pipeclamp.pages.sections import law_page, metrics_page
 from pipeclamp.pages.system.cosim import cosim_sections
-from pipeclamp.pages.waterfall import Rung, waterfall_picture
+from pipeclamp.pages.waterfall import OF_METRICS, Rung, waterfall_picture
 from pipeclamp.show.comparison import how_much
 from pipeclamp.show.law import addition_table
 from pipeclamp.show.table import Table
@@ -117,7 +117,7 @@ def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
         "don't prove it.",
     ]
     rungs = [Rung(step.title, {"dW and W": step.errors[0]}) for step in steps]
-    falling = waterfall_picture(rungs, None, "Error against the published tables", "rms log ratio")
+    falling = waterfall_picture(rungs, None, "Error against the published tables", OF_METRICS)
     return [
         Section("The way", words, [table], [falling]),
         Section(

@@ -6,13 +6,14 @@ from pipeclamp.pages.diagnosis import drive_shown
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.waterfall import LEFT_OUT, Rung
 from pipeclamp.show.metric_diagnosis import metric_candidate_table
+from pipeclamp.show.sentences import sentence
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 
 
 def metric_diagnosis_answer(answer: MetricDiagnosed) -> Section:
     """Give the first section of a diagnosis on metrics: its verdict, why, and the next test."""
-    words = [answer.headline(), *(f"{word[0].upper()}{word[1:]}." for word in answer.words())]
+    words = [answer.headline(), *map(sentence, answer.words())]
     pictures = []
     if answer.proposal:
         drive, drawn = drive_shown(answer.proposal.plan, answer.proposal.drive_words())
@@ -24,10 +25,10 @@ def metric_diagnosis_answer(answer: MetricDiagnosed) -> Section:
 
 
 def metric_promised(diagnosis: MetricDiagnosis) -> list[Rung]:
-    """Give the law as it is, and what the best effect would make of it."""
+    """Give the law as it is, and what the effect that is named first would make of it."""
     rungs = [Rung("law as it is", {LEFT_OUT: diagnosis.heldout[""]})]
-    if diagnosis.best.effects:
-        name = diagnosis.best.effects[0]
-        explained = diagnosis.explained(diagnosis.best)
+    if diagnosis.named is not None:
+        name = diagnosis.named.effects[0]
+        explained = diagnosis.explained(diagnosis.named)
         rungs.append(Rung(f"+ {name}", {LEFT_OUT: diagnosis.heldout[name]}, promised=True, explained=explained))
     return rungs

@@ -14,7 +14,7 @@ from pipeclamp.pages.law import law_sections
 from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_promised
 from pipeclamp.pages.metrics import metrics_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.pages.waterfall import Rung, rungs_of, waterfall_picture, with_promised
+from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, Rung, rungs_of, waterfall_picture, with_promised
 from pipeclamp.show.law import fit_words, laws_table, parameters_table, stages_table
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
@@ -129,7 +129,8 @@ def diagnosis_page(file: LawFile, found: AnyDiagnosed, next_command: str) -> lis
     if difference and (found.verdict == "unknown" or found.kind == "part"):
         # what is left over is the first thing to look at
         answer, difference = replace(answer, explorer=difference[0].explorer), []
-    return [answer, *difference, *parts.evidence, Section("Where", where), *_details(parts.held)]
+    places = [Section("Where", where)] if where else []
+    return [answer, *difference, *parts.evidence, *places, *_details(parts.held)]
 
 
 def law_page(file: LawFile, held: Held) -> list[Section]:
@@ -180,5 +181,5 @@ def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
     if len(rungs) < 2:
         return []
     fit = file.fit
-    error = "rms log ratio" if fit and fit.method == METHOD else "RMS error"
-    return [waterfall_picture(rungs, fit.noise_nrmse if fit else None, "The error, effect by effect", error)]
+    axis = OF_METRICS if fit and fit.method == METHOD else OF_FORCE
+    return [waterfall_picture(rungs, fit.noise_nrmse if fit else None, "The error, effect by effect", axis)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,6 +13,10 @@ from pipeclamp.pages.page import MODEL, SERIES, styled, with_narrow
 from pipeclamp_models.law.file import LawFile
 
 RUNG_WIDTH = 130
+OF_FORCE, OF_METRICS = "RMS error / % of rms force", "rms log ratio of dW and W / %"
+"""What errors of records and of metrics alone are called."""
+LONGEST = 22
+"""Characters of a label beside others."""
 LINE_HEIGHT = 22
 """px, of a bar where rungs stand below each other."""
 USED, LEFT_OUT = "on the tests used", "on left-out conditions"
@@ -59,7 +64,7 @@ def with_promised(rungs: Sequence[Rung], now: Rung, coming: Sequence[Rung]) -> l
     return [*rungs[:-1], last, *coming]
 
 
-def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, error: str = "RMS error") -> go.Figure:
+def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str = OF_FORCE) -> go.Figure:
     """Draw the error falling rung by rung, with the scatter that no law can explain as a line.
 
     In a narrow window the rungs stand below each other.
@@ -68,15 +73,17 @@ def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, 
         rungs: in their order.
         scatter: as a share of the rms force, where it is known.
         title: the picture's title.
-        error: the error's name.
+        axis: the error's name and unit.
     """
-    axis = f"{error} / % of rms force"
     return with_narrow(_side_by_side(rungs, scatter, title, axis), _below_each_other(rungs, scatter, title, axis))
 
 
 def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
     names = _names(rungs)
-    labels = ["<br>".join([*_name(index, rungs), *_did(index, rungs, scatter)]) for index in range(len(rungs))]
+    labels = [
+        "<br>".join([*(part for line in _name(index, rungs) for part in _wrapped(line)), *_did(index, rungs, scatter)])
+        for index in range(len(rungs))
+    ]
     figure = go.Figure(
         [
             go.Bar(
@@ -170,6 +177,13 @@ def _name(index: int, rungs: Sequence[Rung]) -> list[str]:
     # a blank keeps those alike apart
     name = label + " " * sum(other.label == label for other in rungs[:index])
     return name.replace(" + ", "\n+ ").replace("or\n+ ", "or + ").split("\n")
+
+
+def _wrapped(line: str) -> list[str]:
+    """Give a long line in several; the blanks at its end stay, which keep names apart."""
+    words = line.rstrip()
+    *first, last = textwrap.wrap(words, LONGEST, break_long_words=False) or [""]
+    return [*first, last + line[len(words) :]]
 
 
 def _did(index: int, rungs: Sequence[Rung], scatter: float | None) -> list[str]:

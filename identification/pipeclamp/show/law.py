@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -11,13 +10,11 @@ from pipeclamp_identification.comparison.laws import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
 from pipeclamp_identification.metrics_only.law import METHOD
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
+from pipeclamp_models.law.outline import ParameterOutline, bound_at
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import Addition
-    from pipeclamp_models.law.outline import ParameterOutline
 
-NEAR_BOUND = 1e-5
-"""A parameter that is at a bound lies this close to it, or at another one."""
 MOVED = 2.0
 """A parameter that changes by more than so many of its standard errors has moved."""
 
@@ -43,15 +40,12 @@ def coefficient_table(file: LawFile) -> Table:
 def value_shown(entry: CoefficientEntry, outline: ParameterOutline | None) -> str | float:
     """Give a parameter's value; one that ran into a bound as that bound, and marked so: "0 (at its bound)".
 
-    A fit stops short of a bound by what its arithmetic leaves, which is no property of the clamp. A bound in sizes of
-    the data isn't known here; the value stands for it.
+    A bound in sizes of the data isn't known here; the value stands for it.
     """
     if entry.state != "at_bound":
         return entry.value
     bounds = (outline.lower, outline.upper) if outline else ()
-    known = [bound for bound in bounds if not isinstance(bound, str) and math.isfinite(bound)]
-    near = [bound for bound in known if abs(entry.value - bound) <= NEAR_BOUND * max(abs(bound), 1.0)]
-    return f"{cell(near[0] if near else entry.value)} (at its bound)"
+    return f"{cell(bound_at(entry.value, *bounds))} (at its bound)"
 
 
 def outlines_of(file: LawFile) -> dict[str, ParameterOutline]:

@@ -32,6 +32,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.outline import bound_at
 from pipeclamp_models.realise.force import LawForce
 
 CLOSELY = 1e-5
@@ -385,4 +386,5 @@ def _shapes(parameter: Parameter) -> bool:
 
 
 def _at_bound_words(parameter: Parameter, result: Fit) -> str:
-    return f"{parameter.name} ran into its bound ({result.law.values[parameter.name]:.4g})"
+    value = bound_at(result.law.values[parameter.name], parameter.lower, parameter.upper)
+    return f"{parameter.name} ran into its bound ({value:.4g})"

@@ -295,7 +295,11 @@ def _verdict(
         words = " from ".join(judged.effects[0] for judged in named)
         return "ambiguous", named, (f"dW and W at these conditions can't tell {words}", told)
     gain = f"{name} explains {share:.0%} of what the metrics show missing"
-    return "missing", [best], (gain, f"scatter alone would gain as much in {chances[name]:.2g} of all cases", told)
+    return (
+        "missing",
+        [best],
+        (gain, f"scatter alone would gain as much in {100 * chances[name]:.2g} % of all cases", told),
+    )
 
 
 def _scatter_words(scatter: Scatter) -> str:

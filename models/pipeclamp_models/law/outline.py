@@ -21,6 +21,19 @@ Sizes = Mapping[str, float]
 """The data's scales and the reference values of ratios, by the names of their symbols."""
 
 
+NEAR_BOUND = 1e-5
+"""A parameter that is at a bound lies this close to it, or at another one."""
+
+
+def bound_at(value: float, *bounds: object) -> float:
+    """Give the bound that a value has run into, of those that are numbers; the value where it is at none of them.
+
+    A fit stops short of a bound by what its arithmetic leaves, 1e-57 where 0 is meant.
+    """
+    known = [float(bound) for bound in bounds if isinstance(bound, int | float) and math.isfinite(bound)]
+    return next((one for one in known if abs(value - one) <= NEAR_BOUND * max(abs(one), 1.0)), value)
+
+
 @dataclass(frozen=True)
 class ParameterOutline:
     """A parameter of a law.
