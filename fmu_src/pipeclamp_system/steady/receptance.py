@@ -1,10 +1,11 @@
-"""The frequency response of a pipe in modes, at many frequencies at once."""
+"""The frequency response of a pipe in modes, also of one that can move as a rigid body."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.pipe.receptance import receptance
 from pipeclamp_system.steady.clamp import Complex
 
 SINGULAR = 1e14
@@ -27,22 +28,14 @@ class Receptance:
         """
         self._stiffness, self._damping, self._loads, self._observed = stiffness, damping, loads, observed
         self.adrift = bool(np.linalg.cond(stiffness) >= SINGULAR)
-        both = np.stack([stiffness, damping])
-        self._apart = bool(np.all(both[:, ~np.eye(len(stiffness), dtype=bool)] == 0))
 
     def at(self, omega: Array) -> Complex:
         """Give the response at frequencies of rows and orders (rows, h), rad/s: (rows, points, inputs, h)."""
         if self.adrift:  # a pipe that can move as a rigid body has no mean position of its own
             omega = omega.copy()
             omega[:, 0] = STATIC * omega[:, 1]
-        if self._apart:
-            dynamic = np.diag(self._stiffness) - omega[..., None] ** 2 + 1j * omega[..., None] * np.diag(self._damping)
-            modal = self._loads / dynamic[..., None]
-        else:
-            square, linear = omega[..., None, None] ** 2, 1j * omega[..., None, None]
-            dynamic = self._stiffness - square * np.eye(len(self._stiffness)) + linear * self._damping
-            modal = np.linalg.solve(dynamic, np.broadcast_to(self._loads, (*omega.shape, *self._loads.shape)))
-        found = np.moveaxis(self._observed @ modal, 1, -1)
+        of_points = receptance(self._stiffness, self._damping, self._loads, self._observed, omega)
+        found = np.moveaxis(of_points, 1, -1)
         if self.adrift:
             found[..., 0] = 0.0
-        return np.asarray(found, dtype=np.complex128)
+        return found

@@ -191,7 +191,8 @@ class Axial(Table):
 class Modes(Table):
     """The modes that are kept: all up to this frequency, and further ones until the reduction errs by at most `error`.
 
-    `error` is that of the frequency response up to the frequency and of the static compliance, as a share.
+    `error` is that of the frequency response at each frequency up to there, without clamps and with clamps as stiff as
+    any, and of the static compliance, as a share.
     """
 
     up_to_Hz: Positive

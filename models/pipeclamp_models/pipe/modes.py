@@ -6,7 +6,7 @@ all displacements are then relative to the base) or a force (N), and f the force
 The modes up to the stated frequency are kept as they are. What the modes above it give statically at the clamps and at
 the excitation is kept too, by residual vectors (MacNeal's residual flexibility, Computers & Structures 1 (1971) 581, as
 further modes): without them a clamp that is stiff beside the pipe would feel a pipe that is too stiff. Where that
-leaves a larger error than the stated one, further modes are kept.
+leaves a larger error than the stated one, without clamps or with clamps as stiff as any, further modes are kept.
 
 The modes are those of the pipe at rest and without axial force, and damping is theirs. Axial force and flow couple
 them: full matrices are added to omega^2 and 2 zeta omega, and the motions that the pipe then has are complex modes.
@@ -143,7 +143,8 @@ class ReducedPipe:
             f"{len(self.omega) - self.kept} residual modes",
             f"static compliance: {self.errors.static_truncated:.1%} lies in the modes left out; "
             f"with the residual modes the error is {self.errors.static:.1e}",
-            f"frequency response up to {self.up_to_Hz:g} Hz: largest error {self.errors.response:.1e}",
+            f"frequency response up to {self.up_to_Hz:g} Hz: largest error {self.errors.response:.1e} of what it is at "
+            f"its frequency, without clamps{self._about_clamps()}",
             *self._about_stability(),
         ]
         if self.shear_error > 0.02:
@@ -152,6 +153,13 @@ class ReducedPipe:
                 f"by about {self.shear_error:.0%}; pipe.theory = 'timoshenko' takes them in"
             )
         return "\n".join((*lines, *self.notes))
+
+    def _about_clamps(self) -> str:
+        """Say what the reduction costs with clamps."""
+        if not self.errors.clamped_at:
+            return ""
+        stiffest = max(self.errors.clamped_at) / 1e3
+        return f"; with clamps, as stiff as any, {self.errors.clamped:.1e} (at {stiffest:.2g} N/mm)"
 
     def _about_stability(self) -> list[str]:
         """Say what axial force and flow do."""
@@ -241,12 +249,12 @@ def reduce(description: PipeDescription) -> ReducedPipe:
             f"pipe {description.name!r}: no mode lies below modes.up_to_Hz = {description.modes.up_to_Hz:g}; "
             f"the lowest is at {full.omega[0] / (2 * pi):.4g} Hz: raise it"
         )
-    reference = Reference(full.modal(full.omega, full.shapes), in_band, up_to)
+    reference = Reference(full.modal(full.omega, full.shapes), in_band, up_to, len(description.clamps))
     for kept in range(in_band, reference.most + 1):
         all_omega, all_shapes = full.with_residual_modes(kept)
         reduced = full.modal(all_omega, all_shapes)
         errors = reference.errors(reduced, kept)
-        if max(errors.response, errors.static) <= description.modes.error:
+        if errors.largest <= description.modes.error:
             break
     beam = full.beam
     over_modes = full.assembly.loads.over(all_shapes)
@@ -354,12 +362,11 @@ def _without_rounding(shape: Array) -> tuple[float, ...]:
 
 def _about_reduction(description: PipeDescription, kept: int, errors: ReductionErrors) -> list[str]:
     """Say where the stated error isn't reached."""
-    reached = max(errors.response, errors.static)
-    if reached <= description.modes.error:
+    if errors.largest <= description.modes.error:
         return []
     return [
         f"modes.error = {description.modes.error:g} isn't reached: with {kept} modes, as many as are tried, the error "
-        f"is {reached:.2g}; raise modes.up_to_Hz or allow a larger error"
+        f"is {errors.largest:.2g}; raise modes.up_to_Hz or allow a larger error"
     ]
 
 

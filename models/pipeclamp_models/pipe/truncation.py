@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import control
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.pipe.receptance import Complex, receptance
 
-BAND_POINTS = 40
-"""Frequencies at which the responses are compared."""
+POINTS_A_MODE = 20
+"""Frequencies, even in wave number, at which the responses are compared, besides the resonances."""
+
+STIFFNESSES = (1.0, 10.0, 100.0, 1e4)
+"""Of the clamps, as multiples of the pipe's own: beside it a clamp is soft, stiff, and as good as rigid."""
+
+LEAST_DAMPING = 1e-3
+"""Of critical, that is compared with at least: below it the elements' own error of 2e-5 of a frequency is 1 % of a peak."""
+
+AT_ONCE = 100
+"""Frequencies whose matrices are solved together: more would take memory."""
+
+STILL = 1e-3
+"""Share of what moves most under a load below which a point counts as still."""
 
 MOST_MODES = 60
 """Modes above the kept ones that the full model's state space has; those above them are still, in the band."""
@@ -45,6 +57,23 @@ class ModalModel:
             return stiffness, damping
         return stiffness + self.coupling[0][:count, :count], damping + self.coupling[1][:count, :count]
 
+    def receptance(self, omega: Array, moving: int | None = None) -> Complex:
+        """Give displacements per unit load at frequencies, rad/s, (n,): (n, outputs, inputs).
+
+        Args:
+            omega: the frequencies.
+            moving: how many modes move; the others add their static compliance. All of them unless told.
+        """
+        count = self.omega.size if moving is None else min(moving, self.omega.size)
+        matrices, loads, shapes = self.matrices(count), self.loads[:count], self.shapes[:, :count]
+        parts = np.array_split(omega, -(-omega.size // AT_ONCE))
+        found = [receptance(*matrices, loads, shapes, part) for part in parts]
+        return np.concatenate(found) + self.static_compliance(count)
+
+    def static_compliance(self, begin: int) -> Array:
+        """Give the static compliance of the modes from one on, without axial force and flow, (outputs, inputs)."""
+        return (self.shapes[:, begin:] / self.omega[begin:] ** 2) @ self.loads[begin:]
+
 
 @dataclass(frozen=True)
 class ReductionErrors:
@@ -53,12 +82,22 @@ class ReductionErrors:
     Attributes:
         static_truncated: share of the static compliance that the left-out modes carry, were nothing put in their place.
         static: error of the static compliance of the reduced model, as a share of it.
-        response: error of the frequency response up to the stated frequency, as a share of the largest there.
+        response: error of the frequency response up to the stated frequency, without clamps, as a share of what it is
+            at the same frequency.
+        clamped: the same of what the excitation makes at the probes and in the clamps, with clamps as stiff as any.
+        clamped_at: stiffness of the clamps where that is largest, N/m; () without clamps.
     """
 
     static_truncated: float
     static: float
     response: float
+    clamped: float = 0.0
+    clamped_at: tuple[float, ...] = ()
+
+    @property
+    def largest(self) -> float:
+        """The largest of the reduced model's errors."""
+        return max(self.static, self.response, self.clamped)
 
 
 def state_space(
@@ -85,7 +124,7 @@ def modal_state_space(model: ModalModel, moving: int | None = None) -> control.S
         moving: how many of them have states; the others add their static compliance. All of them unless told.
     """
     count = model.omega.size if moving is None else min(moving, model.omega.size)
-    static = (model.shapes[:, count:] / model.omega[count:] ** 2) @ model.loads[count:]
+    static = model.static_compliance(count)
     return state_space(*model.matrices(count), model.loads[:count], model.shapes[:, :count], static)
 
 
@@ -98,23 +137,41 @@ def truncate(full: control.StateSpace, kept: int) -> control.StateSpace:
 
 
 class Reference:
-    """The full model's response over the band, against which reductions are judged."""
+    """The full model's response over the band, against which reductions are judged.
 
-    def __init__(self, full: ModalModel, kept: int, omega_up_to: float) -> None:
+    An error counts against the response at its own frequency: one resonance would hide what is wrong elsewhere. Where
+    modes cancel each other it counts against the geometric mean of the response over a spacing of modes around it,
+    which passes midway between resonances and antiresonances (Skudrzyk's mean-value method, J. Acoust. Soc. Am. 67
+    (1980) 1105).
+    """
+
+    def __init__(self, full: ModalModel, kept: int, omega_up_to: float, clamps: int = 0) -> None:
         """Compute the response once.
 
         Args:
             full: all modes of the finite element model, ascending.
             kept: how many of them lie in the band.
             omega_up_to: end of the band, rad/s.
+            clamps: how many of the inputs, and of the outputs, are clamps, from the first; the last input excites.
         """
         self.most = min(kept + MOST_MODES, full.omega.size)
-        self._whole = modal_state_space(full, self.most)
+        self._whole, self._clamps = modal_state_space(full, self.most), clamps
         # Rigid body modes have no static compliance: there, "static" is far below the stated frequency.
-        low = 1e-3 * omega_up_to if full.omega[0] == 0 else 0.0
-        self._band = np.concatenate([[low], np.linspace(omega_up_to / BAND_POINTS, omega_up_to, BAND_POINTS)])
-        compared = bool(full.loads.size and full.shapes.size)
-        self._exact = _frequency_response(self._whole, self._band) if compared else None
+        self._low = np.array([1e-3 * omega_up_to if full.omega[0] == 0 else 0.0])
+        full = _damped(full)
+        self._compared = bool(full.loads.size and full.shapes.size)
+        if not self._compared:
+            return
+        self._static = _frequency_response(self._whole, self._low)
+        even = omega_up_to * np.linspace(0.0, 1.0, POINTS_A_MODE * (kept + 2) + 1)[1:] ** 2
+        own = own_stiffness(full.receptance(even, self.most)[:, :clamps, :clamps])
+        self._stiffnesses = [np.zeros(0), *(share * own for share in STIFFNESSES if clamps)]
+        peaks = [resonances(full, self.most, stiffness) for stiffness in self._stiffnesses]
+        band = np.unique(np.concatenate([even, *peaks]))
+        self._band = band[(band >= even[0]) & (band <= omega_up_to)]
+        receptance = full.receptance(self._band, self.most)
+        self._exact = [clamped(receptance, stiffness) for stiffness in self._stiffnesses]
+        self._scales = [local_scale(one, self._band, full.omega, clamps) for one in self._exact]
 
     def errors(self, reduced: ModalModel, kept: int) -> ReductionErrors:
         """Judge a reduced model.
@@ -123,26 +180,99 @@ class Reference:
             reduced: the modes that stand for the full ones.
             kept: how many of the full model's modes it holds unchanged.
         """
-        if self._exact is None:
+        if not self._compared:
             return ReductionErrors(0.0, 0.0, 0.0)
-        error = np.abs(_frequency_response(modal_state_space(reduced), self._band) - self._exact)
-        truncated = truncate(self._whole, kept)
-        lost = np.abs(_frequency_response(truncated, self._band[:1]) - self._exact[:, :, :1])
+        static = np.abs(_frequency_response(modal_state_space(reduced), self._low) - self._static)
+        lost = np.abs(_frequency_response(truncate(self._whole, kept), self._low) - self._static)
+        receptance = _damped(reduced).receptance(self._band)
+        free, *held = [
+            float((np.abs(clamped(receptance, stiffness) - exact) / scale).max())
+            for stiffness, exact, scale in zip(self._stiffnesses, self._exact, self._scales, strict=True)
+        ]
+        worst = int(np.argmax(held)) if held else None
         return ReductionErrors(
-            static_truncated=_largest_share(lost, self._exact[:, :, :1]),
-            static=_largest_share(error[:, :, :1], self._exact[:, :, :1]),
-            response=_largest_share(error, self._exact),
+            static_truncated=_largest_share(lost, self._static),
+            static=_largest_share(static, self._static),
+            response=free,
+            clamped=0.0 if worst is None else held[worst],
+            clamped_at=() if worst is None else tuple(self._stiffnesses[1 + worst].tolist()),
         )
 
 
-def _largest_share(error: Array, response: NDArray[np.complex128]) -> float:
-    """Give the largest error as a share of its channel's largest response, (outputs, inputs, frequencies)."""
-    scale = np.abs(response).max(axis=2)
-    # A probe that (nearly) stands still under a load is measured against the points that move.
-    scale = np.maximum(scale, 1e-3 * scale.max(axis=0))
-    return float((error.max(axis=2) / np.where(scale > 0, scale, 1.0)).max())
+def _damped(model: ModalModel) -> ModalModel:
+    """Give modes with no less than the least damping."""
+    return replace(model, damping=np.maximum(model.damping, 2 * LEAST_DAMPING * model.omega))
 
 
-def _frequency_response(system: control.StateSpace, band: Array) -> NDArray[np.complex128]:
+def own_stiffness(receptance: Complex) -> Array:
+    """Give the pipe's stiffness at each clamp, N/m, (clamps,): geometric mean over (frequencies, clamps, clamps)."""
+    driven = np.abs(np.diagonal(receptance, axis1=1, axis2=2))
+    return np.asarray(np.exp(-np.log(driven).mean(axis=0)), dtype=np.float64)
+
+
+def resonances(model: ModalModel, count: int, stiffness: Array) -> Array:
+    """Give the natural frequencies of the first modes on springs at the clamps, without flow, rad/s, (count,).
+
+    Args:
+        model: the modes; its first outputs are the clamps.
+        count: of modes.
+        stiffness: of each clamp, N/m; (0,) without clamps.
+    """
+    seen = model.shapes[: stiffness.size, :count]
+    squared = np.linalg.eigvalsh(np.diag(model.omega[:count] ** 2) + (seen.T * stiffness) @ seen)
+    return np.asarray(np.sqrt(np.maximum(squared, 0.0)), dtype=np.float64)
+
+
+def clamped(receptance: Complex, stiffness: Array) -> Complex:
+    """Give what the excitation makes where springs stand for the clamps.
+
+    Args:
+        receptance: without clamps, (frequencies, outputs, inputs); clamps first, the excitation the last input.
+        stiffness: of each clamp, N/m; (0,) without clamps.
+
+    Returns:
+        (frequencies, clamps + probes, 1): force into each clamp, displacement of each probe, per unit of excitation;
+        the receptance itself without clamps.
+    """
+    count = stiffness.size
+    if not count:
+        return receptance
+    force = np.linalg.solve(receptance[:, :count, :count] + np.diag(1 / stiffness), receptance[:, :count, -1:])
+    probes = receptance[:, count:, -1:] - receptance[:, count:, :count] @ force
+    return np.concatenate([force, probes], axis=1)
+
+
+def local_scale(response: Complex, band: Array, natural: Array, clamps: int) -> Array:
+    """Give what the error of a response counts against, like it.
+
+    Args:
+        response: (frequencies, outputs, inputs).
+        band: ascending, rad/s, (frequencies,).
+        natural: natural frequencies without clamps, ascending, rad/s.
+        clamps: how many of the outputs, from the first, are clamps, whose unit may be another.
+    """
+    size = np.abs(response)
+    logarithm = np.log(np.maximum(size, np.finfo(float).tiny))
+    so_far = np.concatenate([np.zeros_like(logarithm[:1]), np.cumsum(logarithm, axis=0)])
+    edges = np.concatenate([[0.0], natural[natural > 0.0], [np.inf]])
+    above = np.searchsorted(edges, band)
+    first = np.searchsorted(band, edges[np.maximum(above - 1, 0)])
+    past = np.searchsorted(band, edges[above], side="right")
+    mean = np.exp((so_far[past] - so_far[first]) / (past - first)[:, None, None])
+    scale = np.maximum(size, mean)
+    # What (nearly) stands still under a load is measured against what moves.
+    for part in (scale[:, :clamps], scale[:, clamps:]):
+        np.maximum(part, STILL * part.max(axis=1, initial=0.0, keepdims=True), out=part)
+    return np.where(scale > 0.0, scale, 1.0)
+
+
+def _largest_share(error: Array, response: Complex) -> float:
+    """Give the largest error as a share of its channel's response, (outputs, inputs, 1)."""
+    scale = np.abs(response)
+    scale = np.maximum(scale, STILL * scale.max(axis=0))
+    return float((error / np.where(scale > 0, scale, 1.0)).max())
+
+
+def _frequency_response(system: control.StateSpace, band: Array) -> Complex:
     """Give the frequency response, (outputs, inputs, frequencies)."""
     return np.asarray(control.frequency_response(system, band, squeeze=False).complex, dtype=np.complex128)
