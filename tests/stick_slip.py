@@ -1,7 +1,7 @@
 """Stick and slip located as events: an independent integrator for pipes whose clamps rub, shaken by a sine.
 
-In modes of unit mass q'' + C q' + omega^2 q = participation a sin(w t) - sum over clamps of shape f, f = k s + c v + F_c sgn v.
-A clamp slides to one side, or the other, or sticks, held by the force that keeps v at 0. Between events (v = 0 while
+In modes of unit mass q'' + C q' + omega^2 q = participation a sin(w t) - sum over clamps of shape f, with
+f = k s + c v + F_c sgn v. A clamp slides to one side, or the other, or sticks, held by the force that keeps v at 0. Between events (v = 0 while
 sliding; the holding force at F_c) all is linear, and exact by matrix exponentials: no step, no order, no tolerance.
 """
 
@@ -69,8 +69,14 @@ class Sliding:
         self.speed[:, size : 2 * size] = shapes
 
     def left(self, z: np.ndarray) -> np.ndarray:
-        """Give for each clamp what must not fall below 0: its speed while it slides, what friction can add while not."""
+        """Give for each clamp what must not fall below 0: its speed while it slides, else what friction can add."""
         return np.where(self.slides == 0, self.friction - np.abs(self.H @ z), self.slides * (self.speed @ z))
+
+    def end(self, z: np.ndarray, index: int) -> float:
+        """Give the time, s, after which that of a clamp falls below 0; 0 where it has just been let go."""
+        if self.left(z)[index] <= 0:
+            return 0.0
+        return float(brentq(lambda t: self.left(expm(self.A * t) @ z)[index], 0.0, LOOKED_AT, xtol=1e-15))
 
 
 def integrate(
@@ -100,11 +106,7 @@ def integrate(
         length = LOOKED_AT
         if fallen.any():
             # A clamp that has just been let go begins at 0.
-            ends = [
-                brentq(lambda t, i=i: now.left(expm(now.A * t) @ z)[i], 0.0, LOOKED_AT, xtol=1e-15)
-                if now.left(z)[i] > 0 else 0.0
-                for i in np.flatnonzero(fallen)
-            ]  # fmt: skip
+            ends = [now.end(z, int(index)) for index in np.flatnonzero(fallen)]
             length = min(ends)
         while len(answer) < times.size and times[len(answer)] <= time + length:
             answer.append(expm(now.A * (times[len(answer)] - time)) @ z)
