@@ -1,8 +1,9 @@
 """Stick and slip located as events: an independent integrator for pipes whose clamps rub, shaken by a sine.
 
 In modes of unit mass q'' + C q' + omega^2 q = participation a sin(w t) - sum over clamps of shape f, with
-f = k s + c v + F_c sgn v. A clamp slides to one side, or the other, or sticks, held by the force that keeps v at 0. Between events (v = 0 while
-sliding; the holding force at F_c) all is linear, and exact by matrix exponentials: no step, no order, no tolerance.
+f = k s + c v + F_c sgn v. A clamp slides to one side, or the other, or sticks, held by the force that keeps v at 0.
+Between events (v = 0 while sliding; the holding force at F_c) all is linear, and exact by matrix exponentials: no step,
+no order, no tolerance.
 """
 
 from __future__ import annotations

@@ -17,7 +17,8 @@ from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.coupling.broyden import Tolerance
 from pipeclamp_system.coupling.implicit import LinearlyImplicit
-from pipeclamp_system.coupling.march import Iteration, Point, System, march
+from pipeclamp_system.coupling.iterated import Iteration
+from pipeclamp_system.coupling.march import Point, System, march
 from pipeclamp_system.coupling.schemes import advance_of
 from pipeclamp_system.coupling.step_control import energy_error, march_controlled
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
@@ -244,7 +245,7 @@ def test_few_trials_are_needed_where_plain_repetition_would_diverge() -> None:
 
 
 def test_a_step_that_does_not_converge_is_named() -> None:
-    system = coupled([dry(300.0, 300.0)], "iterated", 15.0)
+    system = coupled([smooth(-30_000.0, 0.0, 0.0)], "iterated", 15.0)  # it pushes: no force is enclosed
     with pytest.raises(UserError, match=r"step \d+ \(t = .* s\).*2 trials.*smaller step_s"):
         list(march(system, Iteration(system, Tolerance(1e-12, 2)), 1e-3, 300))
 

@@ -98,17 +98,15 @@ def recorded_result(
     for name in variables.probes:
         for kind, unit in PROBE_UNITS.items():
             keep(f"{name}.{kind}", unit, said[f"{name}.{kind}"])
-    # A parallel master tells the clamps where they were one step before.
-    told = np.vstack([displacement[:1], displacement[:-1]]) if system.run.scheme == "parallel" else displacement
     delivered = said["workClamps"]
     if np.isnan(delivered).any():  # a foreign pipe doesn't say
-        delivered = _delivered(system, points, displacement)
+        delivered = _delivered(system, points)
     heat = np.array([columns[f"{name}.energyDissipated"] for name in names])
     balance = EnergyBalance(
         excitation=said["workExcitation"],
         pipe_stored=said["energyPipe"],
         pipe_dissipated=said["energyDissipated"],
-        clamps_received=received_work(force, told).sum(axis=1),
+        clamps_received=_received(system, points),
         clamps_dissipated=heat.reshape(len(names), len(points)).sum(axis=0),
         delivered=delivered,
     )
@@ -127,11 +125,28 @@ def recorded_result(
     )
 
 
-def _delivered(system: SystemDescription, points: Sequence[Point], displacement: Array) -> Array:
+def _through(points: Sequence[Point]) -> tuple[list[Point], Array]:
+    """Give the points with those that were passed within steps, and where among them the steps end."""
+    whole = [one for point in points for one in (*point.passed, point)]
+    return whole, np.cumsum([1 + len(point.passed) for point in points]) - 1
+
+
+def _received(system: SystemDescription, points: Sequence[Point]) -> Array:
+    """Give what all clamps have received, J, (n,), by their own forces and the motion that they were told."""
+    whole, ends = _through(points)
+    force, displacement = (np.array([getattr(one, name) for one in whole]) for name in ("force", "displacement"))
+    if system.run.scheme == "parallel":  # its master tells the clamps where they were one step before
+        displacement = np.vstack([displacement[:1], displacement[:-1]])
+    return np.asarray(received_work(force, displacement).sum(axis=1)[ends])
+
+
+def _delivered(system: SystemDescription, points: Sequence[Point]) -> Array:
     """Give what a pipe has given to the clamps, J, (n,), by the forces that it was told, and its motion."""
-    given = np.array([point.told for point in points]).reshape(displacement.shape)
+    whole, ends = _through(points)
+    displacement = np.array([point.displacement for point in whole])
+    given = np.array([point.told for point in whole]).reshape(displacement.shape)
     if system.run.scheme in ROLLS_BACK:
-        return np.asarray(received_work(given, displacement).sum(axis=1))
+        return np.asarray(received_work(given, displacement).sum(axis=1)[ends])
     given = np.repeat(given[1:], 2, axis=0)  # held over each step
     places = np.repeat(displacement, 2, axis=0)[1:-1]
     return np.concatenate([[0.0], received_work(given, places).sum(axis=1)[1::2]])

@@ -249,7 +249,9 @@ def _run(
 
 def _marched(system: System, run: RunTable) -> Iterator[Point]:
     """Step initialised participants as a run asks for."""
-    advance = advance_of(run.scheme, system, Tolerance(run.tolerance, run.max_iterations))
-    if run.energy_tolerance is None or run.scheme not in ROLLS_BACK:
+    even = run.energy_tolerance is None or run.scheme not in ROLLS_BACK
+    advance = advance_of(run.scheme, system, Tolerance(run.tolerance, run.max_iterations), locates=even)
+    if even:
         return march(system, advance, run.even_step_s, run.steps)
+    assert run.energy_tolerance is not None
     return march_controlled(system, advance, run.step_s, run.stop_s, run.energy_tolerance)

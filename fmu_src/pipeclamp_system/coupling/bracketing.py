@@ -2,7 +2,8 @@
 
 A larger force into a clamp leaves it less motion at the end of the step, and a clamp that moves less gives no larger
 force: answer(f) falls with f, whatever steps it makes. Between a force and the answer to it, then, lies one that
-agrees. It is enclosed clamp by clamp (Brent's method), the others held, over and over until all agree.
+agrees. It is enclosed clamp by clamp (Brent's method), the others held, over and over until all agree. Where the answer
+itself jumps over it (sgn v as such), it is any force between the two that dry friction gives at rest: it agrees too.
 """
 
 from __future__ import annotations
@@ -38,12 +39,13 @@ def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tol
         tolerance: of the residual; its number of trials isn't looked at.
 
     Returns:
-        the last answer.
+        the last answer; where it jumps, the force that it jumps over.
 
     Raises:
         NotFoundError: the unknowns don't come to agree.
     """
     unknown, given, error = list(guess), list(guess), inf
+    jumps = [False] * len(unknown)
 
     def tried(index: int, value: float) -> float:
         nonlocal given, error
@@ -57,14 +59,22 @@ def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tol
 
     try:
         for _ in range(MOST_SWEEPS):
+            before = list(unknown)
             for index in range(len(unknown)):
                 begin = unknown[index]
                 residual = tried(index, begin)
                 end = begin + residual
                 if residual * tried(index, end) < 0:
-                    found = brentq(lambda value, at=index: tried(at, value), begin, end, xtol=WIDTH * scale[index],
-                                   rtol=4 * WIDTH, maxiter=MOST_TRIALS, disp=False)  # fmt: skip
+                    found, how = brentq(lambda value, at=index: tried(at, value), begin, end, xtol=WIDTH * scale[index],
+                                        rtol=4 * WIDTH, maxiter=MOST_TRIALS, full_output=True, disp=False)  # fmt: skip
                     tried(index, float(found))
+                    jumps[index] = bool(how.converged)
+            moved = [abs(a - b) / extent for a, b, extent in zip(unknown, before, scale, strict=True)]
+            off = [abs(a - b) / extent for a, b, extent in zip(given, unknown, scale, strict=True)]
+            if max(moved) <= tolerance.relative and all(
+                jump or share <= tolerance.relative for jump, share in zip(jumps, off, strict=True)
+            ):
+                return [own if jump else answered for own, answered, jump in zip(unknown, given, jumps, strict=True)]
     except _AgreedError:
         return given
     raise NotFoundError(error)

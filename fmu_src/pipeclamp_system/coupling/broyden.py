@@ -52,6 +52,12 @@ class Solver:
         self._inverse = [[-1.0 if row == column else 0.0 for column in range(count)] for row in range(count)]
         self._peaks = [0.0] * count
 
+    def fresh(self) -> Solver:
+        """Give one that starts as plain repetition, with the same scale: for steps of other lengths."""
+        other = Solver(len(self._peaks), self._tolerance)
+        other._peaks = list(self._peaks)
+        return other
+
     def solve(self, answer: Answer, guess: Sequence[float]) -> Vector:
         """Find the unknowns; the last call of `answer` is the one that agrees.
 

@@ -7,9 +7,7 @@ parallel (Jacobi, order 1): all step at once with what the others gave at t.
 sequential (Gauss-Seidel, order 1): the pipe steps with the forces given at t, then the clamps with the motion at t + h.
 implicit (order 2): forces linear over the step; its end is linearised once, see `implicit_coupling`.
 iterated (order 2): forces linear over the step, and at its end those that the clamps give for the motion that results:
-    clamps(pipe(f)) = f, every trial a roll-back and a new step, solved by Broyden's method with a Jacobian that is
-    carried from step to step; plain repetition f := clamps(pipe(f)) would diverge as soon as a clamp is stiffer than
-    the pipe is over one step.
+    clamps(pipe(f)) = f, every trial a roll-back and a new step, see `iterated`.
 """
 
 from __future__ import annotations
@@ -18,10 +16,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Protocol
-
-from pipeclamp_models.base.errors import UserError
-from pipeclamp_system.coupling.bracketing import MOST_SWEEPS, enclosed
-from pipeclamp_system.coupling.broyden import Answer, NotFoundError, Solver, Tolerance
 
 
 class Participant(Protocol):
@@ -59,6 +53,7 @@ class Point:
         force: per clamp, into the clamp, as the clamp gave it, N.
         told: per clamp, the force that the pipe was told for the end of the step (held over it, without roll-back), N.
         trials: how often the step to this point was taken; 1 where nothing is iterated.
+        passed: the points within the step, where it was taken in parts.
     """
 
     index: int
@@ -69,6 +64,7 @@ class Point:
     force: tuple[float, ...]
     told: tuple[float, ...]
     trials: int
+    passed: tuple[Point, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -202,67 +198,3 @@ class Predictor:
             sum(weight * force for weight, force in zip(weights, forces, strict=True))
             for forces in zip(*(point.force for point in known), strict=True)
         ]
-
-
-class Iteration:
-    """The iterated scheme's memory from step to step: the solver's, and the forces before the present ones."""
-
-    def __init__(self, system: System, tolerance: Tolerance) -> None:
-        """Start without any."""
-        self._system = system
-        self._tolerance = tolerance
-        self._solver = Solver(len(system.clamps), tolerance)
-        self._predictor = Predictor()
-
-    def accept(self, point: Point) -> None:
-        """Remember a point for the next guess."""
-        self._predictor.accept(point)
-
-    def advance(self, start: Point, time: float, h: float) -> Point:
-        """Take one step, tried until the forces agree.
-
-        Raises:
-            UserError: they don't within the number of trials.
-        """
-        system = self._system
-        participants = (system.pipe, *system.clamps)
-        for participant in participants:
-            participant.save()
-        excitation = system.excitation(time + h)
-        trials = 0
-        motion: Sequence[float] = ()
-
-        def answer(force: list[float]) -> list[float]:
-            """Give the clamps' forces for the motion that results from `force`."""
-            nonlocal trials, motion
-            if trials:
-                for participant in participants:
-                    participant.restore()
-            trials += 1
-            system.pipe.set_inputs((excitation, *force))
-            system.pipe.step(time, h)
-            motion = system.pipe.outputs()
-            return step_clamps(system, motion, time, h)
-
-        try:
-            # Broyden's method needs a trial less from a parabola than from a straight line.
-            force = self._solver.solve(answer, self._predictor.forces(time + h))
-        except NotFoundError:
-            force = self._enclosed(answer, start, time + h)
-        return end_point(system, start.index + 1, time + h, motion, force, force, trials)
-
-    def _enclosed(self, answer: Answer, start: Point, end: float) -> list[float]:
-        """Enclose the forces of a step in which they step themselves, as dry friction's that turns.
-
-        Raises:
-            UserError: they don't come to agree.
-        """
-        try:
-            return enclosed(answer, start.force, self._solver.scale(start.force), self._tolerance)
-        except NotFoundError as error:
-            raise UserError(
-                f"step {start.index + 1} (t = {end:.6g} s): the forces of pipe and clamps don't agree after "
-                f"{self._tolerance.trials} trials by secants and {MOST_SWEEPS} rounds of enclosing them: they differ "
-                f"by {error.error:.1e} of the largest force, expected at most {self._tolerance.relative:.1e}; use "
-                "scheme = 'implicit', a smaller step_s, a larger tolerance or more max_iterations"
-            ) from error

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from pipeclamp_system.coupling.broyden import Tolerance
 from pipeclamp_system.coupling.implicit import LinearlyImplicit
-from pipeclamp_system.coupling.march import Advance, Explicit, Iteration, System
+from pipeclamp_system.coupling.iterated import Iteration
+from pipeclamp_system.coupling.march import Advance, Explicit, System
 from pipeclamp_system.description.scheme import ROLLS_BACK, Scheme
 
 
-def advance_of(scheme: Scheme, system: System, tolerance: Tolerance) -> Advance:
-    """Give a scheme for a system; the tolerance is for the iterated one."""
+def advance_of(scheme: Scheme, system: System, tolerance: Tolerance, *, locates: bool = True) -> Advance:
+    """Give a scheme for a system; the tolerance, and whether it locates steps of force, are for the iterated one."""
     if scheme == "iterated":
-        return Iteration(system, tolerance)
+        return Iteration(system, tolerance, locates=locates)
     if scheme == "implicit":
         return LinearlyImplicit(system)
     return Explicit(system, sequential=scheme == "sequential")

@@ -223,7 +223,7 @@ class HeldInputs:
     def __init__(self, participant: FmuParticipant, start: Sequence[float]) -> None:
         """Take a participant and its inputs at time 0."""
         self._participant = participant
-        self._before = self._last = tuple(start)
+        self._saved = self._before = self._last = tuple(start)
 
     def set_inputs(self, values: Sequence[float]) -> None:
         """Set the inputs at the step's end."""
@@ -233,6 +233,7 @@ class HeldInputs:
     def step(self, time: float, h: float) -> None:
         """Step from `time` to `time + h`."""
         self._participant.step(time, h)
+        self._before = self._last
 
     def outputs(self) -> list[float]:
         """Give all coupled outputs."""
@@ -244,10 +245,10 @@ class HeldInputs:
 
     def save(self) -> None:
         """Keep the present state; the last inputs are those that it begins with."""
-        self._before = self._last
+        self._saved = self._before
         self._participant.save()
 
     def restore(self) -> None:
         """Go back to the state that was kept."""
-        self._last = self._before
+        self._before = self._last = self._saved
         self._participant.restore()
