@@ -16,6 +16,7 @@ from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.file import LawFile
 
@@ -75,6 +76,7 @@ class DeviceOutcome:
     error: str = ""
 
 
+@one_thread()  # as every command does
 def judged_device(case: DeviceCase, seed: int) -> DeviceOutcome:
     """Run one case."""
     with tempfile.TemporaryDirectory() as place:

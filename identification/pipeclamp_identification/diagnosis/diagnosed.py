@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,6 +11,7 @@ from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
+from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
@@ -144,6 +145,7 @@ def diagnosed(
     limits: Limits | None = None,
     jobs: int = 1,
     progress: Progress | None = None,
+    prepared: Callable[[], Prepared] | None = None,
 ) -> Diagnosed:
     """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
 
@@ -155,11 +157,15 @@ def diagnosed(
         limits: what the rig can do.
         jobs: processes; -1 for as many as there are cores.
         progress: is told what is being done.
+        prepared: gives `problem.prepare` of the law, where it may be known already.
 
     Raises:
         UserError: the data can't serve the law.
     """
     comparison = compare(file, campaign, loops)
     structure = structure_of(file).with_declared(declared)
-    diagnosis = diagnose(structure, campaign, comparison.loops, start=law_of(file).values, jobs=jobs, progress=progress)
+    diagnosis = diagnose(
+        structure, campaign, comparison.loops, start=law_of(file).values, jobs=jobs, progress=progress,
+        prepared=prepared,
+    )  # fmt: skip
     return Diagnosed(diagnosis, comparison, limits)

@@ -156,7 +156,7 @@ class LeftOut:
             own: which runs are left out.
             plain: their plain residuals at the fit.
         """
-        here = self._law_force(np.zeros_like(step))
+        here = self._here
         most = self._cost_of_others(here, np.zeros_like(step), own)
         share = 1.0
         while share > SHORTEST:
@@ -172,6 +172,11 @@ class LeftOut:
             plain_change -= self.coarse.factors.beside(there).force(factors + moved[size:])
             plain_change += self.coarse.factors.beside(here).force(factors)
         return self.fitted.residual[own] + change[own], plain + plain_change[own]
+
+    @cached_property
+    def _here(self) -> LawForce:
+        """The law's force at the fit."""
+        return self._law_force(np.zeros(self.fitted.jacobian.shape[2]))
 
     def _law_force(self, step: Array) -> LawForce:
         law = self.result.law

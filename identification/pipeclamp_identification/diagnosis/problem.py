@@ -156,7 +156,11 @@ class Judged:
         return float(self.score.squares.sum())
 
 
-def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | None = None) -> tuple[Problem, Fit]:
+Prepared = tuple[Problem, Fit]
+"""A diagnosis's data, and the law as it is fitted in N; see `prepare`."""
+
+
+def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | None = None) -> Prepared:
     """Fit the law as it is in N, which leaves least over, and estimate the noise.
 
     Args:

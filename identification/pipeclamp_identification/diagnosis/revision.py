@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import (
     Judged,
+    Prepared,
     Problem,
     judge,
     most_promising_first,
@@ -47,13 +48,18 @@ class Asked:
         return self.law.result.law.values
 
 
-def ask_again(law: Law, loops: Loops) -> Asked:
+def ask_again(law: Law, loops: Loops, prepared: Prepared | None = None) -> Asked:
     """Fit a law for asking it again.
+
+    Args:
+        law: the law.
+        loops: the tests.
+        prepared: `prepare` of both, where it is known already.
 
     Raises:
         UserError: the tests can't serve the law.
     """
-    problem, fitted = prepare(law.structure, loops, law.values)
+    problem, fitted = prepared or prepare(law.structure, loops, law.values)
     return Asked(law.structure, *weighed_again(problem, law.structure, fitted, [fitted]))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ from pipeclamp_identification.diagnosis.leftover import Leftover, describe
 from pipeclamp_identification.diagnosis.problem import (
     CLOSELY,
     Judged,
+    Prepared,
     Problem,
     judge,
     judge_each,
@@ -129,6 +130,7 @@ def diagnose(
     start: Mapping[str, float] | None = None,
     jobs: int = 1,
     progress: Progress | None = None,
+    prepared: Callable[[], Prepared] | None = None,
 ) -> Diagnosis:
     """Find which effect a law lacks.
 
@@ -139,6 +141,7 @@ def diagnose(
         start: values of the law's parameters to start from, by name, where they are known.
         jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
         progress: is told what is being done.
+        prepared: gives `prepare` of the law, where it may be known already.
 
     Raises:
         UserError: the data can't serve the law, or there are too few runs to tell.
@@ -148,7 +151,7 @@ def diagnose(
     if len(loops.run) < FEWEST_RUNS:
         raise UserError(f"{len(loops.run)} runs can't show what a law lacks; expected at least {FEWEST_RUNS}")
     tell("law as it is")
-    problem, in_newtons = prepare(structure, loops, start)
+    problem, in_newtons = prepared() if prepared else prepare(structure, loops, start)
     law = judge((), structure, [in_newtons.law.values], problem)
     complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
     form = max(complete, min(FORM_SHARE * _bare_lack(structure, problem), FORM_NOISE_SHARE))

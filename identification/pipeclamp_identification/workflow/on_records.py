@@ -15,20 +15,30 @@ from pipeclamp_identification.campaign.seen import LeftOut
 from pipeclamp_identification.fitting.heldout import refitted_nrmse
 from pipeclamp_identification.fitting.identify import Identification, Method, fit_structure, identify, law_file
 from pipeclamp_identification.fitting.misfit import known_noise, misfits, overall_nrmse
-from pipeclamp_identification.fitting.observations import loop_observations
+from pipeclamp_identification.fitting.observations import LoopObservations, loop_observations
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.workflow.tests import Refitted, silent
 from pipeclamp_models.base.errors import UserError, did_you_mean
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, law_of
-from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.file import LawFile, law_of, structure_of
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.law.range import rounded
 
 if TYPE_CHECKING:
     from pipeclamp_identification.comparison.compare import Comparison
     from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
     from pipeclamp_identification.diagnosis.limits import Limits
+    from pipeclamp_identification.diagnosis.problem import Prepared
+    from pipeclamp_identification.diagnosis.revision import Asked
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
+
+Known = tuple[Structure, tuple[tuple[str, float], ...]]
+"""A law as its file holds it: structure, and values by name."""
+
+
+def _known(structure: Structure, values: Mapping[str, float]) -> Known:
+    return structure, tuple((name, rounded(value)) for name, value in sorted(values.items()))
 
 
 @dataclass(frozen=True)
@@ -64,6 +74,21 @@ class RecordTests:
     def loops(self) -> Loops:
         """The records of sines as loops, one row a run."""
         return loops_of(self.campaign)
+
+    @cached_property
+    def observations(self) -> LoopObservations:
+        """The loops' harmonics, as fits take them."""
+        return loop_observations(self.loops)
+
+    @cached_property
+    def _left_out_errors(self) -> dict[Known, float]:
+        """Errors of laws on left-out conditions: a ladder's next step begins with the law that the last one made."""
+        return {}
+
+    @cached_property
+    def _prepared(self) -> dict[Known, Prepared]:
+        """The last law that was fitted for a diagnosis, or for asking it again: the other follows."""
+        return {}
 
     @cached_property
     def sines(self) -> Campaign:
@@ -157,19 +182,31 @@ class RecordTests:
     def refit(self, file: LawFile, structure: Structure, start: Mapping[str, float], progress: Progress) -> Refitted:
         """Refit a law with another structure, see `Tests.refit`."""
         law, sines = law_of(file), self.sines
-        observations = loop_observations(self.loops)
+        observations = self.observations
         progress("error of the law as it is")
         before = overall_nrmse(misfits(law, sines, self.loops))
         progress("refit")
         result = fit_structure(structure, self.loops, observations, start=start, progress=progress)
         runs = misfits(result.law, sines, self.loops)
         progress("error on left-out conditions")
-        heldout = (
-            refitted_nrmse(law, self.loops, observations),
-            refitted_nrmse(result.law, self.loops, observations),
-        )
+        heldout = (self._left_out_error(law), self._left_out_error(result.law))
         fitted = FittedToRecords(sines, Identification(result, self.loops, observations, runs, "joint"))
         return Refitted(fitted, (before, overall_nrmse(runs)), heldout, known_noise(runs, self.loops))
+
+    def _left_out_error(self, law: Law) -> float:
+        known = _known(law.structure, law.values)
+        if known not in self._left_out_errors:
+            self._left_out_errors[known] = refitted_nrmse(law, self.loops, self.observations)
+        return self._left_out_errors[known]
+
+    def _prepared_for(self, structure: Structure, values: Mapping[str, float]) -> Prepared:
+        from pipeclamp_identification.diagnosis.problem import prepare
+
+        known = _known(structure, values)
+        if known not in self._prepared:
+            self._prepared.clear()
+            self._prepared[known] = prepare(structure, self.loops, values)
+        return self._prepared[known]
 
     def diagnose(
         self,
@@ -183,24 +220,36 @@ class RecordTests:
         """Find which effect a law lacks, see `Tests.diagnose`."""
         from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 
-        return diagnosed(file, self.sines, self.loops, declared=declared, limits=limits, jobs=jobs, progress=progress)
+        def prepared() -> Prepared:
+            return self._prepared_for(structure_of(file).with_declared(declared), law_of(file).values)
+
+        return diagnosed(
+            file, self.sines, self.loops, declared=declared, limits=limits, jobs=jobs, progress=progress,
+            prepared=prepared,
+        )  # fmt: skip
 
     def superfluous(self, file: LawFile, keep: str, progress: Progress) -> str | None:
         """Give the effect that a law does as well without, see `Tests.superfluous`."""
-        from pipeclamp_identification.diagnosis.revision import ask_again, superfluous
+        from pipeclamp_identification.diagnosis.revision import superfluous
 
         if set(file.effects) <= {keep}:
             return None
-        return superfluous(ask_again(law_of(file), self.loops), keep, progress)
+        return superfluous(self._asked(file), keep, progress)
 
     def simpler_structure(self, file: LawFile, names: Collection[str], progress: Progress) -> Structure | None:
         """Give a law with a simpler effect in the place of one, see `Tests.simpler_structure`."""
-        from pipeclamp_identification.diagnosis.revision import ask_again, simpler_structure
+        from pipeclamp_identification.diagnosis.revision import simpler_structure
 
-        return simpler_structure(ask_again(law_of(file), self.loops), names, progress)
+        return simpler_structure(self._asked(file), names, progress)
 
     def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
         """Give a law with one thing exchanged that does better, see `Tests.better_structure`."""
-        from pipeclamp_identification.diagnosis.revision import ask_again, better_structure
+        from pipeclamp_identification.diagnosis.revision import better_structure
 
-        return better_structure(ask_again(law_of(file), self.loops), progress)
+        return better_structure(self._asked(file), progress)
+
+    def _asked(self, file: LawFile) -> Asked:
+        from pipeclamp_identification.diagnosis.revision import ask_again
+
+        law = law_of(file)
+        return ask_again(law, self.loops, self._prepared_for(law.structure, law.values))

@@ -137,11 +137,8 @@ def force_of_equations(
         if derivatives:  # to derive and to compile them takes longer than the forces of a few loops
             slopes = compiled.coefficient_slopes(*slow, *values, *smoothing)
             coefficient_slopes = dict(zip(compiled.coefficient_slope_index, slopes, strict=True))
-        columns = [np.broadcast_to(np.atleast_2d(value), _column_shape(value, rows)) for value in coefficients]
-        slope_columns = {
-            index: np.broadcast_to(np.atleast_2d(value), _column_shape(value, rows))
-            for index, value in coefficient_slopes.items()
-        }
+        columns = [_column(value, rows) for value in coefficients]
+        slope_columns = {index: _column(value, rows) for index, value in coefficient_slopes.items()}
         march = March(compiled, equations, columns, slope_columns, values, smoothing, motion)
         states = march.states(derivatives=derivatives)
         fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.h]
@@ -256,10 +253,13 @@ def _where_turning(value: npt.ArrayLike, turning: Turning) -> Array:
     return np.reshape(array[row, sample], (-1, 1))
 
 
-def _column_shape(value: npt.ArrayLike, rows: int) -> tuple[int, int]:
-    """Give the shape of a slow quantity as a column (R, 1), or as it is where it changes along the row, (R, n)."""
-    array = np.atleast_2d(np.asarray(value))
-    return rows, array.shape[1]
+def _column(value: npt.ArrayLike, rows: int) -> Array:
+    """Give a slow quantity as a column, (R, 1), or as it is where it changes along the row, (R, n)."""
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape == (rows, 1):
+        return array
+    array = np.atleast_2d(array)
+    return np.broadcast_to(array, (rows, array.shape[1]))
 
 
 def _late(compiled: ArrayRealisation, values: Sequence[float], motion: Motion, law_force: LawForce) -> LawForce:

@@ -59,7 +59,7 @@ class Motion:
     rest: Array | float = 0.0
     memory: Sequence[Array] | None = None
 
-    @property
+    @cached_property
     def y_previous(self) -> Array:
         """Displacement a sample before each, shape (R, n)."""
         before = np.roll(self.y, 1, axis=1)

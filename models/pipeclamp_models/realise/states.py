@@ -103,36 +103,57 @@ class March:
         moved = last._walk(rest, from_rest)
         start, columns = moved[:, :, 0].copy(), self._columns(self.motion.y_previous)
         scale = 1e-300 + np.max(np.abs(start), axis=0)
-        to_begin = np.zeros((rows, count, count))
-        left, taken = np.arange(rows), columns
-        for _ in range(SETTLING_CYCLES):
-            after, largest, by_start = self._turn(start[:, left], taken)
-            change = after - start[:, left]
-            back = np.eye(count) - by_start
-            # A row without numbers stays one; no other may suffer for it.
-            back[~np.isfinite(back).all(axis=(1, 2))] = np.eye(count)
-            to_begin[left] = back
-            moves = ~np.all(np.abs(change) <= SETTLED * (scale[left] + np.max(largest, axis=0)), axis=0)
-            left, taken = left[moves], _of_rows(taken, moves)
-            if not len(left):
-                break
-            start[:, left] += np.einsum("rjk,kr->jr", np.linalg.pinv(back[moves], rcond=SETTLED), change[:, moves])
-        unsettled = np.isin(np.arange(rows), left)
+        self._settle(start, scale, columns, np.ones(rows, dtype=np.bool_), most=1)
         trajectory = self._walk(start, columns)
+        # Most states have forgotten their beginning after one cycle: a whole one told that, and its slopes, again.
+        unsettled = _moves(trajectory[:, :, -1] - start, scale, np.abs(trajectory).max(axis=2))
+        if unsettled.any():
+            unsettled = self._settle(start, scale, columns, unsettled, most=SETTLING_CYCLES)
+            trajectory = self._walk(start, columns)
         by_step = self._slopes(start, trajectory, columns)
         by_states = self._by_states(by_step, samples)
-        _, size, directions = np.linalg.svd(to_begin)
+        to_begin = _back(composed(np.moveaxis(by_states, 1, 0)))
+        left, size, right = np.linalg.svd(to_begin)
         adrift = np.min(size, axis=1) < SETTLED
-        still = np.where((size < SETTLED)[:, :, None], directions, 0.0)
+        still = np.where((size < SETTLED)[:, :, None], right, 0.0)
         kept = np.swapaxes(still, 1, 2) @ still
         slopes = np.zeros((rows, samples, count, 0))
         if derivatives:
             by_parameters = self._by_parameters(by_step, samples)
-            begin = last._by_parameters(last._slopes(rest, moved, from_rest), 1)[:, 0]
+            begin = np.zeros((rows, count, len(self.moving)))
+            if adrift.any():  # what loses its beginning doesn't ask for it
+                begin = last._by_parameters(last._slopes(rest, moved, from_rest), 1)[:, 0]
             once = trail(begin, by_states, by_parameters)[:, -1]
-            to_period = np.linalg.pinv(to_begin, rcond=SETTLED) @ (once - begin)
+            told = size > SETTLED * np.max(size, axis=1, keepdims=True)
+            inverse = np.where(told, 1 / np.where(told, size, 1.0), 0.0)
+            to_period = np.swapaxes(right, 1, 2) @ (inverse[:, :, None] * (np.swapaxes(left, 1, 2) @ (once - begin)))
             slopes = trail(begin + to_period, by_states, by_parameters)
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), by_states, adrift, unsettled, kept)
+
+    def _settle(
+        self, start: Array, scale: Array, columns: Columns, moving: npt.NDArray[np.bool_], *, most: int
+    ) -> npt.NDArray[np.bool_]:
+        """Move states before the first sample, (J, R), to their periodic values; tell which rows still move.
+
+        Args:
+            start: the states; they are changed.
+            scale: their sizes, (R,).
+            columns: the steps' arguments.
+            moving: the rows that aren't there yet.
+            most: Newton steps at most.
+        """
+        left = np.flatnonzero(moving)
+        taken = columns if moving.all() else _of_rows(columns, moving)
+        for _ in range(most):
+            after, largest, by_start = self._turn(start[:, left], taken)
+            change = after - start[:, left]
+            moves = _moves(change, scale[left], largest)
+            if not moves.any():
+                return np.zeros_like(moving)
+            left, taken = left[moves], taken if moves.all() else _of_rows(taken, moves)
+            inverse = np.linalg.pinv(_back(by_start[moves]), rcond=SETTLED)
+            start[:, left] += np.einsum("rjk,kr->jr", inverse, change[:, moves])
+        return np.isin(np.arange(len(moving)), left)
 
     def _last(self) -> March:
         """Give the march to the last sample alone."""
@@ -203,6 +224,22 @@ class March:
         for (state, parameter), slope in slopes.by_parameter.items():
             by_parameters[:, :, state, self.moving.index(parameter)] += slope
         return by_parameters
+
+
+def _moves(change: Array, scale: Array, largest: Array) -> npt.NDArray[np.bool_]:
+    """Tell which rows' states a cycle changes, (J, R), against their sizes before, (R,), and within it, (J, R)."""
+    return np.asarray(np.any(~(np.abs(change) <= SETTLED * (scale + np.max(largest, axis=0))), axis=0))
+
+
+def _back(by_start: Array) -> Array:
+    """Give the identity less the slopes of a cycle by its beginning, (R, J, J); that alone where there are no numbers.
+
+    A row without numbers stays one; no other may suffer for it.
+    """
+    identity = np.eye(by_start.shape[1])
+    back = identity - by_start
+    back[~np.isfinite(back).all(axis=(1, 2))] = identity
+    return np.asarray(back)
 
 
 def _of_rows(columns: Columns, rows: npt.NDArray[np.bool_]) -> Columns:
