@@ -88,6 +88,7 @@ def test_a_unit_that_contradicts_what_is_stated_is_refused(campaign, changes, to
             "likely in ms, not s (factor 0.001)",
         ),
         ({"stated": {"temperature_C": lambda T: T + 273.15}}, "is likely in K: 20 to 150 °C"),
+        ({"stated": {"temperature_C": lambda T: 293.15}}, "is likely in K: 20 °C"),
         ({"stated": {"temperature_C": lambda T: 1.8 * T + 32}}, "is likely in °F: 20 to 150 °C"),
     ],
 )

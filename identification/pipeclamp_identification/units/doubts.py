@@ -152,7 +152,9 @@ def unlikely_units(runs: Sequence[ShownRun]) -> tuple[str, ...]:
 
 def _unlikely_temperatures(levels: Array) -> tuple[str, ...]:
     """Say that temperatures are likely in K or °F: set points are round numbers in the unit in which they were set."""
-    if len(levels) < FEWEST or _round(levels):
+    if not len(levels) or _round(levels):
+        return ()
+    if len(levels) < FEWEST and not ROOM[0] <= levels[0] <= ROOM[1]:
         return ()
     words = f"temperature_C in runs.csv, {_span(levels)}, is likely in"
     if ROOM[0] <= levels[0] <= ROOM[1] or _round(levels - CELSIUS):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -35,14 +36,18 @@ def read(path: Path) -> Sequence[RawTable]:
                     columns.append((channel.name, "s", (samples - samples[0]) / np.timedelta64(1, "ns") * 1e-9))
                 else:
                     columns.append((channel.name, _unit(channel), samples))
-                if increment := channel.properties.get("wf_increment"):
-                    increments.add(
-                        (len(channel), float(increment), float(channel.properties.get("wf_start_offset", 0)))
-                    )
+                if (increment := _number(channel, "wf_increment")) > 0:
+                    increments.add((len(channel), increment, _number(channel, "wf_start_offset")))
             for count, increment, start in increments:
                 columns.append(("waveform time", "s", start + increment * np.arange(count)))
             tables += table_of(name if len(groups) > 1 else "", columns)
     return tables
+
+
+def _number(channel: Any, name: str) -> float:
+    """Give a property that is a number; 0 for any other."""
+    value = channel.properties.get(name, 0.0)
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else 0.0
 
 
 def _unit(channel: Any) -> str:
