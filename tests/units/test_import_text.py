@@ -114,6 +114,7 @@ def test_text_among_numbers_is_told_with_column_row_and_what_stands_there(tmp_pa
     path, run = tmp_path / "a.csv", loop()
     path.write_text(with_cells(run, {100: "OVLD"}))
     found = pc.import_files(path, tmp_path / "c", dry_run=True)
+    assert "'OVLD' in row 102" in found.found.imported.files[0].read_as
     assert any("column 'Kraft [N]' holds text for a number, 'OVLD' in row 102" in note for note in found.notes)
     path.write_text(with_cells(run, {sample: "OVLD" for sample in range(600) if abs(run.force[sample]) > 400}))
     with pytest.raises(

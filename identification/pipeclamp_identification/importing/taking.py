@@ -201,7 +201,7 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         file=source.name,
         sha256=digest,
         format=source.format,
-        read_as="; ".join(first.told),
+        read_as="; ".join([*first.told, *(one.words() for one in tables[0].unread)]),
         columns={OURS.get(one.ours, one.ours): _imported(one) for one in mapped.columns},
     )
     return TakenFile(file, tuple(tables), used.aside)

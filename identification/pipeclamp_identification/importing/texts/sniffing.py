@@ -73,7 +73,8 @@ class Layout:
     def words(self) -> str:
         """Say how the table is held."""
         decimals = "decimal comma" if self.decimal == "," else "decimal point"
-        header = f", {self.first} lines before the numbers" if self.first else ", no header"
+        lines = "1 line" if self.first == 1 else f"{self.first} lines"
+        header = f", {lines} before the numbers" if self.first else ", no header"
         return f"cells parted by {WORDS[self.delimiter]}, {decimals}{header}"
 
 
