@@ -15,7 +15,7 @@ from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.importing.mapping import MappedFile, mapped_tables
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.reading import SourceFile
-from pipeclamp_identification.importing.samples.repair import evened
+from pipeclamp_identification.importing.samples.repair import at_own_rate, evened
 from pipeclamp_identification.importing.traces import without_wrong_stamps
 
 RUN = loop(0.5, 2.0, cycles=10)
@@ -184,6 +184,26 @@ def test_a_column_that_is_filled_now_and_then_counts_and_sheets_without_a_test_a
     assert run.temperature_C == 80.0
     assert "a.xlsx: left aside, without time, displacement and force: 'Summary'" in found.notes
     assert any("'OVLD' in row 2" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("every", [3, 400])
+def test_a_last_column_that_is_blank_in_most_rows_counts(tmp_path, every):
+    lines = named("Time [s];Weg [mm];Kraft [N];Temperatur [°C]").splitlines()
+    rows = [line + (";80" if number % every == every - 1 else ";") for number, line in enumerate(lines[1:])]
+    (tmp_path / "a.csv").write_text("\n".join([lines[0], *rows]), encoding="utf-8")
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    assert run.temperature_C == 80.0
+    assert len(run.record.time_s) == len(RUN.time)
+
+
+def test_a_channel_that_was_written_several_times_over_is_taken_once():
+    slow = at_own_rate(Record(RUN.time, RUN.y, np.repeat(RUN.force[2::5], 5)[: len(RUN.time) - 2]))
+    assert slow.told == ("force_N holds each number for 5 samples: one of them is kept",)
+    whole = Record(RUN.time, RUN.y, RUN.force)
+    assert at_own_rate(whole).record is whole
+    coarse = Record(RUN.time, np.round(RUN.y, 1), np.round(RUN.force, -2))
+    assert at_own_rate(coarse).record is coarse
 
 
 def test_runs_that_stand_beside_each_other_become_tables(tmp_path):

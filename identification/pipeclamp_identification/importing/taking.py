@@ -25,7 +25,7 @@ from pipeclamp_identification.importing.raw import RawTable, Unread
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
-from pipeclamp_identification.importing.samples.repair import evened, without_spikes
+from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
 from pipeclamp_identification.importing.traces import Trace, first_motion, segment_of, time_of, trace_of
 from pipeclamp_models.base.arrays import Array
@@ -309,7 +309,8 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
     whole = without_blanks(trace.record.part(part.first, part.last), row)
     kept = Part(part.first + whole.first, part.first + whole.last)
     check_samples(whole.record, lambda sample: row(whole.first + sample))
-    clean = without_spikes(whole.record)
+    slow = at_own_rate(whole.record)
+    clean = without_spikes(slow.record)
     repaired = evened(clean.record)
     record, seen, words = _usable(repaired.record)
     path.write_bytes(encoded(pl.DataFrame(record.channels), piece.format))
@@ -319,7 +320,7 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
         span=_span(trace, kept),
         record=path,
         seen=seen,
-        done=(*trace.told, *whole.told, *clean.told, *repaired.told, *words),
+        done=(*trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
         further={name: _mean(values[kept.first : kept.last]) for name, values in trace.further.items()},
         temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
     )

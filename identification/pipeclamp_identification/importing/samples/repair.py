@@ -25,6 +25,11 @@ EVEN = 0.25
 UNEVEN = 1.6
 """Largest over usual step from which on a record is put on an even grid."""
 
+MOVING = ("displacement_mm", "force_N")
+FEWEST_HELD = 8
+"""Numbers that tell for how many samples each is held."""
+MOSTLY_EVEN = 0.95
+"""Share of them that are held for a multiple of the usual length."""
 FEWEST_CHANGES = 3
 """Changes of rounded stamps that tell how fast samples were taken: two whole steps of the clock."""
 
@@ -116,6 +121,30 @@ def evened(record: Record) -> Repaired:
         f"{float(grid[1] - grid[0]):.4g} s by straight lines ({len(time)} samples became {count})"
     )
     return Repaired(Record(time_s=grid, **channels), (words,))
+
+
+def at_own_rate(record: Record) -> Repaired:
+    """Give a record at the rate of its slowest channel, where a logger wrote each number of it several times over."""
+    told, keep, of = "", 1, 0
+    for name in MOVING:
+        times, first = _times_held(record.channels[name])
+        if times > keep:
+            keep, of, told = times, first % times, f"{name} holds each number for {times} samples: one of them is kept"
+    if not told:
+        return Repaired(record)
+    return Repaired(Record(**{name: values[of::keep] for name, values in record.channels.items()}), (told,))
+
+
+def _times_held(values: Array) -> tuple[int, int]:
+    """Give for how many samples each number is held, 1 where none is, and where the first begins."""
+    begins = np.flatnonzero(values[1:] != values[:-1]) + 1
+    lengths = np.diff(begins)
+    if len(lengths) < FEWEST_HELD:
+        return 1, 0
+    times = int(np.median(lengths))
+    # the last digits of a sensor hold numbers, too, but not for even lengths
+    even = times > 1 and np.mean(lengths % times == 0) > MOSTLY_EVEN
+    return (times, int(begins[0])) if even else (1, 0)
 
 
 def _despiked(name: str, values: Array) -> tuple[Array, str]:

@@ -113,17 +113,20 @@ def layout_of(lines: Sequence[str]) -> Layout:
     ways = [(delimiter, decimal) for delimiter in parting for decimal in (".", ",")]
     quoted = any('"' in line for line in sample)
     scored = [(*_score(sample, *way), way) for way in ways if way != (",", ",") or quoted]
-    share, width, (delimiter, decimal) = max(
-        scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[2][0])), default=(0.0, 0, ("", ""))
+    share, width, ended, (delimiter, decimal) = max(
+        scored, key=lambda one: (round(one[0], 2), -DELIMITERS.index(one[3][0])), default=(0.0, 0, False, ("", ""))
     )
     if share == 0.0:
         line = sample[len(sample) // 2][:MOST_SHOWN]
         raise Damaged(
             f"holds no table of numbers: no two columns of them are parted by tabs, ; , | or blanks; got {line!r} in it"
         )
-    first = _first_line(lines, sample, delimiter, decimal, width)
-    width = len(_trimmed(cells_of(lines[first], delimiter)))
-    names, units = _names_and_units(_whole_lines(lines[:first]), delimiter, width)
+    first = _first_line(lines, sample, delimiter, decimal, width, ended)
+    header = _whole_lines(lines[:first])
+    if ended and header and len(named := cells_of(header[-1], delimiter)) == width + 1 and named[-1]:
+        # a column that is blank in most rows has a name
+        width += 1
+    names, units = _names_and_units(header, delimiter, width)
     return Layout(delimiter, decimal, width, first, names, units)
 
 
@@ -151,38 +154,43 @@ def _places(lines: Sequence[str]) -> list[int]:
     return [index for index, line in enumerate(lines) if line.strip()]
 
 
-def _trimmed(cells: list[str]) -> list[str]:
-    """Give cells without the blank one that a delimiter at the line's end makes."""
-    return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+def _trimmed(cells: list[str], ended: bool) -> list[str]:
+    """Give cells without the blank one that a delimiter at the line's end makes, where all rows are `ended` so."""
+    return cells[:-1] if ended and len(cells) > 1 and not cells[-1] else cells
 
 
-def _score(sample: Sequence[str], delimiter: str, decimal: str) -> tuple[float, int]:
-    """Give the share of cells that are numbers where a line has at least two, over all lines, and the usual width."""
-    rows = [_trimmed(cells_of(line, delimiter)) for line in sample]
-    shares, widths = [], []
-    for row in rows:
-        numbers = sum(is_number(cell, decimal) for cell in row)
-        if numbers >= FEWEST_COLUMNS:
-            shares.append(numbers / len([cell for cell in row if cell]))
-            widths.append(len(row))
-    if not widths:
-        return 0.0, 0
+def _score(sample: Sequence[str], delimiter: str, decimal: str) -> tuple[float, int, bool]:
+    """Give the share of cells that are numbers where a line has at least two, over all lines; the usual width; and
+    whether a delimiter ends each row: a last column may be blank now and then."""
+    cells = [cells_of(line, delimiter) for line in sample]
+    counted = [(row, sum(is_number(cell, decimal) for cell in row)) for row in cells]
+    rows = [(row, numbers) for row, numbers in counted if numbers >= FEWEST_COLUMNS]
+    if not rows:
+        return 0.0, 0, False
+    ended = all(not row[-1] for row, _ in rows)
+    widths = [len(_trimmed(row, ended)) for row, _ in rows]
     width = max(set(widths), key=widths.count)
-    kept = [share for share, own in zip(shares, widths, strict=True) if own == width]
+    kept = [
+        numbers / len([cell for cell in row if cell])
+        for (row, numbers), own in zip(rows, widths, strict=True)
+        if own == width
+    ]
     # a header may be longer than a short table; what must be clear is which way makes the best rows
-    return sum(kept) / len(kept) * (0.5 + 0.5 * len(kept) / len(rows)), width
+    return sum(kept) / len(kept) * (0.5 + 0.5 * len(kept) / len(counted)), width, ended
 
 
-def _first_line(lines: Sequence[str], sample: Sequence[str], delimiter: str, decimal: str, width: int) -> int:
+def _first_line(
+    lines: Sequence[str], sample: Sequence[str], delimiter: str, decimal: str, width: int, ended: bool
+) -> int:
     """Find the first line of the table: as wide as most, with numbers where most have them.
 
     Lines right above it that hold text for one of these numbers belong to it, others ("Samples;2500;2500") don't.
     """
-    rows = [row for row in (_trimmed(cells_of(line, delimiter)) for line in sample) if len(row) == width]
+    rows = [row for row in (_trimmed(cells_of(line, delimiter), ended) for line in sample) if len(row) == width]
     usual = [place for place in range(width) if 2 * sum(is_number(row[place], decimal) for row in rows) >= len(rows)]
 
     def numbers_in(line: str) -> tuple[bool, bool]:
-        row = _trimmed(cells_of(line, delimiter))
+        row = _trimmed(cells_of(line, delimiter), ended)
         numbers = sum(is_number(cell, decimal) for cell in row)
         enough = len(row) == width and numbers >= max(FEWEST_COLUMNS, CLEAR * len([cell for cell in row if cell]))
         return enough, enough and all(is_number(row[place], decimal) for place in usual if row[place])
