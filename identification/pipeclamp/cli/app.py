@@ -40,6 +40,7 @@ from pipeclamp.cli.terminal import (
     errors,
     file_option,
     folder_option,
+    line_called,
     names_in,
     opened_law,
     print_table,
@@ -71,11 +72,11 @@ def _say_the_line(error: Any, parameters: Sequence[Any]) -> None:
     """Where an option is missing, or the file that it takes, add the whole line to run to what is said."""
     missing = getattr(error, "param", None) if hasattr(error, "param_type") else None
     if missing is not None and missing.param_type_name == "option":
-        error.message = f"Run: {command_called()} {missing.opts[0]} {missing.metavar}"
+        error.message = f"Run: {line_called()} {missing.opts[0]} {missing.metavar}"
     option = getattr(error, "option_name", "")
     known = next((each for each in parameters if option in each.opts), None)
     if known is not None and sys.argv[-1] == option:
-        error.message = f"{error.message} Run: {command_called()} {known.metavar}"
+        error.message = f"{error.message} Run: {line_called()} {known.metavar}"
     if option == "-o" and known is None:
         single = (each for each in parameters if each.param_type_name == "option" and not each.multiple)
         files = [f"{each.opts[0]} {each.metavar}" for each in single if re.fullmatch(r"\w+\.\w+", each.metavar or "")]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -75,7 +76,7 @@ def _output_option(refuse: Callable[[Path], None], metavar: str, help: str, name
     def checked(path: Path | None) -> Path | None:
         if path is not None and str(path) in ("-o", "--output"):
             # `--auto -o LAW2.json`: the option itself takes the file
-            rest = command_called().split(f" {path}", 1)
+            rest = line_called().split(f" {path}", 1)
             line = "".join(rest) if rest[-1].strip() else f"{rest[0]} {metavar}"
             raise typer.BadParameter(f"got {path}; expected the file itself. Run: {line}", param_hint=f"'{given[-1]}'")
         if path is not None:
@@ -280,6 +281,11 @@ def command_called() -> str:
 
     words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
     return " ".join(["pipeclamp", *words])
+
+
+def line_called() -> str:
+    """Give the command as it was called, as a shell takes it again."""
+    return shlex.join(["pipeclamp", *sys.argv[1:]])
 
 
 def read_and_tell(folder: Path, strict: bool, tell: Tell, *, free: bool = False) -> Tests:
