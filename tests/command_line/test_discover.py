@@ -61,6 +61,18 @@ def test_the_hidden_term_is_found_and_can_be_added(campaigns, pipeclamp, tmp_pat
     assert again.nrmse == pytest.approx(found.nrmse, rel=0.01)
 
 
+def test_what_takes_more_in_the_mean_than_what_is_named_is_told_beside_it(campaigns):
+    tests = campaigns / "with"
+    answer = pc.diagnose(pc.identify(tests), tests).to_dict()
+    (named,), (reason, *_) = answer["effects"], answer["reasons"]
+    shares = {one["effect"]: one["explained"] for one in answer["candidates"] if not one["objections"]}
+    most = max(shares, key=shares.get)
+    assert answer["kind"] == "part"
+    assert shares[most] > shares[named]
+    assert f"{most} takes most, {shares[most]:.0%} of what is missing" in reason
+    assert "no rival" not in reason
+
+
 def test_a_part_that_stood_for_the_term_goes(campaigns, pipeclamp, tmp_path):
     """Where nothing of the catalogue can be named, the search for a term comes next; it asks the parts again."""
     tests = campaigns / "with"

@@ -182,7 +182,8 @@ def _name(index: int, rungs: Sequence[Rung]) -> list[str]:
 def _wrapped(line: str) -> list[str]:
     """Give a long line in several; the blanks at its end stay, which keep names apart."""
     words = line.rstrip()
-    *first, last = textwrap.wrap(words, LONGEST, break_long_words=False) or [""]
+    joined = words.replace("+ ", "+\N{NO-BREAK SPACE}")
+    *first, last = textwrap.wrap(joined, LONGEST, break_long_words=False) if len(words) > LONGEST else [words]
     return [*first, last + line[len(words) :]]
 
 

@@ -263,7 +263,10 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
         others = " and ".join(names[1:])
         alike_words = f"{takes}; {others} would take much the same part"
         return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form))
-    return Weighed("missing", names, "part", best, pair, (f"{takes}, and no rival comes near", *form))
+    unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
+    more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
+    but = f"beyond doubt; {_immaterial_words(more[0], scales.law)}" if more else "and no rival comes near"
+    return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form))
 
 
 def _without_general(alike: Sequence[Judged]) -> list[Judged]:

@@ -126,7 +126,10 @@ def confirmed(law: Law, found: Law, unseen: Loops, groups: npt.NDArray[np.intp])
     gain = gain[np.bincount(groups) > 0]
     force = float(np.sum(unseen.samples * unseen.force_rms_N**2))
     shares = [np.sqrt(float(squares.sum()) / force) for squares in (before, after)]
-    words = f"on conditions that the search never saw the error goes from {shares[0]:.2%} to {shares[1]:.2%}"
+    words = (
+        f"on conditions that the search never saw the error, scatter left aside, goes from {shares[0]:.2%} to "
+        f"{shares[1]:.2%}"
+    )
     return Guard("confirmed", bool(gain.sum() > 0 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE), words)
 
 
