@@ -15,6 +15,8 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from pipeclamp_models.pipe.modes import ReducedPipe
+
 LOOKED_AT = 2e-4
 """s between the times at which events are looked for."""
 
@@ -36,6 +38,12 @@ class Modal:
     damping: np.ndarray
     participation: np.ndarray
     clamps: np.ndarray
+
+    @classmethod
+    def of(cls, pipe: ReducedPipe) -> Modal:
+        """Take over a reduced pipe's."""
+        parts = (pipe.omega, pipe.damping, pipe.excitation_participation, pipe.clamp_shapes)
+        return cls(*(np.array(part) for part in parts))
 
 
 class Sliding:

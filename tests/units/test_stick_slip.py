@@ -46,8 +46,7 @@ def rubbing(clamp: Rubbing, sign: Callable[[float], float]) -> PlainClamp:
 
 def truth(pipe: ReducedPipe, clamps: Sequence[Rubbing], frequency: float, time: np.ndarray) -> np.ndarray:
     """Give the displacement of the clamps, m, (clamps, n)."""
-    modal = Modal(*(np.array(one) for one in (pipe.omega, pipe.damping, pipe.excitation_participation)),
-                  np.array(pipe.clamp_shapes))  # fmt: skip
+    modal = Modal.of(pipe)
     motion = integrate(modal, clamps, ACCELERATION, frequency, time)
     return modal.clamps @ motion[: len(pipe.omega)]
 

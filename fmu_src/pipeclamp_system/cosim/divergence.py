@@ -15,6 +15,10 @@ HOPELESS = 1e6
 """The same, where the run is stopped at once."""
 
 
+class DivergedError(UserError):
+    """A run was stopped whose coupling diverges."""
+
+
 class EnergyGuard:
     """Stops a run that diverges: by energy in the pipe that nobody has put in.
 

@@ -53,6 +53,7 @@ class CosimResult:
         step_error: of the displacement, owed to the macro step, as a share of it; infinite where no other step could
             tell, None where none was asked.
         order: power of the step with which that falls, as the other run tells; None where none was asked.
+        means_told: whether the pipe was told each step's mean force, not one that is linear over it.
         beats: a swing of the amplitude of a clamp whose law is tracked; None where there is none.
     """
 
@@ -68,6 +69,7 @@ class CosimResult:
     unsolved: float = 0.0
     step_error: float | None = None
     order: int | None = None
+    means_told: bool = False
     beats: Beats | None = None
 
     @property

@@ -9,7 +9,7 @@ itself jumps over it (sgn v as such), it is any force between the two that dry f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
+from math import inf, isfinite
 
 from scipy.optimize import brentq
 
@@ -55,6 +55,8 @@ def enclosed(answer: Answer, guess: Sequence[float], scale: Sequence[float], tol
         error = max(shares)
         if error <= tolerance.relative:
             raise _AgreedError
+        if not isfinite(error):
+            raise NotFoundError(error)
         return given[index] - value
 
     try:
