@@ -17,6 +17,7 @@ from pipeclamp_identification.on_pipe.answer import sines_answer
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 from pipeclamp_identification.on_pipe.where import how_much, where_words
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_system.steady.harmonics import DOUBTFUL
 
 MEASUREMENT = """
 name = "test"
@@ -229,4 +230,13 @@ def test_what_is_compared_is_stable_in_as_many_harmonics_as_a_gap_asks_for(tmp_p
     text = '[[probes]]\nname = "tip"\nunit = "mm"\n[[responses]]\nfile = "sines.csv"\nsweep = "up"\n'
     (measured / "measurement.toml").write_text(text, encoding="utf-8")
     (measured / "sines.csv").write_text(SHOT, encoding="utf-8")
-    assert compare_pipe(tmp_path / "system.toml", measured).nrmse < 0.01
+    enough = compare_pipe(tmp_path / "system.toml", measured)
+    assert enough.nrmse < 0.01
+    assert np.nanmax(enough.truncated) < DOUBTFUL
+    assert "truncated" not in "".join(where_words(enough))
+    with (tmp_path / "system.toml").open("a", encoding="utf-8") as file:
+        file.write("[response]\nfrom_Hz = 9.0\nto_Hz = 12.0\nharmonics = 1\n")
+    few = compare_pipe(tmp_path / "system.toml", measured)
+    assert few.nrmse > 3 * enough.nrmse
+    assert np.nanmax(few.truncated) > 2 * DOUBTFUL
+    assert "the model's own motion is truncated" in "".join(where_words(few))

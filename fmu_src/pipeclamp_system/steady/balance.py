@@ -259,7 +259,10 @@ class SteadySystem:
         whole[:, :, : H + 1] = self.unpacked(unknowns[None])
         again = self._driven(self._forces(whole, at), drive, responses)[:, : self.clamps, : H + 1]
         two = float(at[0]) * np.array([1.0, 1 + NUDGE])
-        drives = np.array([self._excitation(one) for one in two.tolist()])
+        stated = self._excitation(float(at[0]))
+        drives = (float(drive[0]) / stated if stated else 1.0) * np.array(
+            [self._excitation(one) for one in two.tolist()]
+        )
         residual, by_unknowns, ahead = self._linearised(unknowns, two, drives, self.responses(two, H))
         missing, size = packed(again)[0] - unknowns, self.sizes(unknowns[None])[0]
         change = np.linalg.lstsq(by_unknowns, missing, rcond=None)[0]
@@ -274,6 +277,20 @@ class SteadySystem:
         answered = float(np.sqrt((moved.sum(axis=1) / np.where(held > 0, held, 1.0)).max(initial=0.0)))
         rest = 1 - H / forces.shape[2]
         return float(max(answered / rest, left_out(first[0])[H]))
+
+    def truncated(self, unknowns: Array, frequency: float, drive: float) -> float:
+        """Give what a balanced motion is off by because harmonics are left out, as a share of it.
+
+        Args:
+            unknowns: of the clamps' motion, (m,).
+            frequency: Hz.
+            drive: amplitude of the excitation, m/s2 or N.
+        """
+        if not self._clamps:
+            return 0.0
+        at, motion = np.array([frequency]), self.unpacked(unknowns[None])
+        forces = self._forces(resized(motion, max(motion.shape[2], self._told + 1)), at)
+        return self._truncated(unknowns, at, np.array([drive]), forces)
 
     def at(self, frequency: float) -> SteadyState | None:
         """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""

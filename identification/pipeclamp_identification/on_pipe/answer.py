@@ -43,6 +43,9 @@ class SineAnswer(AnswerModel):
     temperature_C: float | None = Field(description="of the clamps; None where it wasn't measured")
     nrmse: float | None
     stable_motions: int = Field(description="of the model under that sine; compared is one of them")
+    truncated: float | None = Field(
+        description="what the computed motion is off by because harmonics are left out, as a share; None: no motion"
+    )
 
 
 class RecordAnswer(AnswerModel):
@@ -121,6 +124,7 @@ def _sine(comparison: PipeComparison, row: int) -> SineAnswer:
         temperature_C=known(float(steady.temperature[row])),
         nrmse=comparison.part("", np.array([row])).nrmse,
         stable_motions=int(comparison.prediction.branches[row]),
+        truncated=known(float(comparison.truncated[row])),
     )
 
 

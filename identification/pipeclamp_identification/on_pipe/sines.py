@@ -15,7 +15,13 @@ from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, 
 from pipeclamp_identification.comparison.concentration import Factor, Region, condition_factors, densest, is_scatter
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement, read_measurement
 from pipeclamp_identification.on_pipe.model import CoupledModel, read_model
-from pipeclamp_identification.on_pipe.prediction import SAME_LEVEL, Prediction, predict, temperatures
+from pipeclamp_identification.on_pipe.prediction import (
+    SAME_LEVEL,
+    Prediction,
+    predict,
+    temperatures,
+    true_operation,
+)
 from pipeclamp_identification.signals.levels import name_levels, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -64,6 +70,18 @@ class PipeComparison:
     def phased(self) -> bool:
         """Whether any phase was measured: else nothing can be said of phases."""
         return bool(self.measurement.steady.phased.any())
+
+    @cached_property
+    def truncated(self) -> Array:
+        """What the computed motions are off by because harmonics are left out, as a share of each; nan: none, (P,)."""
+        found = np.full(self.measurement.steady.frequency.size, np.nan)
+        for group in self.prediction.groups:
+            system = self.model.system(group.temperature, lambda frequency: 1.0, group.harmonics)
+            true = true_operation(self.model, self.measurement, group.rows)
+            for place in np.flatnonzero(group.solved.found):
+                drive, frequency = float(true.drive[place]), float(true.frequency[place])
+                found[group.rows[place]] = system.truncated(group.solved.unknowns[place], frequency, drive)
+        return found
 
     @cached_property
     def measured(self) -> Complex:

@@ -13,6 +13,7 @@ from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.description.measured_table import DRIVES
+from pipeclamp_system.steady.harmonics import DOUBTFUL
 
 Rows = NDArray[np.intp]
 
@@ -29,6 +30,7 @@ def where_words(comparison: PipeComparison) -> list[str]:
         words.append(f"{amplitude:.0%} of it is wrong in amplitude, {phase:.0%} in phase.")
     words += _peak_words(comparison)
     words += _branch_words(comparison)
+    words += _truncated_words(comparison)
     words += _range_words(comparison)
     return words
 
@@ -89,6 +91,17 @@ def _branch_words(comparison: PipeComparison) -> Iterator[str]:
     lost = np.flatnonzero(~np.isfinite(prediction.response).any(axis=1))
     if lost.size:
         yield f"At {sines(lost.size)} no stable steady motion of the model was found: left out."
+
+
+def _truncated_words(comparison: PipeComparison) -> Iterator[str]:
+    """Say where the model's own motions lack harmonics."""
+    doubtful = np.flatnonzero(comparison.truncated > DOUBTFUL)
+    if doubtful.size:
+        f, worst = comparison.measurement.steady.frequency[doubtful], comparison.truncated[doubtful].max()
+        yield (
+            f"At {sines(doubtful.size)} ({_span(f)} Hz) the model's own motion is truncated: harmonics that are left "
+            f"out would move up to {worst:.1%} of it; an error of that size there is not the pipe's."
+        )
 
 
 def _span(values: Array) -> str:
