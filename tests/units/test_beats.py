@@ -9,6 +9,7 @@ import polars as pl
 import pytest
 from banded import PIPE
 
+from pipeclamp.pages.system.cosim import cosim_sections
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import write_law
 from pipeclamp_system.cosim.beating import Beats, Swing, swing_of
@@ -66,6 +67,10 @@ def test_a_law_that_hangs_on_its_tracker_is_said_to_beat(tmp_path, steep, beats)
         # A is solved for: with A held where the swing has its mean it would be 1.40 mm.
         assert result.beats.settles_at == pytest.approx(1.505e-3, rel=0.01)
         assert result.beats.held_at == pytest.approx(result.beats.settles_at, rel=0.02)
+        (picture,) = (one for section in cosim_sections(result) if section.title == "Beats" for one in section.figures)
+        tracked, held = (np.array(curve.y)[-40:] for curve in picture.data)
+        assert np.ptp(tracked) > 0.3 * tracked.mean()
+        assert held == pytest.approx(1e3 * result.beats.settles_at, rel=0.01)
         assert result.step_error is None
         assert "is still changing" not in said
         write_result(result, tmp_path / "result.csv")

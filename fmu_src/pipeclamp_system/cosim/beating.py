@@ -46,6 +46,7 @@ class Beats:
         settles_at: amplitude that the clamp then comes to, m; None where it swings then too, or that run fails.
         solved: whether that is the amplitude that the law was held at.
         failed: why the run with A held gave nothing; None where it gave a motion.
+        held_motion: time, s, and the clamp's displacement, m, of that run, (2, n); None where it failed.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Beats:
     settles_at: float | None
     solved: bool = False
     failed: str | None = None
+    held_motion: Array | None = None
 
 
 def swing_of(time: Array, signal: Array, frequency: float) -> Swing | None:
@@ -71,6 +73,21 @@ def swing_of(time: Array, signal: Array, frequency: float) -> Swing | None:
     return None
 
 
+def cycle_amplitudes(time: Array, signal: Array, frequency: float, cycles: int) -> tuple[Array, Array]:
+    """Give the ends, s, of the last cycles of a run, and half the range of a signal in each, both (cycles,).
+
+    Args:
+        time: s, (n,).
+        signal: (n,).
+        frequency: Hz.
+        cycles: how many; the run holds as many at least.
+    """
+    ends = time[-1] - np.arange(cycles, -1, -1) / frequency
+    places = np.searchsorted(time, ends)
+    ranges = [np.ptp(signal[one : max(other, one + 2)]) for one, other in pairwise(places.tolist())]
+    return ends[1:], np.array(ranges) / 2
+
+
 def is_judged(duration: float, frequency: float) -> bool:
     """Tell whether a run, s, under a sine, Hz, is long enough to show a swing."""
     return int(0.2 * duration * frequency) >= FEWEST_CYCLES
@@ -80,9 +97,7 @@ def _swing_in(time: Array, signal: Array, frequency: float, cycles: int) -> Swin
     """Give a swing in the last cycles of a run and as many before them; what only rises or falls is none."""
     if cycles < FEWEST_CYCLES:
         return None
-    ends = time[-1] - np.arange(2 * cycles, -1, -1) / frequency
-    places = np.searchsorted(time, ends)
-    amplitude = np.array([np.ptp(signal[one : max(other, one + 2)]) / 2 for one, other in pairwise(places.tolist())])
+    _, amplitude = cycle_amplitudes(time, signal, frequency, 2 * cycles)
     before, last = amplitude[:cycles], amplitude[cycles:]
     share = np.ptp(last) / last.mean() if last.mean() > 0 else 0.0
     if share < SWINGS or np.ptp(last) < LASTS * np.ptp(before):

@@ -152,9 +152,11 @@ def _beats(result: CosimResult, ready: SystemDescription, folder: Path, where: s
     except UserError as error:
         return Beats(name, swings[name], means[name][0], None, failed=str(error))
     held_at = float(still.columns[f"{name}.A_used"][-1])
+    motion = np.stack([still.time, still.columns[f"{name}.s"]])
     if any(still.swing(one) is not None for one in swings):
-        return Beats(name, swings[name], held_at, None)
-    return Beats(name, swings[name], held_at, still.amplitude(f"{name}.s"), solved=not still.unsolved)
+        return Beats(name, swings[name], held_at, None, held_motion=motion)
+    settles_at = still.amplitude(f"{name}.s")
+    return Beats(name, swings[name], held_at, settles_at, solved=not still.unsolved, held_motion=motion)
 
 
 def _in_steps(description: SystemDescription, factor: float) -> SystemDescription:

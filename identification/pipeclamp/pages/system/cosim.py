@@ -14,6 +14,7 @@ from pipeclamp.pages.system.bands import add_area, run_bands_section
 from pipeclamp.show.table import Table
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.ensemble import RunBands
+from pipeclamp_system.cosim.beating import cycle_amplitudes
 from pipeclamp_system.cosim.energy import NAMES
 from pipeclamp_system.cosim.result import CosimResult
 
@@ -43,6 +44,7 @@ def cosim_sections(result: CosimResult, bands: RunBands | None = None) -> list[S
             doubted(picture)
     return [
         Section("What came out", answer_first(result.summary().splitlines())),
+        *_beats_section(result),
         *([run_bands_section(bands)] if bands else []),
         Section("Motion", (), (), histories + tracked),
         Section("The clamps' loops", (), (), loops),
@@ -54,6 +56,23 @@ def answer_first(lines: Sequence[str]) -> list[str]:
     """Give a summary as a page tells it: what came out before how it was computed."""
     how, *what = lines
     return [*what, how]
+
+
+def _beats_section(result: CosimResult) -> list[Section]:
+    """Show a swing beside what the clamp does with its A and f held."""
+    beats, frequency = result.beats, result.system.excitation.frequency_Hz
+    if beats is None or beats.held_motion is None or frequency is None:
+        return []
+    runs = {
+        "with A and f tracked": (result.time, result.columns[f"{beats.name}.s"]),
+        f"with A = {1e3 * beats.held_at:.4g} mm and f held": (beats.held_motion[0], beats.held_motion[1]),
+    }
+    curves = []
+    for label, (time, displacement) in runs.items():
+        ends, amplitude = cycle_amplitudes(time, displacement, frequency, int(time[-1] * frequency))
+        curves.append((label, ends.tolist(), (1e3 * amplitude).tolist(), "lines"))
+    title = f"Amplitude at {beats.name}, cycle by cycle"
+    return [Section("Beats", (), (), [curves_picture("t / s", "amplitude / mm", curves, title)])]
 
 
 def history_picture(result: CosimResult, column: str, factor: float, unit: str, title: str) -> go.Figure:
