@@ -14,12 +14,15 @@ from cantilever import cantilever, shaken
 from stick_slip import Modal, Rubbing, integrate
 from test_coupling import PlainClamp, PlainPipe
 
+from pipeclamp_fmu.build import build_clamp
+from pipeclamp_models.law.file import read_law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.coupling.broyden import Tolerance
 from pipeclamp_system.coupling.iterated import Iteration
 from pipeclamp_system.coupling.march import System, march
+from pipeclamp_system.fmus.participant import FmuParticipant, opened
 from pipeclamp_system.transient.monolithic import ClampEquations
 
 ACCELERATION, END = 3.0, 1.0
@@ -94,3 +97,27 @@ def test_a_run_of_fmus_with_friction_is_right_and_knows_how_far(frequency, tmp_p
     assert error < 0.005
     assert error < result.step_error < 0.02
     assert result.energy.coupling_share < 0.01
+
+
+def test_what_a_reversal_within_the_clamp_fmu_s_own_step_costs(tmp_path, write_law) -> None:
+    """Between communication points the motion is straight: its peak is cut off, slip itself is exact.
+
+    A Jenkins element of stiffness k that slips at S dissipates 4 S (A - S/k) a cycle of amplitude A.
+    """
+    stiffness, slip, amplitude, frequency = 200e3, 8.0, 1e-3, 7.0
+    write_law(tmp_path / "law.json", {"k_s": stiffness / 1e3, "z_s": slip, "alpha0": 1.0}, "memory")
+    build_clamp(read_law(tmp_path / "law.json"), tmp_path / "clamp.fmu")
+    exact = 4 * slip * (amplitude - slip / stiffness)
+    errors = []
+    for parts in (25, 50, 100):
+        with opened([(tmp_path / "clamp.fmu", "clamp")]) as (fmu,):
+            fmu.initialise({"A": amplitude, "f": frequency, "T": 293.15})
+            clamp = FmuParticipant(fmu, ["flange.s", "flange.v"], ["flange.f"], ("energyDissipated",))
+            heat, omega, h = [], 2 * pi * frequency, 1 / (frequency * parts)
+            for index in range(1, 3 * parts + 1):
+                phase = omega * h * (index + 0.3)
+                clamp.set_inputs((amplitude * np.sin(phase), amplitude * omega * np.cos(phase)))
+                clamp.step((index - 1) * h, h)
+                heat.append(clamp.watched()[0])
+        errors.append(1 - (heat[-1] - heat[-1 - 2 * parts]) / 2 / exact)
+    assert errors == pytest.approx([0.015, 0.0042, 0.0006], rel=0.1)
