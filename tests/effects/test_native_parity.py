@@ -32,8 +32,8 @@ IN_AN_FMU = [
 COMPOSED = [
     Structure("power", ("memory:2", "relaxation", "gap", "directional_damping", "damping_temperature")),
     Structure("series:5:2", ("hardening", "coulomb", "contact_growth", "memory")),
-    Structure("memory", ("end_stop", "asymmetry", "stiffness_frequency", "viscous")),
-    Structure("power", ("bouc_wen", "slip_speed", "relaxation", "gap", "directional_damping", "play")),
+    Structure("memory", ("end_stop", "asymmetry", "stiffness_frequency", "viscous", "play")),
+    Structure("power", ("bouc_wen", "slip_speed", "slip_temperature", "relaxation", "gap", "directional_damping")),
     Structure("power", ("slip_spread", "slip_speed", "self_centring", "pressed_slip", "oil_damper")),
 ]
 CONDITIONS = {"A": 0.6, "f": 3.0, "T": 400.0}

@@ -169,6 +169,13 @@ def test_answer_and_report(campaign):
     assert law_text(settled.file)
 
 
+def test_slip_forces_that_follow_the_temperature_are_named_beside_what_slips(campaign):
+    values = {"k_s": 900.0, "z_s": 120.0, "z_T1": -0.25, "z_T2": 0.05}
+    tests = campaign(("memory", "slip_temperature"), **values)
+    diagnosis = diagnose(Structure("power", ("memory",)), tests)
+    assert (diagnosis.verdict, diagnosis.kind, diagnosis.effects) == ("missing", "cause", ("slip_temperature",))
+
+
 def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
     """A ladder that took the one for the other gets to the one that is there, and stays."""
     tests = campaign(("end_stop",), k_e=4000.0, y_e=0.6)

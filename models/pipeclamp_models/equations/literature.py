@@ -135,6 +135,10 @@ CHRISTOPOULOS = (
     "Christopoulos, Filiatrault and Folz: Seismic Response of Self-Centring Hysteretic SDOF Systems, Earthquake "
     "Engineering and Structural Dynamics 31(5), 1131-1150 (2002)"
 )
+DOLCE = (
+    "Dolce, Cardone and Croatto: Frictional Behavior of Steel-PTFE Interfaces for Seismic Isolation, Bulletin of "
+    "Earthquake Engineering 3(1), 75-99 (2005), doi 10.1007/s10518-005-0187-9"
+)
 AURICCHIO = (
     "Auricchio and Sacco: A One-Dimensional Model for Superelastic Shape-Memory Alloys with Different Elastic "
     "Properties between Austenite and Martensite, International Journal of Non-Linear Mechanics 32(6), 1101-1114 (1997)"
