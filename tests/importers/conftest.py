@@ -26,7 +26,7 @@ from pipeclamp_fmu.slaves.one_module import body_of, source_text
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import CoefficientEntry, Interval, LawFile
 from pipeclamp_models.pipe.description import parse_pipe
-from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_system.fmus.participant import LoadedFmu, opened
 
 PIPE = """
@@ -218,6 +218,12 @@ def native_pipes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     for name, path in paths.items():
         build_native_pipe(reduce(parse_pipe(PIPE.format(tables=PIPES[name]))), path)
     return paths
+
+
+@pytest.fixture(scope="session")
+def reduced_pipe() -> ReducedPipe:
+    """Give the test pipe in modes."""
+    return reduce(parse_pipe(PIPE.format(tables=PIPES["pipe"])))
 
 
 @pytest.fixture(scope="session")
