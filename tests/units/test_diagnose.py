@@ -12,6 +12,7 @@ from pipeclamp.show.diagnosis_views import diagnosis_view
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.diagnosis import problem
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
 from pipeclamp_identification.diagnosis.next_test import next_test
@@ -21,7 +22,9 @@ from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.observations import SAMPLES, points_enough
 from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_identification.workflow import on_records
 from pipeclamp_identification.workflow.auto import add_until_settled
+from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UsageError
@@ -174,6 +177,25 @@ def test_slip_forces_that_follow_the_temperature_are_named_beside_what_slips(cam
     tests = campaign(("memory", "slip_temperature"), **values)
     diagnosis = diagnose(Structure("power", ("memory",)), tests)
     assert (diagnosis.verdict, diagnosis.kind, diagnosis.effects) == ("missing", "cause", ("slip_temperature",))
+
+
+def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign, monkeypatch):
+    """Each effect that is tried begins with the same law; a diagnosis and what asks the law again share its fit."""
+    asked = []
+
+    def counted(name, function):
+        return lambda *given, **named: (asked.append(name), function(*given, **named))[1]
+
+    monkeypatch.setattr(on_records, "heldout_nrmse", counted("left out", on_records.heldout_nrmse))
+    monkeypatch.setattr(problem, "prepare", counted("prepared", problem.prepare))
+    runs = campaign(("asymmetry",), k2=60.0)
+    tests, file = RecordTests(runs), law_file(identify(runs), runs, name="base", command="", date=None)
+    first, second = (add_effect(file, name, tests, command="", date=None) for name in ("asymmetry", "offset"))
+    assert first.heldout[0] == second.heldout[0]
+    found = tests.diagnose(first.after)
+    assert found.verdict == "complete"
+    assert tests.superfluous(first.after, "offset", silent) is None
+    assert sorted(asked) == ["left out"] * 3 + ["prepared"]
 
 
 def test_what_acts_alike_is_exchanged_where_the_other_does_better(campaign):
