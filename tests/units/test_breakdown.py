@@ -174,8 +174,9 @@ def test_scatter_stands_where_it_is(harmonic_record, run_of, campaign_of, misfit
     loops = loops_of(campaign)
     misfit = misfit_of(campaign.runs[0], none, float(loops.noise_rms_N[0]))
     unloading, loading = breakdown.by_branch(error_sums(campaign, loops, (misfit,))).parts
-    assert loading.squared_scatter == pytest.approx(36.0 * len(sigma) / 2, rel=0.05)
-    assert unloading.squared_scatter == pytest.approx(4.0 * len(sigma) / 2, rel=0.05)
+    # half of 6667 samples, each in three differences: the variance is known to 4 % (one standard deviation)
+    assert loading.squared_scatter == pytest.approx(36.0 * len(sigma) / 2, rel=0.12)
+    assert unloading.squared_scatter == pytest.approx(4.0 * len(sigma) / 2, rel=0.12)
 
 
 def test_scatter_of_harmonics_is_that_of_white_noise(harmonic_record, run_of, campaign_of, misfit_of):

@@ -186,7 +186,7 @@ def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign,
     def counted(name, function):
         return lambda *given, **named: (asked.append(name), function(*given, **named))[1]
 
-    monkeypatch.setattr(on_records, "heldout_nrmse", counted("left out", on_records.heldout_nrmse))
+    monkeypatch.setattr(on_records, "refitted_nrmse", counted("left out", on_records.refitted_nrmse))
     monkeypatch.setattr(problem, "prepare", counted("prepared", problem.prepare))
     runs = campaign(("asymmetry",), k2=60.0)
     tests, file = RecordTests(runs), law_file(identify(runs), runs, name="base", command="", date=None)

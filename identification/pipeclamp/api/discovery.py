@@ -57,10 +57,10 @@ class Discovery(Shown):
         """Why nothing is proposed; empty where something is."""
         return self._found.reason
 
-    @property
+    @cached_property
     def law(self) -> Law | None:
-        """The law with the term; None where none is proposed."""
-        return None if self._found.after is None else Law(self._found.after, self.before.origin)
+        """The law with the term, which no file holds yet; None where none is proposed."""
+        return None if self._found.after is None else Law(self._found.after)
 
     def save(self, path: PathOrName) -> Path:
         """Write the term's declaration, TOML, whole or not at all.
