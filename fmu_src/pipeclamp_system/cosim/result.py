@@ -303,8 +303,8 @@ def _about_beats(beats: Beats) -> tuple[str, str]:
     comes = f"{held}, solved, it comes to" if beats.solved else f"{held} (not solved) it comes to"
     return (
         f"{what}, for its law follows it with a delay",
-        f"while {comes} {1e3 * beats.settles_at:.4g} mm; use solve = true in place of track = true, or a law with memory, "
-        "whose stiffness doesn't hang on A",
+        f"while {comes} {1e3 * beats.settles_at:.4g} mm; use solve = true in place of track = true, or a law with "
+        "memory, whose stiffness doesn't hang on A",
     )
 
 
