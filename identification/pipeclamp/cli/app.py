@@ -5,16 +5,14 @@ What a command needs is imported inside it, so that `--help` and light commands 
 
 from __future__ import annotations
 
-import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from pipeclamp.cli import campaigns as cli_campaigns
 from pipeclamp.cli import catalogue as cli_catalogue
@@ -23,6 +21,7 @@ from pipeclamp.cli import importing as cli_importing
 from pipeclamp.cli import planning as cli_planning
 from pipeclamp.cli import simulation as cli_simulation
 from pipeclamp.cli import studio as cli_studio
+from pipeclamp.cli.commands import Commands
 from pipeclamp.cli.terminal import (
     MARKED,
     BandsOption,
@@ -40,7 +39,6 @@ from pipeclamp.cli.terminal import (
     errors,
     file_option,
     folder_option,
-    line_called,
     names_in,
     opened_law,
     print_table,
@@ -59,48 +57,6 @@ from pipeclamp_system.description.trust_mark import is_doubt
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import Addition
-
-WHOLE_SENTENCE = 1000
-"""More characters than what any command says of itself has."""
-
-
-_usage_error: Any = typer.BadParameter.__bases__[0]
-"""What Typer raises where a command line can't be read; of its kinds it exports this one's child alone."""
-
-
-def _say_the_line(error: Any, parameters: Sequence[Any]) -> None:
-    """Where an option is missing, or the file that it takes, add the whole line to run to what is said."""
-    missing = getattr(error, "param", None) if hasattr(error, "param_type") else None
-    if missing is not None and missing.param_type_name == "option":
-        error.message = f"Run: {line_called()} {missing.opts[0]} {missing.metavar}"
-    option = getattr(error, "option_name", "")
-    known = next((each for each in parameters if option in each.opts), None)
-    if known is not None and sys.argv[-1] == option:
-        error.message = f"{error.message} Run: {line_called()} {known.metavar}"
-    if option == "-o" and known is None:
-        single = (each for each in parameters if each.param_type_name == "option" and not each.multiple)
-        files = [f"{each.opts[0]} {each.metavar}" for each in single if re.fullmatch(r"\w+\.\w+", each.metavar or "")]
-        error.message = f"{error.message}; files are written by {', '.join(files)}" if files else error.message
-
-
-class Commands(TyperGroup):
-    """The commands, each with its whole sentence in the program's help: wrapped, not cut."""
-
-    def invoke(self, ctx: typer.Context) -> Any:  # type: ignore[override]
-        """Run the command; where an option is missing, or what it takes, say the whole line to run."""
-        try:
-            return super().invoke(ctx)
-        except _usage_error as error:
-            _say_the_line(error, self.commands[ctx.invoked_subcommand].params if ctx.invoked_subcommand else ())
-            raise
-
-    def format_commands(self, ctx: typer.Context, formatter: Any) -> None:  # type: ignore[override]
-        """List the commands."""
-        shown = ((name, self.commands[name]) for name in self.list_commands(ctx))
-        rows = [(name, command.get_short_help_str(WHOLE_SENTENCE)) for name, command in shown if not command.hidden]
-        with formatter.section("Commands"):
-            formatter.write_dl(rows)
-
 
 app = typer.Typer(
     cls=Commands,
