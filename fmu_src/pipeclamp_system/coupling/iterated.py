@@ -11,7 +11,7 @@ slides back then or is held. The rest of the step goes on from there, in shorter
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import copysign
 
@@ -45,6 +45,34 @@ MOST_PARTS = 16
 
 Sides = Mapping[int, int]
 """By clamp, to which side it slides: 1 or -1."""
+
+
+class _Trials:
+    """Steps from a saved state, where the participants are, each for other forces.
+
+    Attributes:
+        count: how many there were.
+        motion: what the pipe gave at the end of the last one.
+    """
+
+    def __init__(
+        self, system: System, restore: Callable[[], None], parts: Sequence[tuple[float, float, float]], length: float
+    ) -> None:
+        """Take the parts in which the pipe steps: excitation at the end, begin, length, s; clamps take all in one."""
+        self._system, self._restore, self._parts, self._length = system, restore, parts, length
+        self.count = 0
+        self.motion: Sequence[float] = ()
+
+    def answer(self, force: Vector) -> Vector:
+        """Give the clamps' forces for the motion that results from `force`, told at the end of each part."""
+        if self.count:
+            self._restore()
+        self.count += 1
+        for excitation, begin, length in self._parts:
+            self._system.pipe.set_inputs((excitation, *force))
+            self._system.pipe.step(begin, length)
+        self.motion = self._system.pipe.outputs()
+        return step_clamps(self._system, self.motion, self._parts[0][1], self._length)
 
 
 class Iteration:
@@ -144,22 +172,13 @@ class Iteration:
             solver: other than the scheme's own.
         """
         system, slides = self._system, sides or {}
-        excitation = system.excitation(time + length)
-        trials = 0
-        motion: Sequence[float] = ()
+        trials = _Trials(system, self._restore, ((system.excitation(time + length), time, length),), length)
 
         def answer(force: Vector) -> Vector:
             """Give the clamps' forces for the motion that results from `force`."""
-            nonlocal trials, motion
-            if trials:
-                self._restore()
-            trials += 1
-            system.pipe.set_inputs((excitation, *force))
-            system.pipe.step(time, length)
-            motion = system.pipe.outputs()
-            given = step_clamps(system, motion, time, length)
+            given = trials.answer(force)
             for index, side in slides.items():
-                given[index] = self._continued(index, side, motion, time, length)
+                given[index] = self._continued(index, side, trials.motion, time, length)
             return given
 
         try:
@@ -168,7 +187,7 @@ class Iteration:
         except NotFoundError:
             self._solver = self._solver.fresh()  # what it has learned of a step is no slope
             force = self._enclosed(answer, point, time + length)
-        return end_point(system, point.index, time + length, motion, force, force, trials)
+        return end_point(system, point.index, time + length, trials.motion, force, force, trials.count)
 
     def _enclosed(self, answer: Answer, start: Point, end: float) -> Vector:
         """Enclose the forces of a step in which they step themselves, as dry friction's that turns.
@@ -263,20 +282,8 @@ class Iteration:
         system, time = self._system, arrived.time
         sudden = min(SUDDEN * h, SHORT * length)
         excitation, later = system.excitation(time + sudden), system.excitation(time + length)
-        trials = 0
-        motion: Sequence[float] = ()
-
-        def answer(force: Vector) -> Vector:
-            """Give the clamps' forces at the end for forces that the pipe is told all the while."""
-            nonlocal trials, motion
-            if trials:
-                self._restore()
-            trials += 1
-            for excited, begin, part in ((excitation, time, sudden), (later, time + sudden, length - sudden)):
-                system.pipe.set_inputs((excited, *force))
-                system.pipe.step(begin, part)
-            motion = system.pipe.outputs()
-            return step_clamps(system, motion, time, length)
-
-        force = self._enclosed(answer, arrived, time + length)
-        return end_point(system, arrived.index, time + length, motion, force, force, trials)
+        # The pipe is told these forces all the while.
+        parts = ((excitation, time, sudden), (later, time + sudden, length - sudden))
+        trials = _Trials(system, self._restore, parts, length)
+        force = self._enclosed(trials.answer, arrived, time + length)
+        return end_point(system, arrived.index, time + length, trials.motion, force, force, trials.count)
