@@ -15,6 +15,7 @@ from pipeclamp_identification.discovery.guards import highest, passive
 from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
+from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import read_law
 from pipeclamp_models.law.law import Structure, with_effect
@@ -70,6 +71,16 @@ def test_the_simplest_stands_for_terms_that_act_as_one():
     assert found.best_first(3) == [1, 2]
 
 
+def test_a_term_shares_no_symbol_with_the_catalogue():
+    """Any of its effects may stand in the law already, or join it later."""
+    every = [term.declaration for term in terms(("A", "f", "T", "N"), {"current_A": 1.0})]
+    own = {one.symbol for declaration in every for one in (*declaration.parameters, *declaration.states)}
+    assert not own & symbols_taken()
+    bend = next(one for one in every if one.id == "found_stiffness_beyond_a")
+    taken = {"l_1", "F_1"}
+    assert {one.symbol for one in renamed(bend, taken).parameters}.isdisjoint(taken)
+
+
 def test_a_law_may_hold_several_discovered_terms():
     by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
     structure = Structure("power")
@@ -80,4 +91,4 @@ def test_a_law_may_hold_several_discovered_terms():
         candidate = by_id["found_local_spring"].declaration
         with_effect(structure.with_declared([candidate]), candidate.id).equations  # noqa: B018
     names = set(structure.equations.names)
-    assert {"F_1", "w_1", "r_1", "F_2", "w_2", "t_2", "s_2", "s_1", "b_1"} <= names
+    assert {"F_1", "w_1", "r_1", "F_2", "w_2", "t_2", "s_2", "s_1", "l_1"} <= names

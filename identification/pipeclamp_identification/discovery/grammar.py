@@ -256,12 +256,12 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
         pure, low, high, unit, name = LEVELS[signal]
         bends = (low, high)
         plain, size = signal, {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}[signal]
-    bend: Entry = {"symbol": "b_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
+    level: Entry = {"symbol": "l_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
     forms = [
         ("exponential", pure, "changes exponentially with", ()),
         ("bent", f"({pure})**2", "changes with the square of", ()),
-        ("beyond", f"max({plain} - b_x, 0) / {size}", "changes beyond a level of", (bend,)),
-        ("levelling", f"{plain} / (abs({plain}) + abs(b_x))", "changes and levels off with", (bend,)),
+        ("beyond", f"max({plain} - l_x, 0) / {size}", "changes beyond a level of", (level,)),
+        ("levelling", f"{plain} / (abs({plain}) + abs(l_x))", "changes and levels off with", (level,)),
     ]
     for form, exponent, words, parameters in forms:
         yield _term(

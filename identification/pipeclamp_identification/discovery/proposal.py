@@ -137,13 +137,13 @@ def formula_of(declaration: Declaration) -> str:
 
 
 def renamed(declaration: Declaration, taken: Collection[str]) -> Declaration:
-    """Give a term of the grammar with symbols that a law doesn't have yet: F_1, F_2, ... for F_x.
+    """Give a term of the grammar with symbols that nothing has yet: F_1, F_2, ... for F_x.
 
     A law may hold several discovered terms, and the grammar's own symbols stay free for the next search.
 
     Args:
         declaration: the term.
-        taken: the law's symbols.
+        taken: the law's symbols, and the catalogue's, whose effects may join it later.
     """
     symbols = [*(one.symbol for one in declaration.parameters), *(one.symbol for one in declaration.states)]
     number = next(n for n in count(1) if not {f"{name[:-1]}{n}" for name in symbols} & set(taken))

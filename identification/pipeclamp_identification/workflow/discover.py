@@ -13,6 +13,7 @@ from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.catalogue import symbols_taken
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LawFile, law_of
 
@@ -52,7 +53,7 @@ def discover(
         return proposal
     progress("refit with the term to all tests")
     asked, values = found.found.term.declaration, dict(found.found.judged.result.law.values)
-    term = renamed(asked, law_of(file).equations.names)
+    term = renamed(asked, {*law_of(file).equations.names, *symbols_taken()})
     own = {new.symbol: values.pop(old.symbol) for old, new in zip(asked.parameters, term.parameters, strict=True)}
     added = add_effect(
         file, term.id, tests,

@@ -192,6 +192,12 @@ class Effect:
         """The symbols of its states and stages."""
         return (*(state.symbol for state in self.states), *(stage.symbol for stage in self.stages))
 
+    @property
+    def own_symbols(self) -> tuple[str, ...]:
+        """Names of what it brings into a law: parameters, coefficients, states and stages. No other effect has them."""
+        fitted = (*(one.symbol for one in self.parameters), *(one.symbol for one in self.coefficients))
+        return tuple(map(str, (*fitted, *self.within_steps)))
+
 
 @dataclass(frozen=True, eq=False)
 class Family:

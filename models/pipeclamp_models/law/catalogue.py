@@ -73,6 +73,11 @@ def listed() -> list[Effect]:
     return [find_effect(showable(name)) for name in entries()]
 
 
+def symbols_taken() -> frozenset[str]:
+    """Give every symbol that a listed effect brings into a law."""
+    return frozenset(symbol for effect in listed() for symbol in effect.own_symbols)
+
+
 def effect_id(name: str) -> str:
     """Give what a law has one of: the id before a number (`memory` of `memory:2`), or else the whole name."""
     identifier = name.partition(":")[0]

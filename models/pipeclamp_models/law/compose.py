@@ -167,12 +167,7 @@ def _refuse_clashes(effects: tuple[Effect, ...]) -> None:
                 f"effects {other.name!r} and {effect.name!r} are one effect with different numbers, and a law has one "
                 "of them; leave one out"
             )
-        own = (
-            [str(parameter.symbol) for parameter in effect.parameters]
-            + [str(coefficient.symbol) for coefficient in effect.coefficients]
-            + [str(symbol) for symbol in effect.within_steps]
-        )
-        for symbol in own:
+        for symbol in effect.own_symbols:
             if symbol in owner:
                 name = owner[symbol].name
                 raise UserError(
