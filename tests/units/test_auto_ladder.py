@@ -16,8 +16,9 @@ def law(*effects):
 
 def found(verdict, kind=None, *effects):
     return SimpleNamespace(
-        verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple
-    )
+        verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple,
+        naming_nothing=lambda reason: SimpleNamespace(verdict="unknown", effects=(), reasons=(reason,)),
+    )  # fmt: skip
 
 
 def answering(answers, monkeypatch):
@@ -32,7 +33,7 @@ def answering(answers, monkeypatch):
     return SimpleNamespace(
         diagnose=lambda file, **options: answers[file.effects],
         superfluous=lambda file, keep, progress: None,
-        better_structure=lambda file, progress: None,
+        better_structures=lambda file, progress: [],
         simpler_structure=lambda file, names, progress: None,
     )
 
@@ -70,22 +71,23 @@ def test_where_none_of_several_helps_the_best_was_tried_in_vain(monkeypatch):
     answers = {(): found("ambiguous", "part", "bouc_wen", "play")}
     settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
     assert not settled.ladder
-    assert settled.in_vain.effect == "bouc_wen"
-    assert settled.words()[0].startswith("bouc_wen was tried and not added")
+    assert settled.found.verdict == "unknown"
+    (reason,) = settled.found.reasons
+    assert reason.startswith("bouc_wen was tried and not added")
 
 
 def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatch):
     """As where nothing is named: the law may stand on the wrong base, or have an effect that stands for another."""
     answers = {(): found("missing", "part", "play"), ("memory:2",): found("complete")}
     tests = answering(answers, monkeypatch)
-    tests.better_structure = lambda file, progress: "memory:2"
+    tests.better_structures = lambda file, progress: ["memory:2"]
 
     def exchanged(file, structure, tests, **options):
         return SimpleNamespace(effect=f"-> {structure}", after=law(structure), heldout=(0.10, 0.08))
 
     monkeypatch.setattr(auto, "exchange", exchanged)
     settled = auto.add_until_settled(law(), tests, command="test")
-    assert (settled.found.verdict, settled.in_vain) == ("complete", None)
+    assert settled.found.verdict == "complete"
     assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("-> memory:2", "revision")]
 
 

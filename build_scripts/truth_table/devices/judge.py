@@ -33,7 +33,7 @@ class Rung:
         verdict, kind, effects: what was answered; kind is "cause", "part" or "".
         held_out: error of the law that was diagnosed, on held-out conditions, as a share of the force.
         reasons: given for the verdict.
-        seconds: what the diagnosis took, with adding what the one before had named.
+        seconds: what the diagnosis took, with adding what it named.
     """
 
     verdict: str

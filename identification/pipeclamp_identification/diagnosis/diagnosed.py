@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
@@ -99,6 +100,11 @@ class Diagnosed:
     def groups(self) -> tuple[Groups, ...]:
         """Groups of runs that differ beside the law as it is described, or can't be told from conditions."""
         return self.diagnosis.problem.groups_beside(self.diagnosis.described.result.law_force)
+
+    def naming_nothing(self, reason: str) -> Self:
+        """Give the same with `unknown` for a verdict: what it named didn't help."""
+        found = replace(self.diagnosis.found, verdict="unknown", effects=(), kind=None, reasons=(reason,))
+        return replace(self, diagnosis=replace(self.diagnosis, found=found))
 
     def headline(self) -> str:
         """Give the verdict in words."""

@@ -113,14 +113,25 @@ def simpler_structure(asked: Asked, names: Collection[str], progress: Progress) 
     return min(simpler, key=lambda judged: judged.akaike).result.law.structure if simpler else None
 
 
-def better_structure(asked: Asked, progress: Progress) -> Structure | None:
-    """Give the law with another of its effects' family in one's place, or on another base; None where none does better.
+def better_structures(asked: Asked, progress: Progress) -> list[Structure]:
+    """Give the law with another of its effects' family in one's place, or on another base, where it does better.
 
-    To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt.
+    To do better is to take a part of what the law lacks, on every kind of left-out condition and beyond doubt. A base
+    that does so with the law's effects is also given alone, after that: they may have made up for the base that the
+    law had, and what nothing needs goes astray on left-out conditions.
+
+    Returns:
+        what does better, best first; empty where nothing does.
     """
     found = [*_swapped(asked, _alike(asked), progress), *_on_another_base(asked, progress)]
     better = [each for each in found if not each.objections and takes_part(each, asked.law, asked.problem)]
-    return min(better, key=lambda judged: judged.squares).result.law.structure if better else None
+    structures: list[Structure] = []
+    for each in sorted(better, key=lambda judged: judged.squares):
+        structure = each.result.law.structure
+        structures.append(structure)
+        if structure.base != asked.structure.base and structure.effects:
+            structures.append(_on(structure.base.partition(":")[0], (), asked))
+    return structures
 
 
 def _alike(asked: Asked) -> Iterator[tuple[str, str]]:
@@ -161,20 +172,20 @@ def _on_another_base(asked: Asked, progress: Progress) -> list[Judged]:
     for base in (name for name, entry in BASES.items() if entry.general and name != own):
         progress(f"the law on base {base}")
         try:
-            other = _on(base, asked)
+            other = _on(base, asked.structure.effects, asked)
             found.append(judge((), other, _starts(other, asked), asked.problem))
         except UserError:  # an effect scales what this base hasn't got
             continue
     return found
 
 
-def _on(base: str, asked: Asked) -> Structure:
-    """Give the law on another base; an effect that is one of the base's terms is in it already.
+def _on(base: str, effects: tuple[str, ...], asked: Asked) -> Structure:
+    """Give the law on another base, with these of its effects; one that is a term of the base is in it already.
 
     Orders of a series are chosen without effects that have states: each of dozens of fits would step them.
     """
     terms = find_base(base).terms
-    effects = tuple(name for name in asked.structure.effects if name not in terms)
+    effects = tuple(name for name in effects if name not in terms)
     other = replace(asked.structure, base=base, effects=effects)
     if base != "series":
         return other

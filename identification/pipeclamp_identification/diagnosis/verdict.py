@@ -115,7 +115,8 @@ class Diagnosis:
     @property
     def explained(self) -> float | None:
         """Share of the mean-square lack of fit, on left-out conditions, that what is named first takes."""
-        return None if self.found.named is None else explained_share(self.found.named, self.law)
+        named = self.found.named if self.effects else None
+        return None if named is None else explained_share(named, self.law)
 
     def is_adequate(self, judged: Judged) -> bool:
         """Tell whether nothing that a law leaves over follows the conditions."""

@@ -58,7 +58,11 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Weighed:
-    """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`."""
+    """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`.
+
+    `named` is the law with what is named first, by which the leftover is told; it stays where a ladder takes its name
+    back.
+    """
 
     verdict: Verdict
     effects: tuple[str, ...]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
@@ -69,6 +70,11 @@ class MetricDiagnosed:
     def values(self) -> Mapping[str, float]:
         """Nothing: the fit to two numbers a run is quick, and finds its own beginning."""
         return {}
+
+    def naming_nothing(self, reason: str) -> Self:
+        """Give the same with `unknown` for a verdict: what it named didn't help."""
+        diagnosis = replace(self.diagnosis, verdict="unknown", effects=(), reasons=(reason,))
+        return replace(self, diagnosis=diagnosis, proposal=None, no_test="")
 
     def headline(self) -> str:
         """Give the verdict in words."""

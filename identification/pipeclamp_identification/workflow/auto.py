@@ -22,6 +22,8 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import LastDiagnosis, LawFile
 
 MOST_RUNGS = 12
+MOST_EXCHANGED = 3
+"""Laws with one thing exchanged that are refitted, best first, until one's error on left-out conditions falls."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +49,11 @@ class Settled:
         file: the law.
         found: the last diagnosis.
         ladder: what was done on the way.
-        in_vain: what the last diagnosis named, where adding it didn't lower the error on left-out conditions.
     """
 
     file: LawFile
     found: Diagnosed
     ladder: tuple[Rung, ...]
-    in_vain: Addition | None = None
 
     def told(self, tests: str) -> LawFile:
         """Give the law with the last diagnosis in its file, on tests of this name."""
@@ -69,8 +69,6 @@ class Settled:
                 f"{rung.change.effect} ({rung.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
             )
             words += [f"  {word}" for word in rung.words]
-        if self.in_vain:
-            words.append(f"{_didnt_fall(self.in_vain)}; tests at further conditions would tell whether it is real")
         return words
 
 
@@ -89,18 +87,18 @@ def add_until_settled(
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
 
     Of several effects that take much the same part the best is added, or the next where a refit with the best doesn't
-    lower the error; of several that may be the cause none is, but where the law has a part already: the proposed test
-    would tell. After each addition the effects so far are asked again: one that the law does as well without goes, for
-    good. Where nothing is named, or nothing that is helps, the other base laws are tried, and in the place of each
-    effect those that act alike; what does better beyond doubt takes the place. Where the law is complete,
-    simpler effects that act alike are tried in the place of each part.
+    lower the error; where none does, the diagnosis names nothing. Of several that may be the cause none is, but where
+    the law has a part already: the proposed test would tell. After each step the effects so far are asked again:
+    one that the law does as well without goes, for good. Where nothing is named, or nothing that is helps, the other
+    base laws are tried, and in the place of each effect those that act alike; what does better beyond doubt takes the
+    place. Where the law is complete, simpler effects that act alike are tried in the place of each part.
 
     Args:
         file: the law to begin with.
         tests: records, or metrics alone.
         command, declared, limits, jobs, progress: as for `add_effect` and `Tests.diagnose`.
         most: rungs at most.
-        seen: is given each diagnosis with its law.
+        seen: is given each diagnosis with its law, once what it names has been tried.
 
     Raises:
         UserError: the data can't serve the law.
@@ -109,8 +107,8 @@ def add_until_settled(
     gone: set[str] = set()
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
-        seen(found, file)
         if len(ladder) >= most or not _goes_on(found, ladder) or gone.intersection(found.effects[:1]):
+            seen(found, file)
             whole = found.verdict == "complete" and len(ladder) < most
             rung = _with_something_simpler(file, ladder, tests, command, progress) if whole else None
             if rung is None:
@@ -121,19 +119,23 @@ def add_until_settled(
         names = [name for name in found.effects if name not in gone]
         tried = _until_one_helps(file, names, found.values, tests, command, declared, progress)
         if tried and _helps(tried[-1]):
+            seen(found, file)
             kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
             ladder.append(Rung(tried[-1], kind, (*_told(found, names, tried), *found.cautions())))
-            file, name = tried[-1].after, names[len(tried) - 1]
-            for change in without_spares(file, name, tests, command=command, date=file.date, progress=progress):
-                ladder.append(Rung(change, "revision", (as_well_without(change, name),)))
-                gone.add(change.effect.removeprefix("- "))
-                file = change.after
-            continue
-        rung = _with_something_exchanged(file, tests, command, progress)
-        if rung is None:
-            return Settled(file, found, tuple(ladder), in_vain=tried[0] if tried else None)
-        ladder.append(rung)
-        file = rung.change.after
+            name = having = names[len(tried) - 1]
+        else:
+            found = _not_borne_out(found, tried) if tried else found
+            seen(found, file)
+            rung = _with_something_exchanged(file, tests, command, progress)
+            if rung is None:
+                return Settled(file, found, tuple(ladder))
+            ladder.append(rung)
+            name, having = rung.change.effect.rpartition(" -> ")[2], rung.change.effect
+        file = ladder[-1].change.after
+        for change in without_spares(file, name, tests, command=command, date=file.date, progress=progress):
+            ladder.append(Rung(change, "revision", (as_well_without(change, having),)))
+            gone.add(change.effect.removeprefix("- "))
+            file = change.after
 
 
 def _until_one_helps(
@@ -160,6 +162,12 @@ def _until_one_helps(
         if _helps(tried[-1]):
             break
     return tried
+
+
+def _not_borne_out(found: Diagnosed, tried: Sequence[Addition]) -> Diagnosed:
+    """Take back what a diagnosis names, where adding it doesn't lower the error on left-out conditions."""
+    words = "; ".join(map(_didnt_fall, tried))
+    return found.naming_nothing(f"{words}; tests at further conditions would tell whether it is real")
 
 
 def _helps(addition: Addition) -> bool:
@@ -195,13 +203,11 @@ def _didnt_fall(addition: Addition) -> str:
 
 def _with_something_exchanged(file: LawFile, tests: Tests, command: str, progress: Progress) -> Rung | None:
     """Put a law on another base, or another effect of a family in one's place; None where none does better."""
-    structure = tests.better_structure(file, progress)
-    if structure is None:
-        return None
-    change = exchange(file, structure, tests, command=command, date=file.date, progress=progress)
-    if not _helps(change):
-        return None
-    return Rung(change, "revision", (f"{change.effect}: the error on left-out conditions falls beyond doubt",))
+    for structure in tests.better_structures(file, progress)[:MOST_EXCHANGED]:
+        change = exchange(file, structure, tests, command=command, date=file.date, progress=progress)
+        if _helps(change):
+            return Rung(change, "revision", (f"{change.effect}: the error on left-out conditions falls beyond doubt",))
+    return None
 
 
 def _with_something_simpler(

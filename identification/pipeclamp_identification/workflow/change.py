@@ -124,7 +124,7 @@ def exchange(
     Raises:
         UserError: the data can't serve it.
     """
-    step = f"base {structure.base}"
+    step = f"base {structure.base}{' alone' if file.effects and not structure.effects else ''}"
     if structure.base == file.base:
         (gone,), (come,) = (
             [name for name in some if name not in others]

@@ -242,11 +242,11 @@ class RecordTests:
 
         return simpler_structure(self._asked(file), names, progress)
 
-    def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
-        """Give a law with one thing exchanged that does better, see `Tests.better_structure`."""
-        from pipeclamp_identification.diagnosis.revision import better_structure
+    def better_structures(self, file: LawFile, progress: Progress) -> list[Structure]:
+        """Give a law with one thing exchanged where it does better, see `Tests.better_structures`."""
+        from pipeclamp_identification.diagnosis.revision import better_structures
 
-        return better_structure(self._asked(file), progress)
+        return better_structures(self._asked(file), progress)
 
     def _asked(self, file: LawFile) -> Asked:
         from pipeclamp_identification.diagnosis.revision import ask_again

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, Self
 
 if TYPE_CHECKING:
     from pipeclamp_identification.campaign.drive import DrivePlan
@@ -75,6 +75,9 @@ class Diagnosed(Protocol):
     @property
     def no_test(self) -> str:
         """Why there is none, where rivals are left."""
+
+    def naming_nothing(self, reason: str) -> Self:
+        """Give the same with `unknown` for a verdict: what it named didn't help."""
 
     def headline(self) -> str:
         """Give the verdict in words."""
@@ -253,10 +256,10 @@ class Tests(Protocol):
             UserError: the tests can't serve the law.
         """
 
-    def better_structure(self, file: LawFile, progress: Progress) -> Structure | None:
-        """Give a law on another base, or with another effect of a family, that does better on left-out conditions.
+    def better_structures(self, file: LawFile, progress: Progress) -> list[Structure]:
+        """Give a law on other bases, or with another effect of a family, where it does better on left-out conditions.
 
-        None where none does or can be told.
+        Best first; empty where none does or can be told.
 
         Raises:
             UserError: the tests can't serve the law.
