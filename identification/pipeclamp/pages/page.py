@@ -65,6 +65,16 @@ class Section:
     cards: Sequence[Card] = ()
 
 
+TICKS = [digit * 10.0**power for power in range(-6, 9) for digit in (1, 2, 5)]
+LOG_AXIS: dict[str, Any] = {
+    "type": "log",
+    "tickmode": "array",
+    "tickvals": TICKS,
+    "ticktext": [f"{one:g}" for one in TICKS],
+}
+"""An axis in decades, whose ticks show whole numbers: Plotly writes a 2 for 0.2, 2 and 20."""
+
+
 def styled(figure: go.Figure, title: str, height: int = 420, least_width: int = 0) -> go.Figure:
     """Give the figure in the house's look, with its title; in a narrower window than `least_width` px it scrolls."""
     figure.update_layout(

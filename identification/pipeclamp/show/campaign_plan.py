@@ -62,7 +62,8 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         f"{', '.join(f'{value:g}' for value in sorted({getattr(run, name) for run in plan.runs}))} {unit}"
         for name, unit in (("amplitude_mm", "mm"), ("frequency_Hz", "Hz"), ("temperature_C", "degC"))
     ]
-    lines = [first, f"{len(plan.runs)} runs at {'; '.join(levels)}; each {plan.repeats} times."]
+    often = "once" if plan.repeats == 1 else f"{plan.repeats} times"
+    lines = [first, f"{len(plan.runs)} runs at {'; '.join(levels)}; each {often}."]
     lines.append(
         "Order: temperatures rise, a block each; within it every condition once in random order, then in the reverse "
         "of it, so that even drift is the same for all; a reference run begins and ends each block"

@@ -6,7 +6,7 @@ from itertools import groupby
 
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import SERIES, Section, styled
+from pipeclamp.pages.page import LOG_AXIS, SERIES, Section, styled
 from pipeclamp.pages.system.bands import add_band, bands_section
 from pipeclamp.pages.system.cosim import answer_first
 from pipeclamp.show.table import Table
@@ -107,7 +107,7 @@ def response_picture(response: FrequencyResponse, point: int, bands: ResponseBan
     levels = [curve.level for curve in response.curves]
     wide = max(levels) > WIDE * min(levels)
     figure.update_xaxes(title_text="f / Hz")
-    figure.update_yaxes(title_text="amplitude / mm", type="log" if wide else "linear")
+    figure.update_yaxes(title_text="amplitude / mm", **(LOG_AXIS if wide else {}))
     return styled(figure, f"Displacement at {response.points[point]}", height=480)
 
 
