@@ -17,6 +17,7 @@ def law(*effects):
 def found(verdict, kind=None, *effects):
     return SimpleNamespace(
         verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple,
+        naming_a_part=lambda reason: found(verdict, "part", *effects),
         naming_nothing=lambda reason: SimpleNamespace(verdict="unknown", effects=(), reasons=(reason,)),
     )  # fmt: skip
 
@@ -94,16 +95,17 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
 def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(monkeypatch):
     """Causes aren't asked: rivals of theirs were looked at when nothing else was missing."""
     answers = {
-        (): found("missing", "part", "oil_damper"),
-        ("oil_damper",): found("missing", "cause", "memory"),
-        ("oil_damper", "memory"): found("complete"),
-        ("relaxation", "memory"): found("complete"),
+        (): found("missing", "cause", "memory"),
+        ("memory",): found("missing", "part", "oil_damper"),
+        ("memory", "oil_damper"): found("complete"),
+        ("memory", "relaxation"): found("complete"),
     }
+    monkeypatch.setitem(HELD_OUT, "oil_damper", 0.005)
     tests, asked = answering(answers, monkeypatch), []
 
     def simpler(file, names, progress):
         asked.append(set(names))
-        return SimpleNamespace(effects=("relaxation", "memory"))
+        return SimpleNamespace(effects=("memory", "relaxation"))
 
     tests.simpler_structure = simpler
 
@@ -113,10 +115,21 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
 
     monkeypatch.setattr(auto, "exchange", exchanged)
     settled = auto.add_until_settled(law(), tests, command="test")
-    assert settled.file.effects == ("relaxation", "memory")
-    assert [rung.kind for rung in settled.ladder] == ["part", "cause", "revision"]
+    assert settled.file.effects == ("memory", "relaxation")
+    assert [rung.kind for rung in settled.ladder] == ["cause", "part", "revision"]
     assert "fewer parameters" in settled.ladder[-1].words[0]
     assert asked == [{"oil_damper"}]
+
+
+def test_beside_a_part_nothing_is_called_the_cause(monkeypatch):
+    """The part may stand for something else, and what explains the rest beside it for another rest."""
+    answers = {
+        (): found("missing", "part", "oil_damper"),
+        ("oil_damper",): found("missing", "cause", "memory"),
+        ("oil_damper", "memory"): found("complete"),
+    }
+    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
+    assert [rung.kind for rung in settled.ladder] == ["part", "part"]
 
 
 def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypatch):

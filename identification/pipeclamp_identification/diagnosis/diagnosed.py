@@ -101,6 +101,12 @@ class Diagnosed:
         """Groups of runs that differ beside the law as it is described, or can't be told from conditions."""
         return self.diagnosis.problem.groups_beside(self.diagnosis.described.result.law_force)
 
+    def naming_a_part(self, reason: str) -> Self:
+        """Give the same with what it names as the cause for a part, for this reason."""
+        found = self.diagnosis.found
+        found = replace(found, kind="part", reasons=(*found.reasons, reason))
+        return replace(self, diagnosis=replace(self.diagnosis, found=found))
+
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""
         found = replace(self.diagnosis.found, verdict="unknown", effects=(), kind=None, reasons=(reason,))

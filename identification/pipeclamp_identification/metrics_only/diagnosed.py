@@ -38,6 +38,7 @@ class MetricDiagnosed:
         comparison: the law as it is in its file against them.
         proposal: the test to run next, where rivals are left and one within the limits tells them apart.
         no_test: why there is none, where rivals are left.
+        beside_a_part: whether what it names stands beside a part, so that it is no more than one itself.
     """
 
     diagnosis: MetricDiagnosis
@@ -45,6 +46,7 @@ class MetricDiagnosed:
     comparison: MetricComparison
     proposal: MetricProposal | None
     no_test: str = ""
+    beside_a_part: bool = False
 
     @property
     def verdict(self) -> Verdict:
@@ -59,7 +61,8 @@ class MetricDiagnosed:
     @property
     def kind(self) -> Kind | None:
         """How what is named is meant: as the cause, or as a part of what is missing."""
-        return self.diagnosis.kind
+        kind = self.diagnosis.kind
+        return "part" if kind and self.beside_a_part else kind
 
     @property
     def calls_for_a_term(self) -> bool:
@@ -70,6 +73,11 @@ class MetricDiagnosed:
     def values(self) -> Mapping[str, float]:
         """Nothing: the fit to two numbers a run is quick, and finds its own beginning."""
         return {}
+
+    def naming_a_part(self, reason: str) -> Self:
+        """Give the same with what it names as the cause for a part, for this reason."""
+        diagnosis = replace(self.diagnosis, reasons=(*self.diagnosis.reasons, reason))
+        return replace(self, diagnosis=diagnosis, beside_a_part=True)
 
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""

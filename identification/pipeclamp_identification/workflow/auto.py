@@ -88,7 +88,8 @@ def add_until_settled(
 
     Of several effects that take much the same part the best is added, or the next where a refit with the best doesn't
     lower the error; where none does, the diagnosis names nothing. Of several that may be the cause none is, but where
-    the law has a part already: the proposed test would tell. After each step the effects so far are asked again:
+    the law has a part already: the proposed test would tell. Beside a part, which may stand for something else, nothing
+    is called the cause. After each step the effects so far are asked again:
     one that the law does as well without goes, for good. Where nothing is named, or nothing that is helps, the other
     base laws are tried, and in the place of each effect those that act alike; what does better beyond doubt takes the
     place. Where the law is complete, simpler effects that act alike are tried in the place of each part.
@@ -107,6 +108,8 @@ def add_until_settled(
     gone: set[str] = set()
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
+        if found.verdict == "missing" and found.kind == "cause" and (parts := _parts(file, ladder)):
+            found = found.naming_a_part(f"{' and '.join(parts)}, a part that the law has, may stand for something else")
         if len(ladder) >= most or not _goes_on(found, ladder) or gone.intersection(found.effects[:1]):
             seen(found, file)
             whole = found.verdict == "complete" and len(ladder) < most
@@ -120,6 +123,7 @@ def add_until_settled(
         tried = _until_one_helps(file, names, found.values, tests, command, declared, progress)
         if tried and _helps(tried[-1]):
             seen(found, file)
+            # the best of several isn't proved by being taken
             kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
             ladder.append(Rung(tried[-1], kind, (*_told(found, names, tried), *found.cautions())))
             name = having = names[len(tried) - 1]
@@ -136,6 +140,12 @@ def add_until_settled(
             ladder.append(Rung(change, "revision", (as_well_without(change, having),)))
             gone.add(change.effect.removeprefix("- "))
             file = change.after
+
+
+def _parts(file: LawFile, ladder: Sequence[Rung]) -> list[str]:
+    """Give the effects that a law was given as parts, which prove nothing, and has still."""
+    named = [rung.change.effect.removeprefix("+ ") for rung in ladder if rung.kind == "part"]
+    return [name for name in named if name in file.effects]
 
 
 def _until_one_helps(
@@ -217,9 +227,8 @@ def _with_something_simpler(
 
     A part was taken while more was missing, which may have bent what it was chosen by.
     """
-    parts = {rung.change.effect.removeprefix("+ ") for rung in ladder if rung.kind == "part"}
-    present = parts.intersection(file.effects)
-    structure = tests.simpler_structure(file, present, progress) if present else None
+    parts = _parts(file, ladder)
+    structure = tests.simpler_structure(file, parts, progress) if parts else None
     if structure is None:
         return None
     change = exchange(file, structure, tests, command=command, date=file.date, progress=progress)

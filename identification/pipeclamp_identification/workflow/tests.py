@@ -76,6 +76,9 @@ class Diagnosed(Protocol):
     def no_test(self) -> str:
         """Why there is none, where rivals are left."""
 
+    def naming_a_part(self, reason: str) -> Self:
+        """Give the same with what it names as the cause for a part, for this reason."""
+
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""
 
