@@ -284,10 +284,8 @@ def _many(case: Case, steps: Sequence[Noted], found: set[str]) -> str:
     ):
         return "wrong"
     if found - case.truth:
-        # of several that take much the same part the first was added; of several causes too it is called a part
-        as_parts = (step for step in steps if step.kind == "part" or step.verdict == "ambiguous")
-        parts = {case.known_as(step.effects[0]) for step in as_parts}
-        return "other_part" if found - case.truth <= parts else "wrong"
+        # what wasn't called the cause was added as a part, or took a part's place
+        return "other_part"
     if found == case.truth:
         return "right"
     if last.verdict == "ambiguous":

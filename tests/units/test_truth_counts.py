@@ -43,7 +43,7 @@ def case(kind, *hidden):
         ("unlisted", ("mains_hum",), "complete", (), [], "complete"),
         ("two", ("gap", "viscous"), "complete", (), ["viscous", "gap"], "right"),
         ("two", ("gap", "viscous"), "complete", (), ["viscous"], "some"),
-        ("two", ("gap", "viscous"), "complete", (), ["viscous", "delay"], "wrong"),
+        ("two", ("gap", "viscous"), "complete", (), ["viscous", "delay"], "other_part"),
         ("two", ("gap", "viscous"), "ambiguous", ("gap", "memory"), ["viscous"], "ambiguous3"),
     ],
 )
