@@ -1,4 +1,4 @@
-"""Dry friction in harmonic balance: found at any frequency, and what harmonics that are left out cost is said.
+"""Dry friction in harmonic balance: when it steps and what sticks, to 0.2 %, with few harmonics too.
 
 The truth is event-located stick-slip of the same modes, `stick_slip.integrate`, 80 cycles from rest: half the
 peak-to-peak displacement of clamp and tip in the last of them.
@@ -45,16 +45,16 @@ def test_a_clamp_that_rubs_is_found_and_what_it_lacks_is_said(system, frequency)
     assert state is not None
     found = np.concatenate([half_range(state.clamps), half_range(state.probes)])
     off = float(np.abs(found / TRUTH[frequency] - 1).max())
-    assert off < 0.02
-    assert off < 2 * state.truncated
+    assert off < 0.002
 
 
 @pytest.mark.parametrize("frequency", sorted(TRUTH))
 @pytest.mark.parametrize("harmonics", [5, 25])
-def test_few_harmonics_of_a_step_are_not_taken_for_enough(system, frequency, harmonics):
+def test_how_many_harmonics_are_balanced_is_no_matter_to_a_step(system, frequency, harmonics):
     state = system(LAW, ("coulomb",), harmonics).at(frequency)
     off = abs(half_range(state.clamps)[0] / TRUTH[frequency][0] - 1)
-    assert off < 3 * state.truncated
+    assert off < 0.002
+    assert state.truncated < 0.002
 
 
 def test_a_smooth_law_lacks_no_more_than_before(system):

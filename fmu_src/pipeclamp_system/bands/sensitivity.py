@@ -47,7 +47,7 @@ def moves(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyStat
         state: a steady state.
         unknown: what isn't known.
     """
-    unknowns = packed(state.clamps[None])[0]
+    unknowns = packed(state.balanced[None])[0]
     forces = _disturbances(clamps, state, unknown)
     count = len(unknown.quantities)
     size = float(system.sizes(unknowns[None])[0])
@@ -71,7 +71,7 @@ def moves_at(system: SteadySystem, clamps: Sequence[SteadyClamp], state: SteadyS
 
     At turning points of its curve it moves without bound. Arguments as of `moves`.
     """
-    unknowns = packed(state.clamps[None])[0]
+    unknowns = packed(state.balanced[None])[0]
     forces = _disturbances(clamps, state, unknown)
     pushed = packed(system.pushed(state.frequency, forces)[:, : len(clamps)])
     _, by_unknowns, _ = system.over_frequency()(unknowns, state.frequency)

@@ -11,6 +11,7 @@ move. Whether a motion is stable is told by Floquet's multipliers.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from math import pi
 
@@ -25,6 +26,7 @@ from pipeclamp_system.steady.floquet import growth
 from pipeclamp_system.steady.harmonics import A_HARMONIC, FEWEST, STILL, left_out, packed, resized, unpacked, wanted
 from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
+from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, steps
 from pipeclamp_system.steady.tangents import linearised, tangents
 
 NUDGE = 1e-5
@@ -68,6 +70,11 @@ class SteadySystem:
         # Harmonics that a cycle's samples can tell; beyond them forces are known roughly.
         self._told = min((clamp.samples for clamp in self._clamps), default=2) // 2 - 1
         self._most = (self._told + 1) * 2 // A_HARMONIC
+        # Of several clamps most of a cycle can be stuck: that takes minutes.
+        stepping = self.clamps == 1 and steps(self._clamps[0])
+        self._rubbing = [replace(clamp, samples=CELLS) for clamp in self._clamps] if stepping else []
+        # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
+        self._near: Array | None = None
         self._refinement = Refinement(self._asked, self._in_so_many) if harmonics is None and clamps else None
 
     @property
@@ -155,12 +162,25 @@ class SteadySystem:
         return unknowns - packed(self.moved(unknowns, frequency, drive, responses[:, : self.clamps]))
 
     def _linearised(
-        self, unknowns: Array, frequencies: Array, drives: Array, responses: Complex
+        self, unknowns: Array, frequencies: Array, drives: Array, responses: Complex, *, rubbing: bool = False
     ) -> tuple[Array, Array, Array]:
         """Give the residual at the first frequency, its derivatives by the unknowns, and the residual at the others.
 
         What the clamps make of a small change is taken from their laws' tangents: each law is solved once.
         """
+        rubs = rubbing and self._rubs(unknowns, float(frequencies[0]))
+        forces = (self._rubbed_changes if rubs else self._changes)(unknowns, frequencies)
+        size, others = unknowns.size, len(frequencies) - 1
+        nudge = NUDGE * self.sizes(unknowns[None])[0]
+        which = np.concatenate([np.zeros(size + 1, dtype=np.intp), np.arange(1, others + 1)])
+        moved = self._driven(forces, drives[which], responses[which][:, : self.clamps])
+        residuals = unknowns - packed(moved)
+        by_unknowns = np.eye(size) + ((residuals[1 : size + 1] - residuals[0]) / nudge).T
+        return residuals[0], by_unknowns, residuals[size + 1 :]
+
+    def _changes(self, unknowns: Array, frequencies: Array) -> Complex:
+        """Give the forces of a motion, those of its unknowns moved by `NUDGE` one by one, and those at the frequencies
+        after the first, to first order, (1 + m + others, clamps, H + 1)."""
         nudge = NUDGE * self.sizes(unknowns[None])[0]
         size, others = unknowns.size, len(frequencies) - 1
         width = size // self.clamps
@@ -175,11 +195,33 @@ class SteadySystem:
             forces[:, index] = force
             forces[1 + own, index] += changes[:width]
             forces[1 + size :, index] += changes[width:]
-        which = np.concatenate([np.zeros(size + 1, dtype=np.intp), np.arange(1, others + 1)])
-        moved = self._driven(forces, drives[which], responses[which][:, : self.clamps])
-        residuals = unknowns - packed(moved)
-        by_unknowns = np.eye(size) + ((residuals[1 : size + 1] - residuals[0]) / nudge).T
-        return residuals[0], by_unknowns, residuals[size + 1 :]
+        return forces
+
+    def _rubs(self, unknowns: Array, frequency: float) -> bool:
+        """Tell whether a clamp's force steps, and it doesn't only creep where its law smooths sgn v."""
+        if not self._rubbing:
+            return False
+        motion = self.unpacked(unknowns[None])[0]
+        speed = 2 * pi * frequency * np.abs(motion * np.arange(motion.shape[1])).sum(axis=1)
+        return any(fast > FLAT * clamp.law.v_r for fast, clamp in zip(speed.tolist(), self._clamps, strict=True))
+
+    def _rubbed(self, motion: Complex, frequency: float, H: int) -> Rubbed:
+        """Find the sides to which clamps slide on a motion (clamps, h) of which H harmonics are balanced."""
+        responses = self.responses(np.array([frequency]), CELLS // 2)[0, : self.clamps, 1:]
+        found = Friction(self._rubbing, frequency, responses, H, motion).found(self._near)
+        self._near = found.sides.velocity
+        return found
+
+    def _rubbed_changes(self, unknowns: Array, frequencies: Array) -> Complex:
+        """Give the same as `_changes` of clamps whose force steps."""
+        nudge = NUDGE * self.sizes(unknowns[None])[0]
+        size, H = unknowns.size, self._up_to(unknowns)
+        motion = self.unpacked(unknowns[None])[0]
+        rubbed = self._rubbed(motion, float(frequencies[0]), H)
+        force = rubbed.forces[None, :, : H + 1]
+        nudged = force + rubbed.changes(self.unpacked(nudge * np.eye(size)))
+        others = [self._rubbed(motion, other, H).forces[None, :, : H + 1] for other in frequencies[1:].tolist()]
+        return np.concatenate([force, nudged, *others])
 
     def sizes(self, unknowns: Array) -> Array:
         """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
@@ -192,7 +234,7 @@ class SteadySystem:
             two = frequency * np.array([1.0, 1 + NUDGE])
             drives = np.array([self._excitation(one) for one in two.tolist()])
             residual, by_unknowns, ahead = self._linearised(
-                unknowns, two, drives, self.responses(two, self._up_to(unknowns))
+                unknowns, two, drives, self.responses(two, self._up_to(unknowns)), rubbing=True
             )
             return residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0])
 
@@ -227,14 +269,22 @@ class SteadySystem:
         size = max(one.size for one in unknowns)
         return [self._in_so_many(one, size) for one in unknowns]
 
-    def _asked(self, unknowns: Array, frequency: float, level: float = 1.0) -> int:
-        """Give how many unknowns a motion asks for."""
-        at = np.array([frequency])
-        motion = self.unpacked(unknowns[None])
-        forces = self._forces(resized(motion, self._told + 1), at)
-        return self.clamps * (2 * wanted(self._left_out(forces, at, level), motion.shape[2] - 1, self._most) + 1)
+    def _asked(self, unknowns: Array, frequency: float, level: float | None = None) -> int:
+        """Give how many unknowns a motion asks for; at a level, where steps of force have no harmonics of their own."""
+        at, H = np.array([frequency]), self._up_to(unknowns)
+        forces = self._all_forces(unknowns, frequency, rubbing=level is None)
+        return self.clamps * (
+            2 * wanted(self._left_out(forces, at, 1.0 if level is None else level), H, self._most) + 1
+        )
 
-    def _left_out(self, forces: Complex, at: Array, level: float = 1.0) -> Array:
+    def _all_forces(self, unknowns: Array, frequency: float, *, rubbing: bool) -> Complex:
+        """Give all harmonics of a motion's forces, (1, clamps, h); beyond H without those that aren't left out."""
+        motion, H = self.unpacked(unknowns[None]), self._up_to(unknowns)
+        if not (rubbing and self._rubs(unknowns, frequency)):
+            return self._forces(resized(motion, max(H, self._told) + 1), np.array([frequency]))
+        return self._rubbed(motion[0], frequency, H).smooth_beyond(H)[None, :, : max(H, self._told) + 1]
+
+    def _left_out(self, forces: Complex, at: Array, level: float) -> Array:
         """Give what is left out by H, as of `left_out`, from all harmonics of a motion's forces."""
         drive = np.array([level * self._excitation(float(at[0]))])
         return left_out(self._driven(forces, drive, self.responses(at, forces.shape[2] - 1))[0])
@@ -257,7 +307,11 @@ class SteadySystem:
         first = self._driven(forces, drive, responses)
         whole = first[:, : self.clamps].copy()
         whole[:, :, : H + 1] = self.unpacked(unknowns[None])
-        again = self._driven(self._forces(whole, at), drive, responses)[:, : self.clamps, : H + 1]
+        if self._rubs(unknowns, float(at[0])):
+            answering = self._rubbed(whole[0], float(at[0]), H).forces[None, :, : H + 1]
+        else:
+            answering = self._forces(whole, at)
+        again = self._driven(answering, drive, responses)[:, : self.clamps, : H + 1]
         two = float(at[0]) * np.array([1.0, 1 + NUDGE])
         stated = self._excitation(float(at[0]))
         drives = (float(drive[0]) / stated if stated else 1.0) * np.array(
@@ -288,9 +342,8 @@ class SteadySystem:
         """
         if not self._clamps:
             return 0.0
-        at, motion = np.array([frequency]), self.unpacked(unknowns[None])
-        forces = self._forces(resized(motion, max(motion.shape[2], self._told + 1)), at)
-        return self._truncated(unknowns, at, np.array([drive]), forces)
+        forces = self._all_forces(unknowns, frequency, rubbing=True)
+        return self._truncated(unknowns, np.array([frequency]), np.array([drive]), forces)
 
     def at(self, frequency: float) -> SteadyState | None:
         """Give the motion at a frequency (Hz) that grows out of rest with the excitation; None where it isn't found."""
@@ -306,7 +359,19 @@ class SteadySystem:
         if at_rest is None:
             return None
         path = list(follow(self.over_level(frequency), Solution(0.0, at_rest), 1.0, 0.1 * linear, Steps(longest=0.2)))
-        return path[-1].unknowns if path[-1].parameter == 1.0 else None
+        if path[-1].parameter != 1.0:
+            return None
+        return self.with_sides(path[-1].unknowns, frequency)
+
+    def with_sides(self, unknowns: Array, frequency: float) -> Array | None:
+        """Give a solution that `over_level` led to as `over_frequency` has it; None where it isn't found.
+
+        They differ where a force steps: the harmonics that it makes beyond H count over frequency only.
+        """
+        if not self._rubbing:
+            return unknowns
+        guess = unknowns if self._stated else self._in_so_many(unknowns, self.size)
+        return solve(self.over_frequency(), guess, frequency, float(self.sizes(unknowns[None])[0]))
 
     def curve(self, first: float, last: float) -> list[SteadyState]:
         """Give the frequency response from one frequency to another (Hz), round its turning points.
@@ -336,14 +401,14 @@ class SteadySystem:
         found = []
         for before, after in pairwise(states):
             if (before.frequency - frequency) * (after.frequency - frequency) < 0:
-                one, other = (Solution(state.frequency, packed(state.clamps[None])[0]) for state in (before, after))
+                one, other = (Solution(state.frequency, packed(state.balanced[None])[0]) for state in (before, after))
                 met = between(self.over_frequency(), one, other, frequency) if self._clamps else one.unknowns
                 if met is not None:
                     found.append(met)
             if before.frequency == frequency:
-                found.append(packed(before.clamps[None])[0])
+                found.append(packed(before.balanced[None])[0])
         if states and states[-1].frequency == frequency:
-            found.append(packed(states[-1].clamps[None])[0])
+            found.append(packed(states[-1].balanced[None])[0])
         return found
 
     def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:
@@ -355,12 +420,19 @@ class SteadySystem:
         count = len(self._clamps)
         motion = self.unpacked(unknowns[None])
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
-        laws = [tangents(clamp, motion[0, index], frequency) for index, clamp in enumerate(self._clamps)]
         H = motion.shape[2] - 1
-        forces = np.zeros((1, count, max(H, self._told) + 1), dtype=np.complex128)
-        for index, law in enumerate(laws):
-            forces[:, index] = harmonics_of(law.force[None], forces.shape[2])
-        moved = self._driven(forces[:, :, : H + 1], drive, self.responses(at, H))[0]
+        told, rubs = max(H, self._told), self._rubs(unknowns, frequency)
+        if rubs:
+            rubbed = self._rubbed(motion[0], frequency, H)
+            motion, forces = rubbed.whole[None, :, : told + 1], rubbed.smooth_beyond(H)[None, :, : told + 1]
+            moving = np.concatenate([forces[:, :, : H + 1], rubbed.stepping[None, :, H + 1 : told + 1]], axis=2)
+        laws = [tangents(clamp, motion[0, index], frequency) for index, clamp in enumerate(self._clamps)]
+        if not rubs:
+            forces = np.zeros((1, count, told + 1), dtype=np.complex128)
+            for index, law in enumerate(laws):
+                forces[:, index] = harmonics_of(law.force[None], told + 1)
+            moving = forces[:, :, : H + 1]
+        moved = self._driven(moving, drive, self.responses(at, moving.shape[2] - 1))[0]
         conditions = [c.conditions(motion[:, i], np.array([frequency])) for i, c in enumerate(self._clamps)]
         farthest = half_range(moved[:count]).tolist()
         adrift = self._receptance.adrift

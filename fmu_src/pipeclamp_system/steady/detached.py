@@ -71,7 +71,7 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
     looked_at = branch[:: max(1, len(branch) // LOOKS)]
     there = [
         any(
-            _same(system, unknowns, packed(state.clamps[None])[0])
+            _same(system, unknowns, packed(state.balanced[None])[0])
             for piece in pieces
             for unknowns in system.solutions(piece, state.frequency)
         )
@@ -94,8 +94,9 @@ def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator
     size = float(system.sizes(unknowns[None])[0])
     for end in (HIGHEST, 0.0):
         *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, STEPS)
-        if there.parameter == 1.0 and not _same(system, there.unknowns, unknowns):
-            yield there.unknowns
+        back = system.with_sides(there.unknowns, frequency) if there.parameter == 1.0 else None
+        if back is not None and not _same(system, back, unknowns):
+            yield back
 
 
 def _followed(system: SteadySystem, start: Solution, first: float, last: float) -> tuple[SteadyState, ...]:

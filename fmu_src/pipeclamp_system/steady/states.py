@@ -17,8 +17,9 @@ class SteadyState:
 
     Attributes:
         frequency: of the excitation, Hz.
-        clamps: harmonics of each clamp's displacement, mm, (clamps, H + 1).
-        probes: harmonics of each probe's displacement, mm, (probes, H + 1).
+        clamps: harmonics of each clamp's displacement, mm, (clamps, h), h being H + 1 or more: what a step of force
+            makes beyond H is there too.
+        probes: harmonics of each probe's displacement, mm, (probes, h).
         forces: harmonics of the force into each clamp, N, (clamps, H + 1).
         conditions: A (mm) and f (Hz) that each clamp's law was taken for, (clamps, 2).
         growth: of the disturbance that grows fastest, 1/s; below 0 where the motion is stable.
@@ -39,6 +40,11 @@ class SteadyState:
     def harmonics(self) -> int:
         """H, up to which the motion is balanced."""
         return int(self.forces.shape[1]) - 1
+
+    @property
+    def balanced(self) -> Complex:
+        """The harmonics of each clamp's displacement that are balanced, mm, (clamps, H + 1)."""
+        return self.clamps[:, : self.harmonics + 1]
 
     @property
     def stable(self) -> bool:

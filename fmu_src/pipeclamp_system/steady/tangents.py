@@ -57,7 +57,7 @@ def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
         motion: harmonics of y, mm, (h,).
         frequency: Hz.
     """
-    return _along(clamp, clamp.cycle(motion[None], np.array([frequency])))
+    return along(clamp, clamp.cycle(motion[None], np.array([frequency])))
 
 
 def linearised(clamp: SteadyClamp, motions: Complex, frequencies: Array) -> tuple[Complex, Complex]:
@@ -72,9 +72,15 @@ def linearised(clamp: SteadyClamp, motions: Complex, frequencies: Array) -> tupl
         harmonics of the force, N, (h,), and of its changes, (rows - 1, h).
     """
     cycles = clamp.cycle(motions, frequencies)
-    law = _along(clamp, cycles.rows(np.array([0])))
-    arguments = _arguments(cycles)
-    changes = arguments[:, 1:] - arguments[:, :1]
+    law = along(clamp, cycles.rows(np.array([0])))
+    each = arguments(cycles)
+    force = answered(law, each[:, 1:] - each[:, :1])
+    found = harmonics_of(np.concatenate([law.force[None], force]), motions.shape[1])
+    return found[0], found[1:]
+
+
+def answered(law: Tangents, changes: Array) -> Array:
+    """Give what the force changes by at each sample, to first order, (rows, n), for changes of `arguments`."""
     by_arguments = np.einsum("san,arn->srn", law.by_argument, changes)
     force = by_arguments[0]
     if law.memory:
@@ -82,8 +88,7 @@ def linearised(clamp: SteadyClamp, motions: Complex, frequencies: Array) -> tupl
         first = by_arguments[1:, :, -1] - law.by_argument[1:, BEFORE, -1:] * changes[BEFORE, :, -1]
         states = _states_before(law.by_state[1:], by_arguments[1:], first)
         force = force + np.einsum("jn,jrn->rn", law.by_state[0], states)
-    found = harmonics_of(np.concatenate([law.force[None], force]), motions.shape[1])
-    return found[0], found[1:]
+    return np.asarray(force)
 
 
 def _states_before(slopes: Array, inputs: Array, first: Array) -> Array:
@@ -105,14 +110,14 @@ def _states_before(slopes: Array, inputs: Array, first: Array) -> Array:
     return np.asarray((before[:, :, :rows] + before[:, :, rows:] @ begin).transpose(1, 2, 0))
 
 
-def _arguments(cycles: Motion) -> Array:
+def arguments(cycles: Motion) -> Array:
     """Give the arguments but the states of motions' steps, (6, rows, n)."""
     still = (cycles.h, cycles.slow["A"], cycles.slow["f"])
     shape = cycles.y.shape
     return np.stack([cycles.y, cycles.v, np.roll(cycles.y, 1, axis=1), *(np.broadcast_to(one, shape) for one in still)])
 
 
-def _along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
+def along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
     """Linearise a clamp's law along one cycle."""
     equations = clamp.law.structure.equations_without_rig
     values, smoothing = clamp.law.vector(equations), (clamp.law.v_r, clamp.law.y_r)
@@ -120,9 +125,9 @@ def _along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
     along_cycle = force_of_equations(equations, values, smoothing, cycle)
     y, a, h, A = cycle.y[0], cycle.a[0], cycle.h[0, 0], cycle.slow["A"][0, 0]
 
-    arguments = _arguments(cycle)[:, 0]
-    own = len(arguments)
-    at = np.stack([*arguments, *(np.roll(state[0], 1) for state in along_cycle.states)])
+    still = arguments(cycle)[:, 0]
+    own = len(still)
+    at = np.stack([*still, *(np.roll(state[0], 1) for state in along_cycle.states)])
     nudges = NUDGE * np.maximum(np.abs(at).max(axis=1, keepdims=True), np.finfo(float).tiny) * np.ones_like(at)
     nudges[V] = np.maximum(nudges[V], np.abs(a) * h / 2)
     each = np.eye(len(at))[:, :, None] * nudges

@@ -1,0 +1,349 @@
+"""Clamps whose force steps with the velocity (dry friction), in harmonic balance: the side they slide to.
+
+A step of force has harmonics that fall with 1/h only. Those beyond the H that are balanced hardly show in the motion,
+but they move the instant at which it reverses, and hold a clamp that sticks there. So they aren't left out: with the
+first H harmonics of the motion given, the side s of each clamp, between -1 and 1 and so chosen that
+
+    v = v_H + Z_H (jump/2 s),    s in Sgn(v),
+
+is found cell by cell of the cycle; Z_H is the pipe's mobility at the harmonics beyond H. As the pipe takes up energy,
+there is one such s. It is the mean of sgn v over a cell in which v is straight: a reversal counts where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.realise.force import force_of_equations
+from pipeclamp_models.realise.motion import Motion
+from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of, sampled
+from pipeclamp_system.steady.harmonics import resized
+from pipeclamp_system.steady.tangents import Tangents, V, Y, along, answered, arguments
+
+CELLS = 1024
+"""Of a cycle, in which the side is told."""
+
+SLOW, FLAT = 1e-3, 10.0
+"""Share of the largest velocity, and multiple of that within which a law smooths sgn v: below it a clamp's force lies
+between those of both sides there."""
+
+ROUND = 3e-4
+"""Share of the largest velocity within which the sign is rounded; at least as far as the law does."""
+
+JUMPS, GROWS = 0.01, 0.02
+"""Share of the force's range from which on its change between both sides is a step, and by which share that change may
+grow where the velocity is doubled."""
+
+ROUNDER = 30.0
+"""By which factor the sign is rounded less from one solution to the next."""
+
+OPEN = 256
+"""Cells in which the sign is rounded at first, at most: they cost by their square and more."""
+
+MOST_CORRECTIONS = 40
+SHORTEST = 1e-3
+"""Newton's corrections of the velocities, and the smallest share of one."""
+
+BALANCED = 1e-9
+"""Share of the largest velocity to which they are found."""
+
+Places = NDArray[np.intp]
+
+
+def steps(clamp: SteadyClamp) -> bool:
+    """Tell whether a clamp's force steps with the sign of the velocity, in the middle of its law's range.
+
+    What grows with a small power of the velocity is steep, but no step.
+    """
+    A = clamp.amplitude or float(np.mean(clamp.range_A))
+    f = clamp.frequency or float(np.mean(clamp.range_f))
+    cycle = clamp.cycle(np.array([[0.0, A]], dtype=np.complex128), np.array([f]))
+    slow, force = slow_speed(clamp, cycle), _force(clamp, cycle)
+    once, twice = (float(np.abs(_half_jumps(clamp, cycle, factor * slow)).max()) for factor in (1, 2))
+    return 2 * once > JUMPS * float(np.ptp(force)) and twice < (1 + GROWS) * once
+
+
+def slow_speed(clamp: SteadyClamp, cycle: Motion) -> float:
+    """Give the velocity below which a force lies between those of both sides, mm/s."""
+    return max(SLOW * float(np.abs(cycle.v).max()), FLAT * clamp.law.v_r)
+
+
+def half_jumps(clamp: SteadyClamp, cycle: Motion) -> Array:
+    """Give half of what the force changes by from one side to the other, at rest, (n,)."""
+    return _half_jumps(clamp, cycle, slow_speed(clamp, cycle))
+
+
+def _half_jumps(clamp: SteadyClamp, cycle: Motion, slow: float) -> Array:
+    up, down = (_force(clamp, _told_speed(cycle, np.full_like(cycle.v, side * slow))) for side in (1, -1))
+    return np.asarray((up - down)[0] / 2)
+
+
+def _force(clamp: SteadyClamp, cycle: Motion) -> Array:
+    equations = clamp.law.structure.equations_without_rig
+    return force_of_equations(equations, clamp.law.vector(equations), (clamp.law.v_r, clamp.law.y_r), cycle).force
+
+
+def _told_speed(cycle: Motion, v: Array) -> Motion:
+    """Give a motion with another velocity at its samples; that is then the one at which the force is wanted."""
+    return replace(cycle, v=v, a=np.zeros_like(v))
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """Sides of clamps.
+
+    Attributes:
+        velocity: at the edges of the cells, mm/s, (clamps, n); those of cell i are i and i + 1.
+        side: mean over each cell, from -1 to 1, (clamps, n).
+        by_edge: its derivatives by the velocity at both edges of the cell, (2, clamps, n).
+        where: edges of the cells whose side follows the velocity, among all, (E,).
+        answers: how the velocities there follow those of the given motion, (E, E).
+    """
+
+    velocity: Array
+    side: Array
+    by_edge: Array
+    where: Places
+    answers: Array
+
+
+def means_of_sign(v: Array, rounded: float) -> tuple[Array, Array]:
+    """Give the mean of sgn v over cells in which v is straight, and its derivatives by v at both edges.
+
+    Args:
+        v: at the edges, (..., n), periodic.
+        rounded: velocity up to which the sign is taken for straight.
+    """
+    after = np.roll(v, -1, axis=-1)
+    change = after - v
+    same = np.abs(change) < 1e-9 * rounded
+    size = np.where(same, 1.0, change)
+
+    def sign(x: Array) -> Array:
+        return np.clip(x / rounded, -1.0, 1.0)
+
+    def area(x: Array) -> Array:
+        return np.where(np.abs(x) < rounded, x**2 / (2 * rounded), np.abs(x) - rounded / 2)
+
+    mean = np.where(same, sign(v), (area(after) - area(v)) / size)
+    at_once = (np.abs(v) < rounded) / (2 * rounded)
+    slopes = [np.where(same, at_once, one / size) for one in (mean - sign(v), sign(after) - mean)]
+    return mean, np.stack(slopes)
+
+
+def _followed(by_edge: Array, changes: Array) -> Array:
+    """Give what sides change by when the velocities at all edges do, (..., clamps, n)."""
+    return np.asarray(by_edge[0] * changes + by_edge[1] * np.roll(changes, -1, axis=-1))
+
+
+class Friction:
+    """The clamps of a pipe, at one frequency, with the harmonics beyond H that their steps of force make."""
+
+    def __init__(
+        self, clamps: Sequence[SteadyClamp], frequency: float, responses: Complex, balanced: int, motion: Complex
+    ) -> None:
+        """Prepare what the pipe answers beyond H, with the clamps' own stiffness and damping about a motion.
+
+        Args:
+            clamps: with `CELLS` samples each.
+            frequency: Hz.
+            responses: of the clamps to forces into each, mm/N, (clamps, clamps, CELLS/2 + 1).
+            balanced: H.
+            motion: harmonics of the clamps' motion, mm, (clamps, h); those beyond H are added to the steps' own.
+        """
+        order = np.arange(responses.shape[2])
+        self.clamps, self.frequency = clamps, frequency
+        self._turn = 2j * pi * frequency * order
+        self._to_edge = np.exp(-1j * pi * order / CELLS)
+        self._given = resized(motion, order.size)
+        cycles = [clamp.cycle(one[None], np.array([frequency])) for clamp, one in zip(clamps, motion, strict=True)]
+        pairs = list(zip(clamps, cycles, strict=True))
+        self._jumps = np.stack([half_jumps(clamp, cycle) for clamp, cycle in pairs])
+        self._slopes = np.stack([self._slope(clamp, cycle) for clamp, cycle in pairs])
+        # Of the highest harmonic a cycle's samples don't tell the phase.
+        kept = responses * ((order > balanced) & (order < CELLS // 2))
+        held = np.eye(len(clamps)) - np.einsum("ijh,jh->hij", kept, self._slopes)
+        free = np.moveaxis(kept * np.sinc(order / CELLS), 2, 0)
+        self._beyond = np.moveaxis(np.linalg.solve(held, free), 0, 2)
+        self._mobility = np.fft.irfft(self._beyond * self._turn * self._to_edge, CELLS)
+
+    def found(self, near: Array | None = None) -> Rubbed:
+        """Find the sides and the forces.
+
+        Args:
+            near: velocities of a motion near it at the cells' edges, mm/s, (clamps, n): they are found from there.
+        """
+        sides = self._sides(self.at_edges(self._given), self._jumps, near)
+        forces = harmonics_of(self._jumps * sides.side, self._turn.size)
+        moved = self.moved(forces)
+        return Rubbed(self, self._given + moved, forces + self._slopes * moved, self._jumps, sides)
+
+    def _slope(self, clamp: SteadyClamp, cycle: Motion) -> Complex:
+        """Give what a clamp's force, but for its step, answers to fast small motions, N/mm, (h,)."""
+        slow = slow_speed(clamp, cycle)
+        v = np.where(cycle.v < 0, np.minimum(cycle.v, -slow), np.maximum(cycle.v, slow))
+        law = along(clamp, _told_speed(cycle, v))
+        return np.asarray(law.by_argument[0, Y].mean() + law.by_argument[0, V].mean() * self._turn)
+
+    def at_edges(self, motion: Complex) -> Array:
+        """Give the velocity at the cells' edges, mm/s, (..., n), of harmonics (..., h)."""
+        turned = motion * (self._turn * self._to_edge)[: motion.shape[-1]]
+        return sampled(turned.reshape(-1, motion.shape[-1]), CELLS).reshape(*motion.shape[:-1], CELLS)
+
+    def moved(self, forces: Complex) -> Complex:
+        """Give what harmonics of forces, (..., clamps, h), move beyond H, mm."""
+        return np.asarray(np.einsum("ijh,...jh->...ih", self._beyond, forces))
+
+    def _pushed(self, forces: Array) -> Array:
+        """Give the velocities at the edges that forces in cells, (clamps, n), make beyond H."""
+        spectrum = np.einsum("ijh,jh->ih", self._beyond, np.fft.rfft(forces)) * self._turn * self._to_edge
+        return np.fft.irfft(spectrum, CELLS)
+
+    def _sides(self, edges: Array, jumps: Array, near: Array | None) -> Sides:
+        """Find the sides; arguments (clamps, n), the velocities of the given motion and half the jumps.
+
+        The sign is rounded as little as it is to be at once, or else less and less.
+        """
+        largest = float(np.abs(edges).max(initial=0.0)) or 1.0
+        least = max(ROUND * largest, *(clamp.law.v_r for clamp in self.clamps))
+        begin = edges + self._pushed(jumps * np.sign(edges))
+        v, done = self._solved(edges, jumps, begin if near is None else near, least, BALANCED * largest)
+        if not done:
+            spread = float(np.abs(begin - edges).max())
+            widest = float(np.sort(np.abs(begin), axis=None)[min(OPEN, begin.size - 1)])
+            v, rounded = begin, max(min(spread, widest), least)
+            while True:
+                v, _ = self._solved(edges, jumps, v, rounded, BALANCED * largest)
+                if rounded == least:
+                    break
+                rounded = max(rounded / ROUNDER, least)
+        side, by_edge = means_of_sign(v, least)
+        where, slope = self._open(jumps, by_edge)
+        return Sides(v, side, by_edge, where, np.asarray(np.linalg.inv(slope), dtype=np.float64))
+
+    def _solved(self, edges: Array, jumps: Array, v: Array, rounded: float, enough: float) -> tuple[Array, bool]:
+        """Solve for the velocities at all edges, by Newton's method from a guess; tell whether they are found."""
+
+        def missed(v: Array) -> tuple[Array, Array]:
+            side, by_edge = means_of_sign(v, rounded)
+            return v - edges - self._pushed(jumps * side), by_edge
+
+        error, by_edge = missed(v)
+        for _ in range(MOST_CORRECTIONS):
+            if np.abs(error).max() <= enough:
+                return v, True
+            # Only where a side follows the velocity there is something to solve for.
+            where, slope = self._open(jumps, by_edge)
+            there = np.zeros(v.size)
+            there[where] = np.linalg.solve(slope, -error.ravel()[where])
+            sides = _followed(by_edge, there.reshape(v.shape))
+            change, share = self._pushed(jumps * sides) - error, 1.0
+            size = float(np.linalg.norm(error))
+            while True:
+                tried = v + share * change
+                error, by_edge = missed(tried)
+                if np.linalg.norm(error) < size:
+                    break
+                share /= 2
+                if share < SHORTEST:
+                    return v, False
+            v = tried
+        return v, False
+
+    def _open(self, jumps: Array, by_edge: Array) -> tuple[Places, Array]:
+        """Give the edges of the cells whose side follows the velocity, and how the given motion's velocities there
+        would change for a change of what comes out, (E, E)."""
+        n = jumps.shape[1]
+        cells = np.flatnonzero(by_edge.any(axis=0))
+        clamp, cell = np.divmod(cells, n)
+        where = np.union1d(cells, clamp * n + (cell + 1) % n)
+        left, right = np.searchsorted(where, cells), np.searchsorted(where, clamp * n + (cell + 1) % n)
+        of, edge = np.divmod(where, n)
+        answer = self._mobility[of[:, None], clamp, (edge[:, None] - cell) % n] * jumps.ravel()[cells]
+        slope = np.eye(where.size)
+        slope[:, left] -= answer * by_edge[0].ravel()[cells]
+        slope[:, right] -= answer * by_edge[1].ravel()[cells]
+        return where, slope
+
+
+@dataclass(frozen=True, eq=False)
+class Rubbed:
+    """A motion with the sides to which its clamps slide.
+
+    Attributes:
+        friction: the clamps.
+        whole: harmonics of the motion with those that the steps make beyond H, mm, (clamps, h).
+        stepping: harmonics of that part of the forces which steps, N, (clamps, h).
+        jumps: half of it, (clamps, n).
+        sides: to which they slide.
+    """
+
+    friction: Friction
+    whole: Complex
+    stepping: Complex
+    jumps: Array
+    sides: Sides
+
+    @cached_property
+    def _laws(self) -> list[Tangents]:
+        """Each clamp's law along the motion, the mean of both sides by their shares."""
+        at, found = np.array([self.friction.frequency]), []
+        for index, clamp in enumerate(self.friction.clamps):
+            cycle = clamp.cycle(self.whole[index][None], at)
+            slow = slow_speed(clamp, cycle)
+            side = self.sides.side[index]
+            laws = []
+            for sign, limited in ((1, np.maximum(cycle.v, slow)), (-1, np.minimum(cycle.v, -slow))):
+                v = np.where(side == -sign, cycle.v, limited)  # which has no share there
+                law = along(clamp, _told_speed(cycle, v))
+                law.by_argument[:, V] *= v[0] == cycle.v[0]
+                laws.append(law)
+            up, down = laws
+            share = np.ones((1 + up.memory, 1)) / 2 * np.ones(CELLS)
+            share[0] = (1 + self.sides.side[index]) / 2
+            found.append(
+                Tangents(
+                    share[0] * up.force + (1 - share[0]) * down.force,
+                    share[:, None] * up.by_argument + (1 - share)[:, None] * down.by_argument,
+                    share[:, None] * up.by_state + (1 - share)[:, None] * down.by_state,
+                    up.follows,
+                    up.adrift,
+                )
+            )
+        return found
+
+    @property
+    def forces(self) -> Complex:
+        """All harmonics of the clamps' forces, N, (clamps, h)."""
+        return harmonics_of(np.stack([law.force for law in self._laws]), self.stepping.shape[1])
+
+    def smooth_beyond(self, H: int) -> Complex:
+        """Give all harmonics of the forces, beyond H without the part that steps, N, (clamps, h)."""
+        found = self.forces.copy()
+        found[:, H + 1 :] -= self.stepping[:, H + 1 :]
+        return found
+
+    def changes(self, changes: Complex) -> Complex:
+        """Give what the forces change by, to first order, N, for changes of the given harmonics, (rows, clamps, h)."""
+        friction, (rows, count, h) = self.friction, changes.shape
+        own, all_ = resized(changes, self.whole.shape[1]), self.whole.shape[1]
+        moved = np.zeros((rows, count * CELLS))
+        where = self.sides.where
+        moved[:, where] = friction.at_edges(own).reshape(rows, -1)[:, where] @ self.sides.answers.T
+        moved = moved.reshape(rows, count, CELLS)
+        stepping = self.jumps * _followed(self.sides.by_edge, moved)
+        own = own + friction.moved(harmonics_of(stepping.reshape(-1, CELLS), all_).reshape(rows, count, all_))
+        found = np.zeros((rows, count, CELLS))
+        at = np.full(1 + rows, friction.frequency)
+        for index, (clamp, law) in enumerate(zip(friction.clamps, self._laws, strict=True)):
+            motion = self.whole[index][None]
+            each = arguments(clamp.cycle(np.concatenate([motion, motion + own[:, index]]), at))
+            found[:, index] = answered(law, each[:, 1:] - each[:, :1]) + stepping[:, index]
+        return harmonics_of(found.reshape(-1, CELLS), h).reshape(rows, count, h)
