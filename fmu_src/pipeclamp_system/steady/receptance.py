@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.pipe.receptance import receptance
+from pipeclamp_models.pipe.receptance import are_coupled, receptance
 from pipeclamp_system.steady.clamp import Complex
 
 SINGULAR = 1e14
@@ -27,6 +27,7 @@ class Receptance:
             observed: (points, m).
         """
         self._stiffness, self._damping, self._loads, self._observed = stiffness, damping, loads, observed
+        self._coupled = are_coupled(stiffness, damping)
         self.adrift = bool(np.linalg.cond(stiffness) >= SINGULAR)
 
     def at(self, omega: Array) -> Complex:
@@ -34,7 +35,9 @@ class Receptance:
         if self.adrift:  # a pipe that can move as a rigid body has no mean position of its own
             omega = omega.copy()
             omega[:, 0] = STATIC * omega[:, 1]
-        of_points = receptance(self._stiffness, self._damping, self._loads, self._observed, omega)
+        of_points = receptance(
+            self._stiffness, self._damping, self._loads, self._observed, omega, coupled=self._coupled
+        )
         found = np.moveaxis(of_points, 1, -1)
         if self.adrift:
             found[..., 0] = 0.0

@@ -10,7 +10,15 @@ from pipeclamp_models.base.arrays import Array
 Complex = NDArray[np.complex128]
 
 
-def receptance(stiffness: Array, damping: Array, loads: Array, observed: Array, omega: Array) -> Complex:
+def are_coupled(stiffness: Array, damping: Array) -> bool:
+    """Tell whether modes act on each other, by their matrices (m, m)."""
+    apart = ~np.eye(len(stiffness), dtype=bool)
+    return bool(np.any(stiffness[apart]) or np.any(damping[apart]))
+
+
+def receptance(
+    stiffness: Array, damping: Array, loads: Array, observed: Array, omega: Array, *, coupled: bool
+) -> Complex:
     """Give what points move per unit of each load, q'' + damping q' + stiffness q = loads u, s = observed q.
 
     Args:
@@ -18,12 +26,12 @@ def receptance(stiffness: Array, damping: Array, loads: Array, observed: Array, 
         loads: (m, inputs).
         observed: (points, m).
         omega: rad/s, of any shape.
+        coupled: whether the modes act on each other, as of `are_coupled`.
 
     Returns:
         omega's shape and (points, inputs).
     """
-    both = np.stack([stiffness, damping])
-    if np.all(both[:, ~np.eye(len(stiffness), dtype=bool)] == 0):
+    if not coupled:
         dynamic = np.diag(stiffness) - omega[..., None] ** 2 + 1j * omega[..., None] * np.diag(damping)
         modal = loads / dynamic[..., None]
     else:

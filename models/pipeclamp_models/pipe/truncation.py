@@ -8,7 +8,7 @@ import control
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_models.pipe.receptance import Complex, receptance
+from pipeclamp_models.pipe.receptance import Complex, are_coupled, receptance
 
 POINTS_A_MODE = 20
 """Frequencies, even in wave number, at which the responses are compared, besides the resonances."""
@@ -67,7 +67,8 @@ class ModalModel:
         count = self.omega.size if moving is None else min(moving, self.omega.size)
         matrices, loads, shapes = self.matrices(count), self.loads[:count], self.shapes[:, :count]
         parts = np.array_split(omega, -(-omega.size // AT_ONCE))
-        found = [receptance(*matrices, loads, shapes, part) for part in parts]
+        coupled = are_coupled(*matrices)
+        found = [receptance(*matrices, loads, shapes, part, coupled=coupled) for part in parts]
         return np.concatenate(found) + self.static_compliance(count)
 
     def static_compliance(self, begin: int) -> Array:
