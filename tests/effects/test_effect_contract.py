@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.equations import literature, symbols
 from pipeclamp_models.equations.effect import Effect, Family
-from pipeclamp_models.law.catalogue import entries, find_effect, listed
+from pipeclamp_models.law.catalogue import entries, find_effect, listed, symbols_taken
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.law import BASES, Law, Structure, base_for
 from pipeclamp_models.realise.arrays import realise
@@ -147,6 +148,11 @@ def test_publications_are_cited_whole_and_used():
 @pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.id)
 def test_an_effect_is_imitated_by_effects(effect):
     assert set(effect.imitated_by) <= set(entries())
+
+
+def test_no_symbol_of_an_effect_is_taken_for_a_column_of_tests():
+    """Pictures, answers and steps tell a column's signal by how its name begins."""
+    assert [symbol for symbol in symbols_taken() if symbol.startswith(CONDITION)] == []
 
 
 @pytest.mark.parametrize("name", NAMES)

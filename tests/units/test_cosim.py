@@ -313,6 +313,19 @@ def test_the_advice_about_another_amplitude_is_none_that_was_followed(bench: Pat
         assert "track = true" not in summary
 
 
+def test_why_a_law_s_amplitude_is_not_that_of_the_peaks_is_said(bench: Path) -> None:
+    """A third harmonic of a tenth takes a tenth of the peaks, and adds half a percent to the rms."""
+    result = run_system(write_system(bench, laws={"clamp1": 'fmu = "smooth.fmu"'}, stop=1.0))
+    clamp = result.system.clamps[0].model_copy(update={"track": True})
+    result = replace(result, system=result.system.model_copy(update={"clamps": (clamp,)}))
+    phase = 2 * np.pi * 20 * result.time
+    for third, said in ((0.0, ""), (0.1, r"10\.[3-6]% less, as the motion is no sine")):
+        moved = np.cos(phase) - third * np.cos(3 * phase)
+        summary = replace(result, columns={**result.columns, "clamp1.s": 1e-3 * moved}).summary()
+        assert ("A is sqrt(2) times the rms" in summary) == bool(said)
+        assert re.search(said, summary), summary
+
+
 def test_solved_conditions_stay_inside_the_data_of_a_law_that_is_named(bench: Path) -> None:
     content = json.loads((bench / "smooth.json").read_text(encoding="utf-8"))
     content["range"]["A"]["minimum"] = 2.0

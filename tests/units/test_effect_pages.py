@@ -49,6 +49,16 @@ def test_a_picture_shows_the_effect(name):
     assert np.isfinite(loops.with_it).all()
 
 
+def test_slip_that_is_pressed_is_drawn_where_it_is_pressed_more_and_less():
+    """Small cycles about several means: the loop that the effect adds is the wider the further out it is."""
+    loops = loops_with_and_without(find_effect("pressed_slip"))
+    widths = [
+        abs(np.trapezoid(np.append(loop, loop[0]), np.append(y, y[0])))
+        for loop, y in zip(loops.with_it - loops.without, loops.displacement, strict=True)
+    ]
+    assert min(widths[0], widths[2]) > 1.5 * widths[1]
+
+
 def test_a_difference_is_as_many_times_as_large_as_is_said():
     """An offset is the same at every place: what is drawn is its typical size so many times over."""
     loops = loops_with_and_without(find_effect("offset"))

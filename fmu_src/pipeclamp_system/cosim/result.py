@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
+from math import inf, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,12 @@ UNEVEN = 1e-6
 
 MARGIN = 0.95
 """Of a step that is proposed: it is said in two digits."""
+
+LAST_SHARE = 0.2
+"""Of a run, at its end: there amplitudes are taken."""
+
+NOTABLE_FORM = 0.01
+"""Share by which half of peak to peak may differ from sqrt(2) times the rms, as of a motion that is no sine."""
 
 MISMATCH = 0.2
 """Share by which the amplitude of the motion may differ from the one that the law is taken for, before it is said."""
@@ -186,7 +192,7 @@ class CosimResult:
         right = self.step * (self.trusted_share / error) ** (1 / (self.order or ORDER[self.scheme]))
         return f"use step_s = {MARGIN * right:.2g} or less{better}"
 
-    def amplitude(self, column: str, share: float = 0.2, but: float = 0.0) -> float:
+    def amplitude(self, column: str, share: float = LAST_SHARE, but: float = 0.0) -> float:
         """Give half the peak-to-peak value of a column over the last share of the run, but for the very last one."""
         last = int(np.searchsorted(self.time, (1 - but) * self.time[-1], side="right"))
         first = min(int(np.searchsorted(self.time, (1 - share) * self.time[-1])), last - 2)
@@ -286,7 +292,21 @@ class CosimResult:
         how = {"given": "as given", "solved": f"solved in {self.runs} runs", "tracked": "tracked, at the end"}[
             clamp.mode
         ]
-        return f"{name}: its law is taken for {used} ({how})"
+        return f"{name}: its law is taken for {used} ({how}){self._about_form(clamp)}"
+
+    def _about_form(self, clamp: ClampSource) -> str:
+        """Say why the A of a clamp's law isn't the amplitude that is told: that is of the peaks, A of the rms."""
+        if clamp.mode == "given" or self.beats is not None:
+            return ""
+        displacement = self.columns[f"{clamp.at}.s"][self.time >= (1 - LAST_SHARE) * self.time[-1]]
+        of_rms, of_peaks = sqrt(2) * float(np.std(displacement)), self.amplitude(f"{clamp.at}.s")
+        if abs(of_rms - of_peaks) <= NOTABLE_FORM * of_peaks:
+            return ""
+        less = "less" if of_peaks < of_rms else "more"
+        return (
+            f"; A is sqrt(2) times the rms of the displacement, the amplitude is half of its peak to peak: "
+            f"{abs(of_peaks / of_rms - 1):.1%} {less}, as the motion is no sine"
+        )
 
 
 def _about_beats(beats: Beats) -> tuple[str, str]:

@@ -1,8 +1,8 @@
-"""Slip under a pressing force that grows with the displacement: F = z_n u, du = dy/x_n while |u| < 1, else u = +-1.
+"""Slip under a pressing force that grows with the displacement: F = z_n w, dw = dy/x_n while |w| < 1, else w = +-1.
 
 The slip force is z_n = z_0 + mu_p y+ + mu_n (-y)+, for what deflects presses the sliding parts. The way x_n until it
 slips stays, as the tangential stiffness of rough surfaces grows with what presses them. While it sticks, the force is a
-function of y alone, and slip shortens u: no motion gains work.
+function of y alone, and slip shortens w: no motion gains work.
 """
 
 import sympy as sp
@@ -11,9 +11,9 @@ from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, St
 from pipeclamp_models.equations.literature import SHERIF, WHITEMAN, YANG
 from pipeclamp_models.equations.symbols import A_typical, F_typical, y, y_previous
 
-z_0, mu_p, mu_n, x_n, u_n = sp.symbols("z_0 mu_p mu_n x_n u_n", real=True)
+z_0, mu_p, mu_n, x_n, w_n = sp.symbols("z_0 mu_p mu_n x_n w_n", real=True)
 middle, positive, negative = sp.symbols("slip_0 slip_gp slip_gn", real=True)
-trial, start = u_n + (y - y_previous) / x_n, y - x_n * u_n
+trial, start = w_n + (y - y_previous) / x_n, y - x_n * w_n
 
 
 def work_beyond(side: int) -> sp.Expr:
@@ -63,12 +63,12 @@ EFFECT = Effect(
         Coefficient(positive, "N/mm", "slip", mu_p),
         Coefficient(negative, "N/mm", "slip", mu_n),
     ),
-    force=(middle + positive * sp.Max(y, 0) + negative * sp.Max(-y, 0)) * u_n,
+    force=(middle + positive * sp.Max(y, 0) + negative * sp.Max(-y, 0)) * w_n,
     states=(
         State(
-            u_n, "-", "share of the slip force that it carries",
+            w_n, "-", "share of the slip force that it carries",
             update=sp.Max(-1, sp.Min(1, trial)),
         ),
     ),
-    energy=middle * x_n * u_n**2 / 2 + (positive * work_beyond(1) + negative * work_beyond(-1)) / x_n,
+    energy=middle * x_n * w_n**2 / 2 + (positive * work_beyond(1) + negative * work_beyond(-1)) / x_n,
 )  # fmt: skip

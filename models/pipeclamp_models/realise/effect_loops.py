@@ -27,6 +27,8 @@ CLAMP = "emwm2"
 AMPLITUDE, FREQUENCY, TEMPERATURE = 0.8, 3.0, 20.0 + CELSIUS
 AMPLITUDES, FREQUENCIES = (0.3, 0.6, 1.0), (1.0, 5.0, 20.0)
 TEMPERATURES = tuple(value + CELSIUS for value in (20.0, 250.0, 300.0))
+SMALL, MEANS = 0.3, (-0.6, 0.0, 0.6)
+"""Amplitude and means of small cycles, mm: within one of them what follows the displacement hardly changes."""
 CYCLES, DENSITIES, COLUMN = (0.0, 300.0, 2000.0), (2.0, 2.286, 2.571), (0.0, 0.5, 1.0)
 SEEN = 0.08
 """A difference is drawn larger until it is this share of the force: a typical one may be too small to see."""
@@ -86,7 +88,7 @@ def _force(law: Law, motion: Motion) -> Array:
 
 
 def _motions(effect: Effect) -> tuple[tuple[str, ...], Motion]:
-    """Give three motions: what the effect follows is varied, a condition, the frequency or the amplitude."""
+    """Give three motions: what the effect follows is varied, a condition, the frequency, the mean or the amplitude."""
     used = {signal.symbol for signal in symbols_of(effect)}
     if effect.part == "base":
         return _over_amplitude()
@@ -101,7 +103,16 @@ def _motions(effect: Effect) -> tuple[tuple[str, ...], Motion]:
     in_time = used & {symbols.f, symbols.v, symbols.a, symbols.h} and "damping" not in effect.scales
     if in_time or effect.lag != 0:
         return tuple(f"{value:g} Hz" for value in FREQUENCIES), sinusoids(AMPLITUDE, FREQUENCIES, TEMPERATURE)
+    if effect.states and effect.force is not None and symbols.y in sp.sympify(effect.force).free_symbols:
+        # what has memory carries more or less by where it is
+        return _about_means()
     return _over_amplitude()
+
+
+def _about_means() -> tuple[tuple[str, ...], Motion]:
+    motion = sinusoids([SMALL] * len(MEANS), FREQUENCY, TEMPERATURE)
+    means = np.array(MEANS)[:, None]
+    return tuple(f"{SMALL:g} mm about {mean:g} mm" for mean in MEANS), replace(motion, y=motion.y + means)
 
 
 def _over_amplitude() -> tuple[tuple[str, ...], Motion]:
