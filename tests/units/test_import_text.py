@@ -166,3 +166,13 @@ def test_what_is_no_table_is_told(tmp_path, content, told):
     path.write_bytes(content)
     with pytest.raises(pc.UserError, match=told):
         read_file(path)
+
+
+def test_fortrans_exponents_are_numbers(tmp_path):
+    run = loop()
+    rows = [f"{t:.9E}  {y:.9E}  {force:.9E}" for t, y, force in zip(run.time, run.y, run.force, strict=True)]
+    for change in (str, lambda rows: rows.replace("E", "D")):
+        (tmp_path / "a.dat").write_text("  time_s  displacement_mm  force_N\n" + change("\n".join(rows)) + "\n")
+        (table,) = read_file(tmp_path / "a.dat").tables
+        assert not table.unread
+        np.testing.assert_allclose(table.channels[2].values, run.force, rtol=1e-8)

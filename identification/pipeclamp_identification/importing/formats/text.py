@@ -40,6 +40,8 @@ GROUPED = {
     ",": r"^[-+]?[1-9]\d{0,2}(?:(?:\.\d{3})+,\d+|(?:['\x{2019}\x{a0}\x{202f} ]\d{3})+(?:,\d+)?)$",
 }
 """Numbers whose thousands are parted, by the decimal sign: 1,017.21 and 1'017, but not 1,017, which may be 1.017."""
+FORTRAN = r"^([-+]?[\d.,]+)[dD]([-+]?\d+)$"
+"""A number in Fortran's double precision: 1.234D+03."""
 GROUPS = {".": r"[,'\x{2019}\x{a0}\x{202f} ]", ",": r"[.'\x{2019}\x{a0}\x{202f} ]"}
 MOSTLY = 0.5
 """A row without so many of its numbers parts blocks."""
@@ -172,7 +174,8 @@ class _Columns:
         return numbers.fill_null(float("nan")).to_numpy()
 
     def _plain(self, text: pl.Series) -> pl.Series:
-        """Give texts of numbers with decimal points."""
+        """Give texts of numbers with decimal points, and exponents as polars reads them."""
+        text = text.str.replace(FORTRAN, "${1}e${2}")
         if self.layout.decimal == ".":
             return text
         plain = text.str.replace(",", ".", literal=True, n=1)

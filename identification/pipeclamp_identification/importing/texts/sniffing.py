@@ -31,8 +31,8 @@ LINES_OF_NAMES = 4
 """Lines that a row of names may take, at most."""
 HEADER_ROWS = 4
 """Rows above the numbers that may name columns or state units."""
-POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
-COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eE][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
+POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
+COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eEdD][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 LONGEST_NUMBER = 100
 """Characters; looking for a number in a longer cell takes the square of its length."""
 STAMP = re.compile(
