@@ -176,3 +176,27 @@ def test_fortrans_exponents_are_numbers(tmp_path):
         (table,) = read_file(tmp_path / "a.dat").tables
         assert not table.unread
         np.testing.assert_allclose(table.channels[2].values, run.force, rtol=1e-8)
+
+
+@pytest.mark.parametrize("ending", [".csv", ".xlsx"])
+def test_names_of_runs_part_them(tmp_path, ending):
+    """The same motion goes on under another name; a name stands for the rows below it, too."""
+    run = loop(cycles=20)
+    names = np.full(len(run.time), "", dtype=object)
+    names[: len(names) // 2 : 3], names[len(names) // 2] = "north", "south"
+    rows = list(zip(run.time.tolist(), names.tolist(), run.y.tolist(), run.force.tolist(), strict=True))
+    heading = ("Time [s]", "Specimen", "Displacement [mm]", "Force [N]")
+    path = tmp_path / f"a{ending}"
+    if ending == ".csv":
+        path.write_text("\n".join(";".join(map(str, row)) for row in (heading, *rows)))
+    else:
+        xlsxwriter = pytest.importorskip("xlsxwriter")
+        with xlsxwriter.Workbook(path) as book:
+            sheet = book.add_worksheet()
+            for number, row in enumerate((heading, *rows)):
+                sheet.write_row(number, 0, row)
+    assert len(pc.import_files(path, tmp_path / "c", dry_run=True).to_frame()) == 1
+    parted = pc.import_files(path, tmp_path / "c", dry_run=True, columns="segment=Specimen").to_frame()
+    assert parted["cycles"].to_list() == [10, 10]
+    with pytest.raises(pc.UserError, match="'Specimen' holds no numbers"):
+        pc.import_files(path, tmp_path / "c", dry_run=True, columns="force=Specimen [N]")

@@ -7,7 +7,7 @@ import itertools
 import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pipeclamp_identification.importing.naming import SEGMENT, condition_name, is_measured, unit_of
 from pipeclamp_identification.importing.questions import NONE, Choice, Question, find
@@ -195,6 +195,8 @@ def map_columns(table: RawTable, stated: Sequence[Stated] = ()) -> Mapped:
         if quantity in said:
             continue
         found = find(quantity, table, taken)
+        if found is None and quantity == SEGMENT:
+            found = find(quantity, replace(table, channels=table.labels), taken)
         if isinstance(found, Question):
             questions.append(found)
         elif found is not None:
@@ -232,6 +234,9 @@ def _stated_column(table: RawTable, stated: Stated) -> Column:
 def _channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
     """Find a channel by its heading, its name, or either with a unit in brackets behind it."""
     name = " ".join(stated.channel.split())
+    if stated.ours == SEGMENT:
+        # names of runs serve as well as their numbers
+        table = replace(table, channels=(*table.channels, *table.labels))
 
     def called(channel: Channel) -> set[str]:
         return {" ".join(text.split()) for text in (channel.heading, channel.name, unit_in_name(channel.name)[0])}

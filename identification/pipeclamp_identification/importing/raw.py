@@ -77,6 +77,7 @@ class RawTable:
         first_row: row of the file that holds the first samples, where it has rows; 1 elsewhere.
         told: how it was read, for people.
         unread: columns with text where numbers were expected.
+        labels: columns that hold nothing but text, with a number for each text: they may tell runs apart.
     """
 
     name: str
@@ -84,6 +85,7 @@ class RawTable:
     first_row: int = 1
     told: tuple[str, ...] = ()
     unread: tuple[Unread, ...] = ()
+    labels: tuple[Channel, ...] = ()
 
     @property
     def length(self) -> int:
@@ -170,7 +172,7 @@ def side_by_side(table: RawTable) -> list[RawTable]:
         if end:
             name = f"{table.name} columns {first + 1} to {first + width}".strip()
             cut = tuple(replace(channel, values=channel.values[:end]) for channel in channels)
-            parts.append(replace(table, name=name, channels=cut))
+            parts.append(replace(table, name=name, channels=cut, labels=()))
     return parts
 
 

@@ -158,7 +158,12 @@ def _told_apart(table: RawTable) -> RawTable:
         channels.append(channel)
     plain, cut = without_controls, partial(_cut, most=MOST_OF_CELL)
     unread = tuple(replace(one, name=plain(one.name), unit=plain(one.unit), text=cut(one.text)) for one in table.unread)
-    return replace(table, name=without_controls(table.name), channels=tuple(channels), unread=unread)
+    labels = tuple(
+        label
+        for one in table.labels
+        if (label := replace(one, name=plain(one.name), unit=plain(one.unit))).heading not in seen
+    )
+    return replace(table, name=plain(table.name), channels=tuple(channels), unread=unread, labels=labels)
 
 
 def without_controls(text: str) -> str:

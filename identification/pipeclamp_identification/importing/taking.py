@@ -194,7 +194,8 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         taken = _taken(source, table, mapped, record, way, over)
         headings = {column.heading for column in mapped.columns}
         unused = tuple(one.heading for one in table.channels if one.heading not in headings)
-        unread = tuple(one for one in table.unread if one.channel.heading in headings)
+        # a column that is nothing but text serves as the names of runs, as it is
+        unread = tuple(one for one in table.unread if one.channel.heading in headings and not one.is_whole)
         tables.append(TakenTable(table.name, mapped, unused, unread, taken))
     first, mapped = used.tables[0]
     file = ImportedFile(
@@ -230,7 +231,7 @@ def _taken(source: SourceFile, table: RawTable, mapped: Mapped, record: Path, wa
 def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Path, way: Way) -> Iterator[Piece]:
     """Give the pieces of a table, with the channels that are ours alone."""
     headings = {column.heading for column in columns}
-    channels = [channel for channel in table.channels if channel.heading in headings]
+    channels = [channel for channel in (*table.channels, *table.labels) if channel.heading in headings]
     time = time_of(table, columns, way.rate)
     finite = np.isfinite(time)
     timed = None if np.all(finite) else np.flatnonzero(finite)

@@ -91,7 +91,8 @@ def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | Non
 
 def _turned(table: RawTable, column: Column, rows: IntArray | None = None) -> Array:
     """Give a channel's samples in our unit."""
-    values = next(channel.values for channel in table.channels if channel.heading == column.heading)
+    known = (*table.channels, *table.labels)
+    values = next(channel.values for channel in known if channel.heading == column.heading)
     chosen = values if rows is None else values[rows]
     factor, offset = column.conversion.factor, column.conversion.offset
     # a large table has no room for copies

@@ -14,9 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, Unread, refuse_rows, table_of
+from pipeclamp_identification.importing.labels import Labels
+from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows, table_of
 from pipeclamp_identification.importing.texts.sniffing import CLEAR, is_number, names_above
 from pipeclamp_models.base.archive import opened_archive
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.tables import pl
 
 OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 MOST_CELLS = 300_000_000
@@ -107,7 +110,19 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
         for place, own in enumerate(texts)
         if own
     )
-    return [RawTable(name, table.channels, first + 1, (f"sheet {name!r}",), unread)]
+    labels = tuple(
+        Channel(names[place], stated[place], codes)
+        for place, own in enumerate(texts)
+        if own and place not in places and (codes := _labels(body, place)) is not None
+    )
+    return [RawTable(name, table.channels, first + 1, (f"sheet {name!r}",), unread, labels)]
+
+
+def _labels(body: list[list[Any]], place: int) -> Array | None:
+    """Give a column of text as numbers, one for each text."""
+    labels = Labels()
+    labels.add(pl.Series([_text(row[place]) if place < len(row) else "" for row in body], dtype=pl.String))
+    return labels.numbers(len(body))
 
 
 def _texts(body: list[list[Any]], place: int) -> list[tuple[int, str]]:

@@ -14,6 +14,7 @@ from typing import BinaryIO, cast
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.importing.labels import Labels
 from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
@@ -102,6 +103,7 @@ class _Columns:
         self._between: dict[int, str] = {}
         self._lost: list[Array] = []
         self._texts: dict[int, _Texts] = {}
+        self._labels: dict[int, Labels] = {}
         self.grouped = False
 
     def add(self, text: str) -> None:
@@ -123,6 +125,8 @@ class _Columns:
         for place, column in cells.items():
             # what stands between blocks is no sample
             self._note_texts(place, column, np.isnan(found[place]) & (present >= FEWEST_COLUMNS))
+            if np.all(np.isnan(found[place])):
+                self._labels.setdefault(place, Labels()).add(column)
         self._present.append(present)
         self.length += len(present)
 
@@ -209,6 +213,7 @@ class _Columns:
             Unread(layout.names[place], units[place], one.count, one.row, one.text, is_whole=place not in numeric)
             for place, one in self._texts.items()
         )
+        texts = {place: labels.numbers(self.length) for place, labels in self._labels.items() if place not in numeric}
         return [
             RawTable(
                 f"block {number}" if len(blocks) > 1 else "",
@@ -216,6 +221,11 @@ class _Columns:
                 layout.first + first + 1,
                 (told,),
                 unread,
+                tuple(
+                    Channel(layout.names[place], units[place], codes[first:last])
+                    for place, codes in texts.items()
+                    if codes is not None
+                ),
             )
             for number, (first, last) in enumerate(blocks, 1)
         ]
