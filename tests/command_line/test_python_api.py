@@ -58,6 +58,15 @@ def test_answers_are_the_commands(pipeclamp, small, tests, law, tmp_path):
     assert [one["comparison"] for one in both["laws"]] == [pc.compare(law, tests).to_dict()] * 2
 
 
+def test_laws_of_one_name_are_told_apart_by_their_files(pipeclamp, small, tests, law, tmp_path):
+    paths = [law.save(tmp_path / "first.json"), law.save(tmp_path / "second.json")]
+    both = pc.compare_laws([pc.open_law(path) for path in paths], tests)
+    names = [f"{law.file.name} ({path})" for path in paths]
+    assert both.to_frame()["law"].to_list() == names
+    assert both.to_dict() == answered(pipeclamp, tmp_path, "compare", *paths, small)
+    assert all(name in " ".join(both.page()[:2]) for name in names)
+
+
 def test_add_gives_the_commands_law(pipeclamp, small, tests, law, tmp_path):
     path = law.save(tmp_path / "law.json")
     pipeclamp("add", path, "damping_temperature", small, "-o", tmp_path / "law2.json", "--reproducible")

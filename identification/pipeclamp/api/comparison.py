@@ -109,7 +109,10 @@ class LawsComparison(Shown):
     def __init__(self, laws: Sequence[Law], tests: Tests, held: Sequence[Held]) -> None:
         self.laws = tuple(laws)
         self.tests = tests
-        self._held = [(law.file, one) for law, one in zip(laws, held, strict=True)]
+        from pipeclamp_identification.comparison.laws import named_apart
+
+        files = named_apart([law.file for law in laws], [law.origin for law in laws])
+        self._held = list(zip(files, held, strict=True))
 
     def view(self) -> View:
         """Give answer, table and sentences, as `pipeclamp compare` tells them."""
@@ -122,10 +125,9 @@ class LawsComparison(Shown):
         """Give the page, as `pipeclamp compare --report` writes it."""
         from pipeclamp.pages.sections import comparison_page, comparison_title
 
-        best = min(self._held, key=lambda pair: pair[1].nrmse)[0]
-        origin = next(law.origin for law in self.laws if law.file is best)
-        title = comparison_title([law.file for law in self.laws], self.tests.name)
-        following = after_comparison(origin, self.tests.origin, loops=self.tests.tests.has_loops)
+        best = min(range(len(self.laws)), key=lambda place: self._held[place][1].nrmse)
+        title = comparison_title([file for file, _ in self._held], self.tests.name)
+        following = after_comparison(self.laws[best].origin, self.tests.origin, loops=self.tests.tests.has_loops)
         return *title, comparison_page(self._held, following)
 
     def to_frame(self) -> pl.DataFrame:

@@ -281,10 +281,11 @@ def compare(
     if bands is not None:
         raise UsageError("--bands: a law held against its own tests has none; expected SYSTEM.toml and MEASURED")
     from pipeclamp.show.views import comparison_view, laws_view
+    from pipeclamp_identification.comparison.laws import named_apart
     from pipeclamp_identification.workflow.next_command import after_comparison
 
     with told("compare") as tell:
-        files = [opened_law(law) for law in laws]
+        files = named_apart([opened_law(law) for law in laws], laws)
         tests = read_and_tell(campaign, strict, tell, free=True)
         held = [(file, tests.compare(file)) for file in files]
         view = comparison_view(held[0][1]) if len(held) == 1 else laws_view(held)
