@@ -21,6 +21,7 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.law import with_effect
 from pipeclamp_models.realise.array_source import ArrayPrinter
+from pipeclamp_models.realise.force import LawForce, force_of_law
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import data_sizes, number_of
 
@@ -64,6 +65,11 @@ class Evaluation:
         return self.problem.coarse.motion
 
     @cached_property
+    def law_force(self) -> LawForce:
+        """The law's own force at these points."""
+        return force_of_law(self.law.result.law, self.motion)
+
+    @cached_property
     def sizes(self) -> Mapping[str, float]:
         """Sizes of the tests, in which starts are stated."""
         return data_sizes(self.motion.slow, self.problem.observations.force_amplitude)
@@ -95,10 +101,10 @@ class Evaluation:
         """Give a force on the motions, N, shape (R, n), as the residuals show it, shape (R, m)."""
         observations = self.problem.coarse
         plain = observations.loops.transformed(force)
-        plain[observations.loops.open_means(self.law.result.law_force), 0] = 0.0
+        plain[observations.loops.open_means(self.law_force), 0] = 0.0
         white = observations.in_units(plain[None])
         if observations.poolings is not None:
-            white = observations.poolings.beside(self.law.result.law_force).without(white)
+            white = observations.poolings.beside(self.law_force).without(white)
         return np.asarray(white[0])
 
     def columns(self, term: Term) -> list[Column]:
