@@ -86,6 +86,15 @@ def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
+def test_a_copy_of_a_file_is_left_aside_and_told(pipeclamp, exports, tmp_path):
+    first = min(exports.iterdir())
+    (exports / "copy.txt").write_bytes(first.read_bytes())
+    told = pipeclamp("import", exports, "-o", tmp_path / "c")
+    assert "10 runs of 10 files" in told.stdout
+    assert "has the same content as" in told.stderr
+    assert len(pc.read_campaign(tmp_path / "c").tests.campaign.runs) == 10
+
+
 def test_a_dry_run_writes_nothing(pipeclamp, exports, tmp_path):
     told = pipeclamp("import", exports, "-o", tmp_path / "c", "--dry-run", "--report", tmp_path / "r.html")
     assert "nothing is written" in told.stdout

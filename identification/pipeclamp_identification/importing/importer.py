@@ -91,7 +91,10 @@ def plan_import(
             again.append(path.name)
             continue
         if (other := new.get(file.file.sha256)) is not None:
-            raise UserError(f"{path}: has the same content as {other}; one measurement counts once: leave one out")
+            planner.note(
+                f"{path.name}: left aside, for it has the same content as {other}: one measurement counts once"
+            )
+            continue
         if path.name in known:
             raise UserError(
                 f"{path}: the campaign holds a file of this name with other content; expected another name, or a new "
@@ -196,7 +199,7 @@ class _Planner:
         """
         if file.aside:
             names = listed([*map(repr, file.aside)], most=MOST_ASIDE)
-            self._note(f"{path.name}: left aside, without time, displacement and force: {names}")
+            self.note(f"{path.name}: left aside, without time, displacement and force: {names}")
         stems = [_stem_of(path, table, len(file.tables) > 1) for table in file.tables]
         count = Counter(stems)
         for table, stem in zip(file.tables, stems, strict=True):
@@ -205,15 +208,15 @@ class _Planner:
             single = table.taken.runs == 1 and count[stem] == 1
             for column in table.mapped.columns:
                 if column.overrides:
-                    self._note(
+                    self.note(
                         f"{column.heading!r} is taken in {column.unit}, as --columns states, though the file says "
                         f"{column.overrides}"
                     )
             time = next((column.heading for column in table.mapped.columns if column.ours == "time"), None)
             if self.options.rate and time:
-                self._note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
+                self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
             for unread in table.unread:
-                self._note(f"{path.name}: {unread.words()}; such cells count as blank")
+                self.note(f"{path.name}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))
             files += [] if path.name in files else [path.name]
             runs = [self._run(path, stem, table, draft, settings, single) for draft in table.taken.drafts]
@@ -226,7 +229,8 @@ class _Planner:
                 self.overviews.append(_overview(path, table, runs))
         self.files.append(file.file)
 
-    def _note(self, words: str) -> None:
+    def note(self, words: str) -> None:
+        """Keep what the user is told, once."""
         if words not in self.notes:
             self.notes.append(words)
 
@@ -245,7 +249,7 @@ class _Planner:
             mean, moved = draft.temperature
             measured["temperature_C"] = round(mean, 2)
             if moved > STEADY_TEMPERATURE:
-                self._note(f"run {name}: its temperature moves by {moved:.3g} K; its mean counts")
+                self.note(f"run {name}: its temperature moves by {moved:.3g} K; its mean counts")
         sine: tuple[float, float] | None = None
         if isinstance(draft.seen, SeenSine):
             sine = (draft.seen.shown.amplitude_mm, draft.seen.cycles.frequency_Hz)
@@ -342,9 +346,9 @@ class _Planner:
         idle = [repr(name) for name in self.options.conditions if name not in met]
         bare = [run for run, name in self.known_as.items() if not name]
         if idle:
-            self._note(f"--conditions: no run here is called, nor from a file that is called, {listed(idle)}")
+            self.note(f"--conditions: no run here is called, nor from a file that is called, {listed(idle)}")
         if bare and self.options.conditions:
-            self._note(f"--conditions: says nothing of {len(bare)} of {len(self.runs)} runs: {listed(bare)}")
+            self.note(f"--conditions: says nothing of {len(bare)} of {len(self.runs)} runs: {listed(bare)}")
 
 
 def _names(stem: str, single: bool) -> Iterator[str]:
