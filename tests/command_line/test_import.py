@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -87,9 +88,10 @@ def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports
 
 
 def test_a_copy_of_a_file_is_left_aside_and_told(pipeclamp, exports, tmp_path):
-    first = min(exports.iterdir())
-    (exports / "copy.txt").write_bytes(first.read_bytes())
-    told = pipeclamp("import", exports, "-o", tmp_path / "c")
+    folder = tmp_path / "exports"
+    shutil.copytree(exports, folder)
+    shutil.copy(min(exports.iterdir()), folder / "copy.txt")
+    told = pipeclamp("import", folder, "-o", tmp_path / "c")
     assert "10 runs of 10 files" in told.stdout
     assert "has the same content as" in told.stderr
     assert len(pc.read_campaign(tmp_path / "c").tests.campaign.runs) == 10

@@ -1,4 +1,7 @@
-"""MATLAB's files, versions 4 to 7.3, by pymatreader (SciPy, and h5py for 7.3)."""
+"""MATLAB's files, versions 4 to 7.3, by pymatreader (SciPy, and h5py for 7.3).
+
+SciPy's C code reads some damaged files beyond their ends, so they are read in a process of their own.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeclamp_identification.importing.apart import read_apart
 from pipeclamp_identification.importing.nested import tables_of
 from pipeclamp_identification.importing.raw import COMPRESSED, Format, RawTable, refuse_size
 
@@ -47,7 +51,7 @@ FORMAT = Format(
     name="MATLAB",
     suffixes=(".mat",),
     begins=lambda head: head[:6] == b"MATLAB",
-    read=read,
+    read=lambda path: read_apart(__name__, path),
     module="pymatreader",
     package="pymatreader",
 )
