@@ -32,8 +32,8 @@ PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
 OF_ALL = {"--help", "--version", "--install-completion", "--show-completion"}
 OF_OTHERS = {
-    "--keep-going", "--check", "--narrow", "--metrics", "--devices", "--write", "--share", "--seed", "--only",
-    "--benchmark-only",
+    "--keep-going", "--check", "--narrow", "--metrics", "--devices", "--discover", "--write", "--share", "--seed",
+    "--only", "--benchmark-only",
 }  # fmt: skip
 """Options of scripts and other programs that pages name."""
 

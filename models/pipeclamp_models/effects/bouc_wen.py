@@ -13,7 +13,7 @@ from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance,
 
 k_b, z_b, n_b, p_b, w_b, z = sp.symbols("k_b z_b n_b p_b w_b z_h", real=True)
 slip = sp.Symbol("slip_b", real=True)
-way, load, start, left = sp.symbols("x_b u_b u_from x_left", real=True)
+way, load, start, left = sp.symbols("x_b load_b load_from x_left", real=True)
 rates = sp.symbols("b_b1:5", real=True)
 direction = sp.Piecewise((1, y >= y_previous), (-1, True))
 

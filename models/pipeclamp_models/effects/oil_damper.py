@@ -26,7 +26,7 @@ from pipeclamp_models.equations.symbols import (
 
 k_o, F_o, v_o, a_o, p_o, q = sp.symbols("k_oil F_oil v_oil a_oil p_oil q_oil", real=True)
 thickness = sp.Symbol("mu_oil", positive=True)
-speed, held, at_first, midway = sp.symbols("u_oil held_oil rate_oil rate_oil_midway", real=True)
+speed, held, at_first, midway = sp.symbols("speed_oil held_oil rate_oil rate_oil_midway", real=True)
 move = y - y_previous
 
 SMALLEST = sp.Rational(1, 10**6)
