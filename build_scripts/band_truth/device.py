@@ -90,44 +90,51 @@ def on_machine(y, v, step, numbers):
 
 
 @njit(cache=True)
-def _acceleration(q, w, z, omega, zeta, participation, shape, drive, numbers):
+def _slopes(at, drive, omega, zeta, participation, shape, numbers, slopes):
+    """Write the rates of modes' places and speeds and of the element's force, (2 M + 1,)."""
+    modes = len(omega)
     y, v = 0.0, 0.0
-    for mode in range(len(q)):
-        y += 1e3 * shape[mode] * q[mode]
-        v += 1e3 * shape[mode] * w[mode]
-    force = _plain(y, v, numbers) + z
-    given = np.empty_like(q)
-    for mode in range(len(q)):
-        given[mode] = (
+    for mode in range(modes):
+        y += 1e3 * shape[mode] * at[mode]
+        v += 1e3 * shape[mode] * at[modes + mode]
+    force = _plain(y, v, numbers) + at[2 * modes]
+    for mode in range(modes):
+        speed = at[modes + mode]
+        slopes[mode] = speed
+        slopes[modes + mode] = (
             participation[mode] * drive - shape[mode] * force
-            - 2 * zeta[mode] * omega[mode] * w[mode] - omega[mode] ** 2 * q[mode]
+            - 2 * zeta[mode] * omega[mode] * speed - omega[mode] ** 2 * at[mode]
         )  # fmt: skip
-    return given, _rate(z, v, numbers)
+    slopes[2 * modes] = _rate(at[2 * modes], v, numbers)
 
 
 @njit(cache=True)
-def on_pipe(frequency, acceleration, cycles, per_cycle, omega, zeta, participation, shape, numbers):
-    """Give half the peak-to-peak displacement, mm, in the last two cycles under a sine of the base, m/s2."""
-    q, w, z = np.zeros_like(omega), np.zeros_like(omega), 0.0
-    h = 1 / (frequency * per_cycle)
+def on_pipe(frequency, acceleration, cycles, per_cycle, omega, zeta, participation, shape, numbers, state):
+    """Give half the peak-to-peak displacement, mm, in the last two cycles under a sine of the base, m/s2.
+
+    Motion goes on from the state, (2 M + 1,): places and speeds of the modes and the element's force. It is moved to
+    the end.
+    """
+    modes, h = len(omega), 1 / (frequency * per_cycle)
     low, high = np.inf, -np.inf
+    at, total, slopes = np.empty_like(state), np.empty_like(state), np.empty_like(state)
     for step in range(cycles * per_cycle):
-        ends = (0.0, 0.5, 0.5, 1.0)
-        sum_q, sum_w, sum_z = np.zeros_like(q), np.zeros_like(q), 0.0
-        slope_q, slope_w, slope_z = np.zeros_like(q), np.zeros_like(q), 0.0
+        for place in range(len(state)):
+            total[place], slopes[place] = 0.0, 0.0
         for stage in range(4):
-            drive = acceleration * np.sin(2 * np.pi * (step + ends[stage]) / per_cycle)
-            at_q, at_w = q + ends[stage] * h * slope_q, w + ends[stage] * h * slope_w
-            at_z = z + ends[stage] * h * slope_z
-            slope_q = at_w
-            slope_w, slope_z = _acceleration(at_q, at_w, at_z, omega, zeta, participation, shape, drive, numbers)
-            weight = 1.0 if stage in (0, 3) else 2.0
-            sum_q, sum_w, sum_z = sum_q + weight * slope_q, sum_w + weight * slope_w, sum_z + weight * slope_z
-        q, w = q + h / 6 * sum_q, w + h / 6 * sum_w
-        z = min(max(z + h / 6 * sum_z, -numbers[5]), numbers[5])
+            end = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+            drive = acceleration * np.sin(2 * np.pi * (step + end) / per_cycle)
+            for place in range(len(state)):
+                at[place] = state[place] + end * h * slopes[place]
+            _slopes(at, drive, omega, zeta, participation, shape, numbers, slopes)
+            for place in range(len(state)):
+                total[place] += (1.0 if stage in (0, 3) else 2.0) * slopes[place]
+        for place in range(len(state)):
+            state[place] += h / 6 * total[place]
+        state[2 * modes] = min(max(state[2 * modes], -numbers[5]), numbers[5])
         if step >= (cycles - 2) * per_cycle:
             y = 0.0
-            for mode in range(len(q)):
-                y += 1e3 * shape[mode] * q[mode]
+            for mode in range(modes):
+                y += 1e3 * shape[mode] * state[mode]
             low, high = min(low, y), max(high, y)
     return (high - low) / 2

@@ -60,7 +60,7 @@ def test_a_band_is_as_wide_as_what_is_known_says(tmp_path, monkeypatch):
     wide = response_bands(path, response, 95.0, {"clamp1": 1e3}).curves[0].peaks[0].amplitude
     banded(tmp_path, 1.0, spread=None)
 
-    def lost(*_):
+    def lost(*_, apart=True):
         raise UserError("no steady state is found")
 
     monkeypatch.setattr(BandedSystem, "solved", lost)

@@ -142,7 +142,7 @@ class BandedSystem:
         towards = self.unknown.covariance @ told / max(deviation, 1e-300)
         means = self.unknown.means
         ends = [self._end(curve, means + side * steps * towards) for side in (-1, 1)]
-        middle = self._end(curve, means) if means.any() else curve
+        middle = self._end(curve, means, apart=False) if means.any() else curve
         followed = tuple(
             _followed(
                 peak,
@@ -163,10 +163,10 @@ class BandedSystem:
         low, high = (None if end is None else len(end.detached) for end in ends)
         return CurveBands(followed, turns, pieces, (len(curve.detached), low, high))
 
-    def _end(self, curve: Curve, amounts: Array) -> Curve | None:
+    def _end(self, curve: Curve, amounts: Array, *, apart: bool = True) -> Curve | None:
         """Give the curve with laws that are off, as of `solved`; None where no such motion is found."""
         try:
-            return self.solved(curve, amounts)
+            return self.solved(curve, amounts, apart=apart)
         except UserError:
             return None
 
@@ -189,8 +189,17 @@ class BandedSystem:
         own = [one for _, one in steady_clamps(self.description, self.pipe, folder, curve.temperature, where)]
         return moving_of(system, with_laws(own, self.unknown), curve.pieces, self.unknown)
 
-    def solved(self, curve: Curve, amounts: Array) -> Curve:
-        """Give the curve with laws that are off by amounts of what isn't known, (Q,); nothing is linear in that."""
+    def solved(self, curve: Curve, amounts: Array, *, apart: bool = True) -> Curve:
+        """Give the curve with laws that are off by amounts of what isn't known; nothing is linear in that.
+
+        Args:
+            curve: with the laws as they are.
+            amounts: of what isn't known, (Q,).
+            apart: whether branches that nothing joins to the curve are sought too: most of the time.
+
+        Raises:
+            UserError: no such motion is found.
+        """
         highest = max(curve.states, key=lambda state: amplitudes_of(state)[0])
         found = steady_clamps(self.description, self.pipe, self.path.parent, curve.temperature, str(self.path))
         at = [conditions_at(clamp, highest, place) for place, (_, clamp) in enumerate(found)]
@@ -208,7 +217,12 @@ class BandedSystem:
             system = steady_system(
                 changed, self.pipe, self.path.parent, curve.temperature, curve.level, self.table.harmonics, where
             )
-            return curve_of(system, self.table, curve.temperature, curve.level, where)
+            if apart:
+                return curve_of(system, self.table, curve.temperature, curve.level, where)
+            followed = system.followed(self.table.from_Hz, self.table.to_Hz)
+            if not followed.pieces:
+                raise UserError(f"{where}: no steady state is found at either end of the frequencies")
+            return Curve(curve.temperature, curve.level, followed, ())
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
