@@ -5,13 +5,14 @@ And a law may hold several.
 
 import json
 import tomllib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.guards import highest, passive
+from pipeclamp_identification.discovery.guards import comes_back, highest, passive
 from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -54,6 +55,20 @@ def test_energy_fed_in_a_little_beyond_the_tests_is_refused(tmp_path, write_law,
     guard = passive(read_law(path), before)
     assert guard.passed == passes
     assert ("proved" if passes else "would create energy") in guard.words
+
+
+@pytest.mark.parametrize(
+    ("behind", "alike", "passes"), [(4.0, False, True), (400.0, False, False), (400.0, True, True)]
+)
+def test_a_term_that_does_as_well_as_the_best_comes_back(behind, alike, passes):
+    """As well means what it meant when the simplest of equals was chosen: each draw asks for no more."""
+    groups = np.repeat(np.arange(8), 4)
+    best = np.random.default_rng(3).uniform(90.0, 110.0, len(groups))
+    simple = best + behind / len(groups)
+    found, other = (SimpleNamespace(score=SimpleNamespace(squares=squares)) for squares in (simple, best))
+    guard = comes_back(found, [found, other], np.array([True, alike]), groups)
+    assert guard.passed == passes
+    assert "in 100%" in guard.words if passes else "in 0%" in guard.words
 
 
 def test_the_simplest_stands_for_terms_that_act_as_one():

@@ -15,8 +15,12 @@ def discovery_words(proposal: Proposal) -> list[str]:
     kinds = "springs, dampers, elements that slip or creep, factors on the law's coefficients"
     tried = f"{proposal.search.tried} terms were tried: {kinds}."
     if not proposal.proposed or found is None or proposal.heldout is None:
-        nearest = [f"The best term: {proposal.formula()}."] if found else []
-        return [f"Nothing is proposed: {proposal.reason}.", *nearest, *([tried] if proposal.search.tried else [])]
+        words = [f"Nothing is proposed: {proposal.reason}."]
+        if found:
+            words.append(f"The best term: {proposal.formula()}.")
+        if proposal.search.tried:
+            words += [tried, f"Where the rest lies: {'; '.join(proposal.search.diagnosed.left_over())}."]
+        return words
     before, after = proposal.heldout
     scatter = f"; {proposal.noise_nrmse:.2%} is scatter" if proposal.noise_nrmse is not None else ""
     words = [

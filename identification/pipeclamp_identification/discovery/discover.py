@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -120,7 +121,7 @@ def search(
     groups = condition_groups(loops)
     if int(groups.max()) + 1 < FEWEST_GROUPS:
         raise UserError(
-            f"{int(groups.max()) + 1} groups of amplitude and frequency can't show a new term; expected at least "
+            f"groups of amplitude and frequency: {int(groups.max()) + 1}, too few for a new term; expected at least "
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
     found = diagnosed(file, campaign, loops, declared=declared, jobs=jobs, progress=progress)
@@ -147,24 +148,51 @@ def search(
     by_id = {columns[place].term.declaration.id: place for place in places}
     contenders = [_contender(structure, law, scanned, place) for place in places]
     judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
-    if not judged:
+    refitted = [each for one in judged for each in _refitted(one, columns[by_id[one.effects[0]]].term, evaluation)]
+    if not refitted:
         return Search(found, None, len(every), "no term of the grammar could be fitted together with the law")
     listed = [
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in found.diagnosis.candidates[:LISTED]
     ]
     progress("ask the conditions that were kept back")
-    hearing = _Hearing(evaluation, columns, by_id, listed, _rows(loops, kept), groups[kept])
+    hearing = _Hearing(evaluation, columns, refitted, listed, _rows(loops, kept), groups[kept])
     heard: list[Found] = []
-    while judged and len(heard) < MOST_HEARD and not (heard and heard[-1].passed):
-        best, rivals = _best(judged, columns, by_id)
+    left = refitted
+    while left and len(heard) < MOST_HEARD and not (heard and heard[-1].passed):
+        best, rivals = _best(left)
         heard.append(hearing.of(best, rivals))
         # what acts as a term that failed would fail too
-        alike = scanned.alike(by_id[best.effects[0]])
-        judged = [one for one in judged if one is not best and not alike[by_id[one.effects[0]]]]
+        alike = hearing.alike(best)
+        left = [one for one in left if one is not best and not alike[refitted.index(one)]]
     result = heard[-1] if heard[-1].passed else heard[0]
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+
+
+@dataclass(frozen=True, eq=False)
+class Refitted:
+    """A term and the law with it, fitted together.
+
+    Attributes:
+        judged: the law with it.
+        term: the term.
+        column: the term at its fitted values.
+    """
+
+    judged: Judged
+    term: Term
+    column: Column
+
+    @property
+    def squares(self) -> float:
+        """Sum of squared whitened residuals on left-out groups."""
+        return self.judged.squares
+
+    @property
+    def parameters(self) -> int:
+        """How many parameters the term has."""
+        return len(self.term.declaration.parameters)
 
 
 @dataclass(frozen=True)
@@ -174,37 +202,46 @@ class _Hearing:
     Attributes:
         evaluation: the law on the tests that the search saw.
         columns: all that was screened.
-        by_id: of those that were refitted, which one, by the term's id.
+        refitted: the terms that were fitted together with the law.
         listed: the catalogue's best effects, on the same tests.
         unseen, groups: the tests that were kept back, and the group of each.
     """
 
     evaluation: Evaluation
     columns: Sequence[Column]
-    by_id: Mapping[str, int]
+    refitted: Sequence[Refitted]
     listed: Sequence[Judged]
     unseen: Loops
     groups: npt.NDArray[np.intp]
 
-    def of(self, best: Judged, rivals: Sequence[Judged]) -> Found:
+    @cached_property
+    def screened(self) -> Screened:
+        """All that was screened, and after it each refitted term at its fitted values."""
+        law, problem = self.evaluation.law, self.evaluation.problem
+        columns = [*self.columns, *(one.column for one in self.refitted)]
+        return screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+
+    def place(self, one: Refitted) -> int:
+        """Give the column of a refitted term at its fitted values."""
+        return len(self.columns) + self.refitted.index(one)
+
+    def alike(self, one: Refitted) -> npt.NDArray[np.bool_]:
+        """Tell which of the refitted terms act as one does, at their fitted values."""
+        return self.screened.alike(self.place(one))[len(self.columns) :]
+
+    def of(self, best: Refitted, rivals: Sequence[Refitted]) -> Found:
         """Ask a term, at its fitted values, among all the others."""
         law, problem = self.evaluation.law, self.evaluation.problem
-        term = self._term(best)
-        columns = [*self.columns, *self.evaluation.columns_at(term, [best.result.law.values])]
-        scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
-        place = len(columns) - 1
+        found = best.judged
         guards = (
-            beyond_chance(float(scanned.explained()[place]), scanned.by_chance()),
-            comes_back(scanned, place),
-            beyond_the_tests(law, best, problem),
-            confirmed(law.result.law, best.result.law, self.unseen, self.groups),
-            not_in_the_catalogue(best, self.listed, problem),
+            beyond_chance(float(self.screened.explained()[self.place(best)]), self.screened.by_chance()),
+            comes_back(found, [one.judged for one in self.refitted], self.alike(best), problem.groups),
+            beyond_the_tests(law, found, problem),
+            confirmed(law.result.law, found.result.law, self.unseen, self.groups),
+            not_in_the_catalogue(found, self.listed, problem),
         )
-        telling = telling_test(best.result.law, rivals[0].result.law, problem.loops) if rivals else ""
-        return Found(term, best, law, tuple(map(self._term, rivals)), telling, guards)
-
-    def _term(self, judged: Judged) -> Term:
-        return self.columns[self.by_id[judged.effects[0]]].term
+        telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
+        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards)
 
 
 def _rows(loops: Loops, chosen: npt.NDArray[np.bool_]) -> Loops:
@@ -239,15 +276,16 @@ def _contender(structure: Structure, law: Judged, scanned: Screened, place: int)
     return Contender((term.declaration.id,), larger, [start])
 
 
-def _best(judged: Sequence[Judged], columns: Sequence[Column], by_id: Mapping[str, int]) -> tuple[Judged, list[Judged]]:
+def _refitted(judged: Judged, term: Term, evaluation: Evaluation) -> list[Refitted]:
+    """Give a term that was fitted together with the law; none where it does nothing at its fitted values."""
+    return [Refitted(judged, term, column) for column in evaluation.columns_at(term, [judged.result.law.values])]
+
+
+def _best(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:
     """Give the term that foretells best, of those that do as well that of fewest parameters, and the others."""
-
-    def parameters(one: Judged) -> int:
-        return len(columns[by_id[one.effects[0]]].term.declaration.parameters)
-
-    first = min(judged, key=lambda one: one.squares)
-    near = [one for one in judged if one.squares <= first.squares + RIVAL_LIKELIHOOD]
-    best = min(near, key=lambda one: (parameters(one), one.squares))
+    first = min(refitted, key=lambda one: one.squares)
+    near = [one for one in refitted if one.squares <= first.squares + RIVAL_LIKELIHOOD]
+    best = min(near, key=lambda one: (one.parameters, one.squares))
     # what only adds to it is no rival
-    others = [one for one in near if one is not best and parameters(one) <= parameters(best)]
+    others = [one for one in near if one is not best and one.parameters <= best.parameters]
     return best, sorted(others, key=lambda one: one.squares)

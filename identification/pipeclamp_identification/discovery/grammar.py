@@ -51,13 +51,6 @@ class Term:
     declaration: Declaration
     acts_like: str
 
-    @property
-    def size(self) -> int:
-        """Length of the formula in symbols, its parameters counted twice."""
-        told = self.declaration
-        text = " ".join((told.force, *(state.update for state in told.states), *(one.factor for one in told.scales)))
-        return len(re.findall(r"[A-Za-z_]\w*|[\d.]+", text)) + 2 * len(told.parameters)
-
 
 @dataclass(frozen=True)
 class _Shape:
@@ -151,6 +144,12 @@ PLACES = (
      (_length("displacement from which it acts", 0.05, 0.5),)),
     ("_negative_side", "max(-y - y_x, 0) / A_0", ", beyond a displacement on the negative side",
      (_length("displacement from which it acts", 0.05, 0.5),)),
+    ("_rising", "(1 + y / y_x)**2", ", rising smoothly to the positive side",
+     (_length("displacement by which it rises fourfold", 0.8, 2.0),)),
+    ("_falling", "(1 - y / y_x)**2", ", rising smoothly to the negative side",
+     (_length("displacement by which it rises fourfold", 0.8, 2.0),)),
+    ("_outside", "(y / y_x)**2 / (1 + (y / y_x)**2)", ", pinched about the middle and level farther out",
+     (_length("displacement at which half of it acts", 0.1, 0.4),)),
 )  # fmt: skip
 """Where a damper or a slip force acts: name, factor >= 0 of y, words, parameters."""
 
@@ -158,6 +157,7 @@ PLACES = (
 def _dampers() -> Iterator[_Shape]:
     speed = "velocity by which it changes"
     rates = (
+        ("dry_damping", SIGN_V, "dry friction without elasticity", ()),
         ("viscous_damping", "v / v_0", "damping in proportion to the velocity", ()),
         ("square_damping", f"v * {SIZE_V} / v_0**2", "damping by the square of the velocity", ()),
         ("damping", f"{SIGN_V} * ({SIZE_V} / v_0)**p_x", "damping by a power of the velocity",
@@ -171,7 +171,7 @@ def _dampers() -> Iterator[_Shape]:
         ("backward_square", "-(max(-v, 0) / v_0)**2", "square damping while the displacement falls only", ()),
     )  # fmt: skip
     for (name, rate, words, own), (place, factor, where, further) in itertools.product(rates, PLACES):
-        yield _Shape(f"{name}{place}", f"{factor} * {rate}", f"{words}{where}", (*own, *further))
+        yield _Shape(f"{name}{place}", f"{factor} * {rate}" if place else rate, f"{words}{where}", (*own, *further))
 
 
 def _velocity(meaning: str, *shares: float) -> Entry:
@@ -199,6 +199,12 @@ def _elements() -> Iterator[_Shape]:
             f"bent_slip_{str(power).replace('.', 'p')}", f"z_x * sqrt(z_x**2 + 1e-6)**{power - 1}",
             f"dry friction through a spring that {words}", (way,), state(f"min(max({trial}, -1), 1)"),
         )  # fmt: skip
+    play: Entry = {"symbol": "g_x", "unit": "-", "meaning": "share of the way that is play", "start": (0.3, 0.7),
+            "lower": 0.0, "upper": 0.95}  # fmt: skip
+    yield _Shape(
+        "slip_after_play", "(max(z_x - g_x, 0) - max(-z_x - g_x, 0)) / (1 - g_x)",
+        "dry friction through a spring with play", (way, play), state(f"min(max({trial}, -1), 1)"),
+    )  # fmt: skip
     time: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
             "upper": "100 / f_lowest", "start": ("0.03 / f_typical", "0.3 / f_typical")}  # fmt: skip
     for power in (1, 2):
@@ -248,16 +254,19 @@ LEVELS = {
 
 
 def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterator[Term]:
-    """Give factors > 0 on a coefficient of the law: exponential, bent, from a threshold on, levelling off."""
+    """Give factors > 0 on a coefficient of the law: power, exponential, bent, from a threshold on, levelling off."""
     if signal in conditions:
         plain, unit, name, size = _named(signal), "in its name", signal, f"{conditions[signal]:.6g}"
         pure, bends = f"{plain} / {size}", tuple[object, ...](share * conditions[signal] for share in (0.3, 0.6))
+        above = f"abs({pure}) + 0.001"  # a column may be zero
     else:
         pure, low, high, unit, name = LEVELS[signal]
         bends = (low, high)
         plain, size = signal, {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}[signal]
+        above = {"T": "T / T_0", "N": "1 + N"}.get(signal, pure)
     level: Entry = {"symbol": "l_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
     forms = [
+        ("power", f"log({above})", "changes with a power of", ()),
         ("exponential", pure, "changes exponentially with", ()),
         ("bent", f"({pure})**2", "changes with the square of", ()),
         ("beyond", f"max({plain} - l_x, 0) / {size}", "changes beyond a level of", (level,)),

@@ -12,9 +12,8 @@ from pipeclamp_fmu.build import passivity, require_passive
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.diagnosis.left_out import LeftOut
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.resampling import share_of_gains
-from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE
-from pipeclamp_identification.discovery.search import Screened
+from pipeclamp_identification.diagnosis.resampling import draws, share_of_gains
+from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import Loops
@@ -26,7 +25,7 @@ from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations, force_of_law
 
 COMES_BACK_SHARE = 0.8
-"""A term that explains most in fewer draws of the conditions may be an accident of some."""
+"""A term that does as well as the best in fewer draws of the conditions may be an accident of some."""
 FEWEST_LEVELS = 2
 """Of A and of f: levels that stay where the highest are left out to see how a term foretells beyond them."""
 
@@ -52,10 +51,24 @@ def beyond_chance(explained: float, by_chance: float) -> Guard:
     return Guard("more than chance", bool(explained > by_chance), words)
 
 
-def comes_back(screened: Screened, place: int) -> Guard:
-    """Ask whether a term that acts alike wins again where the conditions are drawn again."""
-    share = screened.comes_back(place)
-    words = f"a term that acts alike is the best in {share:.0%} of draws of the conditions"
+def comes_back(
+    found: Judged, judged: Sequence[Judged], alike: npt.NDArray[np.bool_], groups: npt.NDArray[np.intp]
+) -> Guard:
+    """Ask whether a term, or one that acts alike, does as well as the best again where conditions are drawn again.
+
+    What counts as well is what counted when the term was chosen (`RIVAL_LIKELIHOOD`).
+
+    Args:
+        found: the law with the term.
+        judged: the law with each term that was refitted, this one among them.
+        alike: which of them act as the term does.
+        groups: of each run, shape (R,).
+    """
+    by_group = np.array([np.bincount(groups, weights=each.score.squares) for each in (found, *judged)])
+    squares = draws(by_group.shape[1]) @ by_group.T.astype(np.float64)
+    own = squares[:, np.array([True, *alike])].min(axis=1)
+    share = float(np.mean(own <= squares.min(axis=1) + RIVAL_LIKELIHOOD))
+    words = f"a term that acts alike does as well as the best in {share:.0%} of draws of the conditions"
     return Guard("comes back", share >= COMES_BACK_SHARE, words)
 
 

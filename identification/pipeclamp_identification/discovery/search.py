@@ -1,8 +1,8 @@
 """What each column explains beyond the law's own tangents on left-out groups; what noise alone would, at its best.
 
 With the columns freed of what the law's parameters can do, the strength that fits all groups but one is a quotient of
-sums over those groups, and what it explains of the group left out follows from that group's sums. So groups can be
-drawn again, and signs of runs turned, thousands of times at the cost of sums.
+sums over those groups, and what it explains of the group left out follows from that group's sums. So signs of runs can
+be turned hundreds of times at the cost of sums.
 """
 
 from __future__ import annotations
@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.diagnosis.resampling import draws
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_models.base.arrays import Array
 
-FLIPS, DRAWS = 400, 200
-"""Times that signs of runs are turned, and that groups are drawn again."""
+FLIPS = 400
+"""Times that signs of runs are turned."""
 BY_CHANCE = 0.01
 """A term is looked at where it explains more than the best of the grammar does in all but this share of the turns."""
 ALIKE = 0.9
@@ -50,25 +49,23 @@ class Screened:
     signed: npt.NDArray[np.bool_]
     lengths: Array
 
-    def explained(self, signs: Array | None = None, weights: Array | None = None) -> Array:
+    def explained(self, signs: Array | None = None) -> Array:
         """Give the squares that each column explains on groups that its strength wasn't fitted to, shape (C,).
 
         Args:
             signs: of each run's residual, shape (R,).
-            weights: how often each group was drawn, shape (G,).
         """
         products, squares = self.by_run
         if signs is not None:
             products = products * signs[:, None]
         count = int(self.groups.max()) + 1
-        times = np.ones(count) if weights is None else weights
         by_group = np.zeros((count, products.shape[1])), np.zeros((count, products.shape[1]))
         np.add.at(by_group[0], self.groups, products)
         np.add.at(by_group[1], self.groups, squares)
-        others = [np.sum(times[:, None] * sums, axis=0) - times[:, None] * sums for sums in by_group]
+        others = [np.sum(sums, axis=0) - sums for sums in by_group]
         strength = others[0] / np.maximum(others[1], LEAST)
         strength = np.where(self.signed, strength, np.maximum(strength, 0.0))
-        return np.asarray(np.sum(times[:, None] * (2 * strength * by_group[0] - strength**2 * by_group[1]), axis=0))
+        return np.asarray(np.sum(2 * strength * by_group[0] - strength**2 * by_group[1], axis=0))
 
     def strength(self, place: int) -> float:
         """Give the strength that fits best, of one column."""
@@ -104,12 +101,6 @@ class Screened:
             if all(self.columns[other].term != self.columns[place].term for other in chosen):
                 chosen.append(place)
         return chosen
-
-    def comes_back(self, place: int) -> float:
-        """Give in what share of draws of the groups a column that acts as this one does explains most."""
-        alike = self.alike(place)
-        drawn = draws(int(self.groups.max()) + 1)[:DRAWS]
-        return float(np.mean([alike[np.argmax(self.explained(weights=weights))] for weights in drawn]))
 
     def alike(self, place: int, least: float = ALIKE) -> npt.NDArray[np.bool_]:
         """Tell which columns act as one does, with this correlation at least, shape (C,)."""

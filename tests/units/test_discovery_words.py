@@ -1,0 +1,17 @@
+"""What is said where no term can be proposed."""
+
+from types import SimpleNamespace
+
+from pipeclamp.show.discovery import discovery_words
+from pipeclamp_identification.discovery.discover import Search
+from pipeclamp_identification.discovery.proposal import Proposal
+
+
+def test_who_gets_no_term_reads_what_was_tried_and_where_the_rest_lies():
+    diagnosed = SimpleNamespace(left_over=lambda: ("the law as it is leaves 4 N", "most of it lies in harmonic 3"))
+    for tried, told in ((348, True), (0, False)):
+        search = Search(diagnosed, None, tried, "no term explains more than chance")
+        words = " ".join(discovery_words(Proposal(search, None, None, None, None, None, (), search.reason, ())))
+        assert words.startswith("Nothing is proposed: no term explains more than chance.")
+        assert ("348 terms were tried" in words) == told
+        assert ("the law as it is leaves 4 N; most of it lies in harmonic 3." in words) == told
