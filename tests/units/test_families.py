@@ -132,3 +132,9 @@ def test_no_effect_is_special_outside_its_file(room):
             if isinstance(node, ast.Constant) and isinstance(node.value, str)
         }
         assert not texts & special, f"{path.name} knows {texts & special}"
+
+
+def test_members_of_families_are_built_once():
+    """A diagnosis asks for the same few many hundred times, and their mathematics takes milliseconds."""
+    assert find_effect("memory:2") is find_effect("memory:2")
+    assert find_effect("memory") is find_effect("memory:1")
