@@ -48,8 +48,8 @@ times the fastest mode's rad/s, over 2 pi."""
 CLOSE, CLOSELY, MOST_MOVES = 3e-4, 9, 4
 """Of the frequencies at the peak itself: share from one to the next, and how many; a quartic goes through them. And how
 often they move on where the highest lies at their end."""
-NEARLY, MOST_MORE = 0.3, 4.0
-"""Share by which the amplitude may miss the wanted one, and how much more is tried at a time."""
+NEARLY, MOST_MORE, MOST_DRIVES = 0.3, 4.0, 12
+"""Share by which the amplitude may miss the wanted one, how much more is tried at a time, and how often."""
 SEED = 1
 
 PIPE = """name = "pipe"
@@ -240,10 +240,12 @@ def _on_device(pipe: ReducedPipe, device: Device) -> Array:
 
 def _drive(device: Device, pipe: ReducedPipe, kelvin: float, near: float, wanted: float) -> float:
     """Give the acceleration, m/s2, at which the clamp moves about so many mm at the peak."""
-    acceleration, amplitude = 0.02, 0.0
-    while abs(amplitude / wanted - 1) > NEARLY:
+    acceleration = 0.02
+    for _ in range(MOST_DRIVES):  # a motion that jumps past the amplitude wanted has none near it
         _, amplitude, _ = Swept(device, pipe, kelvin, acceleration).highest(near)
         acceleration *= min(wanted / amplitude, MOST_MORE)  # a softening clamp has no motion beyond
+        if abs(amplitude / wanted - 1) <= NEARLY:
+            break
     return acceleration
 
 

@@ -87,6 +87,22 @@ def directional_slip(motion: Motion, base: BaseLaw, rough: bool, size: float, sh
     return Part(force=size * base.k10 * motion.remember(("directional_slip", rough), element))
 
 
+def slip_lock(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A clearance taken up by a power, before an element with another limit each way; rough: at a rounded corner."""
+    limit, side = 1.5 * shape["limit"], np.sign(shape["sign"])
+    clearance, exponent = 0.35 * limit, 1.0 + 1.5 * shape["any"]
+
+    def element() -> Array:
+        way = jenkins_of_two_limits(motion, (1 + 0.15 * side) * limit, (1 - 0.15 * side) * limit, rest=0.0)
+        beyond = np.abs(way) - clearance
+        taken = softly(beyond, 0.1 * limit) if rough else np.maximum(beyond, 0.0)
+        if rough:
+            taken = taken - softly(-clearance, 0.1 * limit)
+        return limit * np.sign(way) * (taken / (limit - clearance)) ** exponent
+
+    return Part(force=size * base.k10 * motion.remember(("slip_lock", rough), element))
+
+
 def slip_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Slip displacements spread by a power (Iwan), with a peak; rough: without one."""
     chi, peak = -0.7 + 0.5 * shape["any"], 0.0 if rough else 0.25
@@ -347,6 +363,7 @@ def delay(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape)
 EFFECTS: dict[str, Kind] = {
     "memory": Kind(memory, most=0.8, rough_is="slip_spread"),
     "directional_slip": Kind(directional_slip, most=0.8),
+    "slip_lock": Kind(slip_lock, most=0.8),
     "slip_spread": Kind(slip_spread, most=0.8),
     "bouc_wen": Kind(bouc_wen_pinched, most=0.8),
     "coulomb": Kind(coulomb, most=0.15),

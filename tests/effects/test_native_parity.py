@@ -34,7 +34,7 @@ COMPOSED = [
     Structure("series:5:2", ("hardening", "coulomb", "contact_growth", "memory")),
     Structure("memory", ("end_stop", "asymmetry", "stiffness_frequency", "viscous", "play")),
     Structure("power", ("bouc_wen", "slip_speed", "slip_temperature", "relaxation", "gap", "directional_damping")),
-    Structure("power", ("slip_spread", "slip_speed", "self_centring", "pressed_slip", "oil_damper")),
+    Structure("power", ("slip_spread", "slip_speed", "self_centring", "pressed_slip", "slip_lock", "oil_damper")),
 ]
 CONDITIONS = {"A": 0.6, "f": 3.0, "T": 400.0}
 FURTHER = {"N": 40.0, "rho": 2.5, "u_current_A": 0.6}
