@@ -179,24 +179,39 @@ def test_fortrans_exponents_are_numbers(tmp_path):
 
 
 @pytest.mark.parametrize("ending", [".csv", ".xlsx"])
-def test_names_of_runs_part_them(tmp_path, ending):
+def test_names_of_runs_part_and_name_them(tmp_path, ending):
     """The same motion goes on under another name; a name stands for the rows below it, too."""
-    run = loop(cycles=20)
-    names = np.full(len(run.time), "", dtype=object)
-    names[: len(names) // 2 : 3], names[len(names) // 2] = "north", "south"
-    rows = list(zip(run.time.tolist(), names.tolist(), run.y.tolist(), run.force.tolist(), strict=True))
-    heading = ("Time [s]", "Specimen", "Displacement [mm]", "Force [N]")
-    path = tmp_path / f"a{ending}"
-    if ending == ".csv":
-        path.write_text("\n".join(";".join(map(str, row)) for row in (heading, *rows)))
-    else:
+
+    def write(path, heading):
+        heading = ("Time [s]", heading, "Displacement [mm]", "Force [N]")
+        if ending == ".csv":
+            path.write_text("\n".join(";".join(map(str, row)) for row in (heading, *rows)))
+            return
         xlsxwriter = pytest.importorskip("xlsxwriter")
-        with xlsxwriter.Workbook(path) as book:
+        with xlsxwriter.Workbook(path, {"strings_to_formulas": False}) as book:
             sheet = book.add_worksheet()
             for number, row in enumerate((heading, *rows)):
                 sheet.write_row(number, 0, row)
-    assert len(pc.import_files(path, tmp_path / "c", dry_run=True).to_frame()) == 1
-    parted = pc.import_files(path, tmp_path / "c", dry_run=True, columns="segment=Specimen").to_frame()
+
+    run = loop(cycles=20)
+    names = np.full(len(run.time), "", dtype=object)
+    names[: len(names) // 2 : 3], names[len(names) // 2] = "../T20 north*", "=T-30"
+    rows = list(zip(run.time.tolist(), names.tolist(), run.y.tolist(), run.force.tolist(), strict=True))
+    path, other = tmp_path / f"a{ending}", tmp_path / f"b{ending}"
+    write(path, "Test name")
+    rows[0] = (0.0, "../T20 north*", 0.0, 1e-9)
+    write(other, "Valve")
+    parted = pc.import_files(path, tmp_path / "c", pattern="T{temperature_C}").to_frame()
+    assert parted["run"].to_list() == ["T20_north", "T-30"]
     assert parted["cycles"].to_list() == [10, 10]
-    with pytest.raises(pc.UserError, match="'Specimen' holds no numbers"):
-        pc.import_files(path, tmp_path / "c", dry_run=True, columns="force=Specimen [N]")
+    assert parted["temperature_C"].to_list() == [20, -30]
+    # a column that isn't called so parts where it is stated; names that are taken stand behind their file's
+    assert len(pc.import_files(other, tmp_path / "d", dry_run=True).to_frame()) == 1
+    stated = "segment=Valve"
+    conditions = tmp_path / "set.csv"
+    conditions.write_text("run,humidity\n=T-30,40\nT20_north,50\n")
+    found = pc.import_files(other, tmp_path / "c", columns=stated, conditions=conditions)
+    assert [row["run"] for row in found.to_dict()["runs"]] == ["T20_north", "T-30", "b_T20_north", "b_T-30"]
+    assert not any("no run here is called" in note for note in found.notes)
+    with pytest.raises(pc.UserError, match="'Valve' holds no numbers"):
+        pc.import_files(other, tmp_path / "d", dry_run=True, columns="force=Valve [N]")

@@ -234,6 +234,6 @@ def _cell(where: str, column: str, turned: Conversion, cell: str, delimiter: str
     return value if turned == Conversion() else rounded(turned.factor * value + turned.offset)
 
 
-def name_in(table: Mapping[str, Settings], file: str, run: str) -> str:
-    """Give the name by which a table knows a run: its own, else its file's, with or without ending; "" for none."""
-    return next((name for name in (run, file, Path(file).stem) if name in table), "")
+def name_in(table: Mapping[str, Settings], names: Sequence[str]) -> str:
+    """Give the first of a run's names by which a table knows it; "" for none."""
+    return next((name for name in names if name and name in table), "")

@@ -32,6 +32,8 @@ LARGE = 64_000_000
 """Bytes of a file that one process reads by itself; its parts are handed to others."""
 MOST_ASIDE = 4
 """Tables that are left aside, of which one line names so many."""
+LONGEST_NAME = 60
+"""Characters of a sheet's, group's or label's name that become part of a run's."""
 Ask = Callable[[str, Mapped], Sequence[Stated]]
 """Asks a person what names and units leave open, and gives what the answers state."""
 
@@ -110,23 +112,28 @@ def plan_import(
 def _stem_of(path: Path, table: TakenTable, several: bool) -> str:
     """Give what a table's runs are named by: its file, and where that has several the sheet or group too."""
     stem = without_controls(stem_of(path)) or "run"
-    own = re.sub(r"[^\w.,+-]+", "_", table.name).strip("_.")
+    own = _plain(table.name)
     return f"{stem}_{own}" if several and own else stem
 
 
-def _settings_of(path: Path, stem: str, pattern: Pattern | None) -> Settings:
-    """Give what the name of a file, or of one of its tables, states.
+def _plain(text: str) -> str:
+    """Give a text as a part of a run's name, which files may be called by."""
+    return re.sub(r"[^\w.,+-]+", "_", text)[:LONGEST_NAME].strip("_.")
+
+
+def _settings_of(path: Path, names: Sequence[str], pattern: Pattern | None) -> Settings:
+    """Give what names of a run state: of a column of its file, of the file, or of one of its tables.
 
     Raises:
-        UserError: it doesn't follow the pattern.
+        UserError: none follows the pattern.
     """
     if pattern is None:
         return {}
-    found = pattern.settings(stem)
+    found = next((settings for name in names if (settings := pattern.settings(name)) is not None), None)
     if found is None:
         raise UserError(
-            f"{path}: its name, {stem!r}, doesn't follow --pattern {pattern.text!r}; expected one that does, or a "
-            "pattern that all names follow"
+            f"{path}: its name, {' or '.join(map(repr, names))}, doesn't follow --pattern {pattern.text!r}; expected "
+            "one that does, or a pattern that all names follow"
         )
     return found
 
@@ -184,10 +191,9 @@ class _Planner:
         self.runs: list[PlannedRun] = []
         self.cut: list[ImportedCut] = []
         self.overviews: list[Overview] = []
-        self.stems: list[str] = []
         self.notes: list[str] = []
         self.reversed: list[Mapped] = []
-        self.stem_of: dict[str, str] = {}
+        self.own: dict[str, str] = {}
         self.known_as: dict[str, str] = {}
         self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
 
@@ -202,9 +208,8 @@ class _Planner:
             self.note(f"{path.name}: left aside, without time, displacement and force: {names}")
         stems = [_stem_of(path, table, len(file.tables) > 1) for table in file.tables]
         count = Counter(stems)
+        labels = Counter(_plain(draft.label) for table in file.tables for draft in table.taken.drafts)
         for table, stem in zip(file.tables, stems, strict=True):
-            settings = _settings_of(path, stem, self.options.pattern)
-            self.stems.append(stem)
             single = table.taken.runs == 1 and count[stem] == 1
             for column in table.mapped.columns:
                 if column.overrides:
@@ -219,7 +224,10 @@ class _Planner:
                 self.note(f"{path.name}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))
             files += [] if path.name in files else [path.name]
-            runs = [self._run(path, stem, table, draft, settings, single) for draft in table.taken.drafts]
+            runs = []
+            for draft in table.taken.drafts:
+                label = _plain(draft.label)
+                runs.append(self._run(path, label or stem, stem, table, draft, labels[label] == 1 if label else single))
             self.runs += runs
             self.cut += [
                 ImportedCut(file=path.name, table=table.name, samples=one.samples, why=one.why)
@@ -234,12 +242,23 @@ class _Planner:
         if words not in self.notes:
             self.notes.append(words)
 
-    def _run(
-        self, path: Path, stem: str, table: TakenTable, draft: Draft, settings: Settings, single: bool
-    ) -> PlannedRun:
-        """Give a draft its name and its row; `settings` are those that the stem states."""
-        name = self._name(stem, single)
-        self.stem_of[name] = stem
+    def _run(self, path: Path, own: str, stem: str, table: TakenTable, draft: Draft, single: bool) -> PlannedRun:
+        """Give a draft its name and its row.
+
+        Args:
+            path: of its file.
+            own: what it is named by: its label or, without one, the stem.
+            stem: what its table's runs are named by.
+            table: it is cut from.
+            draft: the run.
+            single: whether no other run is named by the same.
+
+        Raises:
+            UserError: neither name follows the pattern.
+        """
+        settings = _settings_of(path, tuple(dict.fromkeys((own, stem))), self.options.pattern)
+        name = self._name(own, stem, single)
+        self.own[name] = own
         measured: Settings = {
             column: _digits(_in_its_unit(table.mapped, column, value))
             for column, value in draft.further.items()
@@ -259,14 +278,14 @@ class _Planner:
         else:
             measured["motion"] = "free"
         row: dict[str, float | str | None] = dict(measured)
-        known_as = name_in(self.options.conditions, path.name, name)
+        known_as = name_in(self.options.conditions, (name, draft.label, own, path.name, path.stem))
         self.known_as[name] = known_as
         stated = settings | self.options.conditions.get(known_as, {})
         for column, value in stated.items():
             if column in ("amplitude_mm", "frequency_Hz") and not single and isinstance(value, float):
-                own = measured.get(column)
+                found = measured.get(column)
                 # a table with several runs has one name
-                if isinstance(own, float) and abs(own - value) > STATED_APART * value:
+                if isinstance(found, float) and abs(found - value) > STATED_APART * value:
                     continue
             if column in ("run", "file"):
                 continue
@@ -281,9 +300,9 @@ class _Planner:
         )
         return PlannedRun(row, draft.record, draft.seen, source, sine)
 
-    def _name(self, stem: str, single: bool) -> str:
-        """Give a run's name: the stem, with a number where there are several."""
-        candidates = _names(stem, single)
+    def _name(self, own: str, stem: str, single: bool) -> str:
+        """Give a run's name: its own, behind its table's where that is taken; with a number where there are several."""
+        candidates = _names(own, stem, single)
         name = next(one for one in candidates if one not in self.taken)
         self.taken.add(name)
         return name
@@ -319,7 +338,7 @@ class _Planner:
             if headings:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
-        guess = "" if self.options.pattern or self.options.conditions else guessed_pattern(self.stems)
+        guess = "" if self.options.pattern or self.options.conditions else guessed_pattern(list(self.own.values()))
         guess = guess if self._fits(guess) else ""
         return Plan(
             tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, tuple(self.notes), again
@@ -332,7 +351,7 @@ class _Planner:
         read = Pattern(pattern)
         apart = []
         for run in self.runs:
-            stated = read.settings(self.stem_of[run.name]) or {}
+            stated = read.settings(self.own[run.name]) or {}
             for column, own in zip(("amplitude_mm", "frequency_Hz"), run.measured or (), strict=False):
                 value = stated.get(column)
                 if isinstance(value, float):
@@ -351,12 +370,14 @@ class _Planner:
             self.note(f"--conditions: says nothing of {len(bare)} of {len(self.runs)} runs: {listed(bare)}")
 
 
-def _names(stem: str, single: bool) -> Iterator[str]:
+def _names(own: str, stem: str, single: bool) -> Iterator[str]:
     if single:
-        yield stem
+        yield own
+        if own != stem:
+            yield f"{stem}_{own}"
     number = 1 if not single else 2
     while True:
-        yield f"{stem}_{number:02d}"
+        yield f"{own}_{number:02d}"
         number += 1
 
 

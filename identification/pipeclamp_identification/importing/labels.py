@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeclamp_identification.importing.raw import LabelColumn
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.tables import pl
 
@@ -29,14 +30,13 @@ class Labels:
         codes = named.replace_strict(self._known, default=None, return_dtype=pl.Float64)
         self._blocks.append(codes.fill_null(float("nan")).to_numpy())
 
-    def numbers(self, length: int) -> Array | None:
-        """Give a number for each cell, that of the one above where it is blank; None where they are no labels of all.
+    def column(self, name: str, unit: str, length: int) -> LabelColumn | None:
+        """Give the column; None where its texts are no labels of all cells, `length` of them.
 
-        Args:
-            length: cells that there are.
+        A blank cell has the label of the one above it.
         """
         if not self._known or len(self._known) > MOST or sum(map(len, self._blocks)) != length:
             return None
         codes = np.concatenate(self._blocks)
         above = np.maximum.accumulate(np.where(np.isnan(codes), 0, np.arange(length)))
-        return np.asarray(codes[above])
+        return LabelColumn(name, unit, np.asarray(codes[above]), tuple(self._known))

@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, TEXT_COLUMNS, meant_column
-from pipeclamp_identification.importing.raw import Channel
+from pipeclamp_identification.importing.raw import Channel, LabelColumn
 from pipeclamp_identification.units.stated import (
     OURS,
     QUANTITY_OF,
@@ -36,6 +36,14 @@ WORDS: Mapping[Quantity, tuple[str, ...]] = {
     SEGMENT: ("segment", "block", "sequence", "sequenz", "abschnitt", "schritt", "teilversuch", "step", "run", "lauf"),
 }  # fmt: skip
 """Words that name a quantity, folded; a compound may end with one that is long enough (Kolbenweg, Axialkraft)."""
+LABELS = frozenset(
+    (
+        *("specimen", "probe", "probekoerper", "pruefkoerper", "pruefling", "eprouvette", "provino", "probeta"),
+        *("test", "versuch", "pruefung", "experiment", "essai", "prova", "ensayo"),
+    )
+)
+"""Words that name a column of texts which tells one run from the next, alone or beside those of a name."""
+LABELLED = frozenset(("name", "id", "label", "no", "nr", "number", "nummer", "bezeichnung", "nom", "nome", "nombre"))
 ENDINGS = 3
 """Letters from which on a compound's last word counts."""
 DATES = ("date", "datum")
@@ -87,6 +95,13 @@ def rank(quantity: Quantity, channel: Channel) -> int:
     if QUANTITY_OF.get(channel.name) == quantity:
         return 4
     words = _words(_name_of(channel))
+    if (
+        quantity == SEGMENT
+        and isinstance(channel, LabelColumn)
+        and LABELS & set(words)
+        and set(words) <= LABELS | LABELLED
+    ):
+        return 3
     if quantity == "time" and _is_named(quantity, dated := [word for word in words if word not in DATES], bool(unit)):
         words = dated
     if _is_other(words):

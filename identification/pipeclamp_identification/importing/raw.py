@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 
 MOST_SAMPLES = 250_000_000
 """Numbers that a channel may claim to hold: 2 GB; what claims more is damaged."""
@@ -32,6 +32,19 @@ class Channel:
     def heading(self) -> str:
         """Name and unit in one, as a user states the channel."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+@dataclass(frozen=True)
+class LabelColumn(Channel):
+    """A column of texts, as a channel: number k stands for `texts[k]`, nan for rows above the first of them."""
+
+    texts: tuple[str, ...]
+
+    def of(self, rows: IntArray) -> str:
+        """Give the text that these rows have and not all others, "" where there is no such one."""
+        numbers = np.unique(self.values[rows])
+        one = len(numbers) == 1 and len(self.texts) > 1 and np.isfinite(numbers[0])
+        return self.texts[int(numbers[0])] if one else ""
 
 
 @dataclass(frozen=True)
@@ -77,7 +90,7 @@ class RawTable:
         first_row: row of the file that holds the first samples, where it has rows; 1 elsewhere.
         told: how it was read, for people.
         unread: columns with text where numbers were expected.
-        labels: columns that hold nothing but text, with a number for each text: they may tell runs apart.
+        labels: columns that hold nothing but text: they may tell runs apart, and name them.
     """
 
     name: str
@@ -85,7 +98,7 @@ class RawTable:
     first_row: int = 1
     told: tuple[str, ...] = ()
     unread: tuple[Unread, ...] = ()
-    labels: tuple[Channel, ...] = ()
+    labels: tuple[LabelColumn, ...] = ()
 
     @property
     def length(self) -> int:

@@ -161,7 +161,10 @@ def _told_apart(table: RawTable) -> RawTable:
     labels = tuple(
         label
         for one in table.labels
-        if (label := replace(one, name=plain(one.name), unit=plain(one.unit))).heading not in seen
+        if (
+            label := replace(one, name=plain(one.name), unit=plain(one.unit), texts=tuple(map(plain, one.texts)))
+        ).heading
+        not in seen
     )
     return replace(table, name=plain(table.name), channels=tuple(channels), unread=unread, labels=labels)
 

@@ -27,7 +27,7 @@ from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
-from pipeclamp_identification.importing.traces import Trace, first_motion, segment_of, time_of, trace_of
+from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
@@ -70,6 +70,7 @@ class Draft:
         done: to them.
         further: mean of each further channel, by column of runs.csv.
         temperature: mean, and by how much it moved; None where it wasn't measured.
+        label: that the file gives it in a column of texts; "" where it gives none.
     """
 
     samples: tuple[int, int]
@@ -79,6 +80,7 @@ class Draft:
     done: tuple[str, ...]
     further: Mapping[str, float]
     temperature: tuple[float, float] | None
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -151,6 +153,7 @@ class Piece:
         where: names the table in errors.
         table: these rows of it.
         begin: rows before them.
+        label: of them, in the column of texts that tells runs apart.
         record: path of the records' files, to which a number and an ending are added.
         stretches: that a picture of it is thinned out to.
     """
@@ -160,6 +163,7 @@ class Piece:
     columns: tuple[Column, ...]
     rate: float | None
     begin: int
+    label: str
     record: Path
     format: Format
     stretches: int
@@ -247,6 +251,7 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     inner = bounds[1:-1] if timed is None else timed[bounds[1:-1]]
     begins = [0, *inner.tolist(), table.length]
     del time, own
+    label = label_column(table, columns)
     for number, (first, last) in enumerate(itertools.pairwise(begins)):
         rows = tuple(replace(channel, values=channel.values[first:last]) for channel in channels)
         yield Piece(
@@ -255,6 +260,7 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
             columns=columns,
             rate=way.rate,
             begin=first,
+            label=label.of(np.arange(first, last)[finite[first:last]]) if label else "",
             record=record.with_name(f"{record.name}_{number:05d}"),
             format=way.format,
             stretches=max(1, round(WIDEST_OVERVIEW * (last - first) / table.length)),
@@ -324,6 +330,7 @@ def _draft(piece: Piece, trace: Trace, part: Part, path: Path) -> tuple[Draft, l
         done=(*trace.told, *whole.told, *slow.told, *clean.told, *repaired.told, *words),
         further={name: _mean(values[kept.first : kept.last]) for name, values in trace.further.items()},
         temperature=None if known is None else (float(np.mean(known)), float(np.ptp(known))),
+        label=piece.label,
     )
     beside = (Part(part.first, kept.first, BLANK), Part(kept.last, part.last, BLANK))
     return draft, [one for one in beside if one.last > one.first]

@@ -11,7 +11,7 @@ import numpy as np
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.columns import Column, columns_option
 from pipeclamp_identification.importing.naming import SEGMENT
-from pipeclamp_identification.importing.raw import RawTable
+from pipeclamp_identification.importing.raw import LabelColumn, RawTable
 from pipeclamp_identification.importing.samples.repair import mended_channel
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, IntArray
@@ -87,6 +87,12 @@ def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | Non
     """Give what tells the runs of a table apart, of the samples that have a time; None where there is nothing."""
     column = next((one for one in columns if one.ours == SEGMENT), None)
     return None if column is None else _turned(table, column, timed)
+
+
+def label_column(table: RawTable, columns: Sequence[Column]) -> LabelColumn | None:
+    """Give the column of texts that tells the runs of a table apart; None where there is none."""
+    headings = {one.heading for one in columns if one.ours == SEGMENT}
+    return next((label for label in table.labels if label.heading in headings), None)
 
 
 def _turned(table: RawTable, column: Column, rows: IntArray | None = None) -> Array:

@@ -15,10 +15,17 @@ from typing import Any
 import numpy as np
 
 from pipeclamp_identification.importing.labels import Labels
-from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows, table_of
+from pipeclamp_identification.importing.raw import (
+    Damaged,
+    Format,
+    LabelColumn,
+    RawTable,
+    Unread,
+    refuse_rows,
+    table_of,
+)
 from pipeclamp_identification.importing.texts.sniffing import CLEAR, is_number, names_above
 from pipeclamp_models.base.archive import opened_archive
-from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.tables import pl
 
 OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
@@ -111,18 +118,18 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
         if own
     )
     labels = tuple(
-        Channel(names[place], stated[place], codes)
+        column
         for place, own in enumerate(texts)
-        if own and place not in places and (codes := _labels(body, place)) is not None
+        if own and place not in places and (column := _labels(body, place, names[place], stated[place]))
     )
     return [RawTable(name, table.channels, first + 1, (f"sheet {name!r}",), unread, labels)]
 
 
-def _labels(body: list[list[Any]], place: int) -> Array | None:
-    """Give a column of text as numbers, one for each text."""
+def _labels(body: list[list[Any]], place: int, name: str, unit: str) -> LabelColumn | None:
+    """Give a column of text that may tell runs apart."""
     labels = Labels()
     labels.add(pl.Series([_text(row[place]) if place < len(row) else "" for row in body], dtype=pl.String))
-    return labels.numbers(len(body))
+    return labels.column(name, unit, len(body))
 
 
 def _texts(body: list[list[Any]], place: int) -> list[tuple[int, str]]:

@@ -213,7 +213,11 @@ class _Columns:
             Unread(layout.names[place], units[place], one.count, one.row, one.text, is_whole=place not in numeric)
             for place, one in self._texts.items()
         )
-        texts = {place: labels.numbers(self.length) for place, labels in self._labels.items() if place not in numeric}
+        labels = [
+            column
+            for place, one in self._labels.items()
+            if place not in numeric and (column := one.column(layout.names[place], units[place], self.length))
+        ]
         return [
             RawTable(
                 f"block {number}" if len(blocks) > 1 else "",
@@ -221,11 +225,7 @@ class _Columns:
                 layout.first + first + 1,
                 (told,),
                 unread,
-                tuple(
-                    Channel(layout.names[place], units[place], codes[first:last])
-                    for place, codes in texts.items()
-                    if codes is not None
-                ),
+                tuple(replace(column, values=column.values[first:last]) for column in labels),
             )
             for number, (first, last) in enumerate(blocks, 1)
         ]
