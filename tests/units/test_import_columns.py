@@ -45,6 +45,7 @@ def test_units_are_found_in_names(name, unit):
         ("force", "kN", 1e3, 0), ("force", "lbf", 4.4482216152605, 0), ("force", "kp", 9.80665, 0),
         ("force", "0.2 kN", 200, 0), ("displacement", "in", 25.4, 0), ("displacement", "µm", 1e-3, 0),
         ("time", "ms", 1e-3, 0), ("temperature", "K", 1, -273.15), ("temperature", "°F", 5 / 9, -160 / 9),
+        ("temperature", "deg_F", 5 / 9, -160 / 9),
     ],
 )  # fmt: skip
 def test_units_are_turned_into_ours(quantity, unit, factor, offset):
@@ -65,10 +66,33 @@ def test_units_are_turned_into_ours(quantity, unit, factor, offset):
         (["time [s]", "x, y (mm)", "load (N)"], "displacement=x, y (mm), time=time [s]",
          {"displacement": ("x, y (mm)", 1.0)}),
         (["time [s]", "y [mm]", "Load [N]"], "force=Load [N] [kN]", {"force": ("Load [N]", 1e3)}),
+        (["Prüfzeit [s]", "Verformung [mm]", "Prüfkraft [N]"], "", {"displacement": ("Verformung [mm]", 1.0)}),
+        (["Temps [s]", "Course [mm]", "Charge [daN]"], "", {"force": ("Charge [daN]", 10.0)}),
     ],
 )  # fmt: skip
 def test_channels_are_found(headings, option, expected):
     assert expected.items() <= found(headings, option).items()
+
+
+def test_channels_of_one_quantity_are_told_apart_by_their_samples():
+    """Dewesoft gives each channel its own time; Instron's time of a cycle begins anew with each."""
+    t = np.arange(40.0)
+    values = {"Time - y": t, "Time - F": t, "Cycle Time": t % 10, "y": np.sin(t), "F": np.sin(t)}
+    units = dict.fromkeys(values, "s") | {"y": "mm", "F": "N"}
+
+    def times(**others):
+        channels = [Channel(name, units[name], samples) for name, samples in (values | others).items()]
+        return map_columns(RawTable("", tuple(channels)))
+
+    assert times().columns[0].heading == "Time - y [s]"
+    assert not times().questions
+    (question,) = times(**{"Time - F": t + 0.5}).questions
+    assert "2 channels may be the time: 'Time - y [s]', 'Time - F [s]'" in question.why
+
+
+def test_times_of_channels_are_not_the_channels():
+    with pytest.raises(UserError, match=r"time=Data1_time_Weg \[s\],displacement=Data1_Weg \[mm\],force=Data1_Kraft"):
+        found(["Data1_time_Weg", "Data1_Weg", "Data1_time_Kraft", "Data1_Kraft"])
 
 
 @pytest.mark.parametrize(

@@ -42,12 +42,15 @@ LABVIEW = (
     "LabVIEW Measurement\t\nSeparator\tTab\nDate\t2024/02/01\n***End_of_Header***\t\n\t\nChannels\t2\t\t\n"
     "Samples\t1000\t1000\t\nX0\t0\t0\t\nDelta_X\t0.005\t0.005\t\n***End_of_Header***\t\t\n"
 )
+Y_UNITS = LABVIEW.replace("X0", "Y_Unit_Label\tmm\tN\t\nX_Dimension\tTime\tTime\t\nX0")
 WAVEMATRIX = "Total Time (s),Position(8800 (0,1):Position) (mm),Load(8800 (0,1):Load) (N)"
 LAYOUTS = {
     "a semicolon ends each row": named("Time [s];Weg [mm];Kraft [N]").replace("\n", ";\n"),
     "names with commas in brackets": named(WAVEMATRIX, delimiter=","),
     "decimal commas in quotes": named('"t [s]","y [mm]","F [N]"', delimiter=",", decimal=",", quote='"'),
     "LabVIEW": named("Time [s]\tWeg [mm]\tKraft [N]\tComment", delimiter="\t", header=LABVIEW),
+    "LabVIEW's own units": named("X_Value\tWeg\tLoad Cell\tComment", delimiter="\t", header=Y_UNITS),
+    "units behind labels": named("Zeit;Weg;Kraft", header="y-Einheit;mm;N\nx-Einheit;s;s\nx0;0;0\ndx;1;1\nn;9;9\n"),
     "a comment's sign before names and units": named("% Time, Weg, Kraft\n% s, mm, N", delimiter=", "),
     "names of two lines": named('"Time\n(s)";"Weg\n(mm)";"Kraft\n(N)"'),
     "text in the first row": named("Time [s];Weg [mm];Kraft [N]").replace("\n", "\n-0.005;0;OVLD\n", 1),
@@ -215,6 +218,35 @@ def test_runs_that_stand_beside_each_other_become_tables(tmp_path):
     pc.import_files(workbook(tmp_path / "a.xlsx", {"D": [[*HEAD, None, *HEAD], *rows]}), tmp_path / "c")
     records = [run.record for run in pc.read_campaign(tmp_path / "c").tests.campaign.runs]
     assert [len(record.time_s) for record in records] == [len(RUN.time), len(other.time)]
+
+
+def test_titles_above_the_names_name_what_stands_side_by_side(tmp_path):
+    """Shimadzu writes a specimen's name above its first column, a spreadsheet joins the cells of that row."""
+    cells = [line.split(";") for line in named("").splitlines()[1:]]
+    rows = [["A0.5 north", "", "", "A0.5 south", "", ""], ["Time", "Stroke", "Force"] * 2, ["sec", "mm", "N"] * 2]
+    rows += [[*row, *row] for row in cells]
+    (tmp_path / "a.csv").write_text("\n".join(",".join(f'"{cell}"' for cell in row) for row in rows))
+    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c", dry_run=True).to_frame()
+    assert found["run"].to_list() == ["a_A0.5_north", "a_A0.5_south"]
+
+
+def test_a_response_without_a_name_is_called_by_its_number(tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    for number, values, unit in ((8, RUN.y, "mm"), (13, RUN.force, "N")):
+        held = {"type": 58, "func_type": 1, "rsp_node": 1, "rsp_dir": 1, "ref_dir": 1, "ref_node": 1, "data": values}
+        held |= {"x": RUN.time, "id1": "NONE", "abscissa_spacing": 1, "ord_data_type": 4, "binary": 0}
+        held |= {"ordinate_axis_units_lab": unit, "ordinate_spec_data_type": number, "orddenom_spec_data_type": 0}
+        pyuff.UFF(str(tmp_path / "a.unv")).write_sets(held, "add")
+    found = pc.import_files(tmp_path / "a.unv", tmp_path / "c", dry_run=True).to_dict()
+    assert found["columns"]["a.unv"]["force_N"].startswith("Force")
+
+
+def test_a_folder_of_other_endings_names_one(tmp_path):
+    (tmp_path / "a.tra").write_text(named("Time [s];Weg [mm];Kraft [N]"))
+    assert len(pc.import_files(tmp_path, tmp_path / "c", dry_run=True).to_frame()) == 1
+    (tmp_path / "a.tra").rename(tmp_path / "a.foo")
+    with pytest.raises(pc.UserError, match=r"\(but 'a.foo'\); .*or the files themselves named"):
+        pc.import_files(tmp_path, tmp_path / "c", dry_run=True)
 
 
 def test_clocks_in_a_workbook_are_seconds_and_numbers_as_text_are_refused(tmp_path):

@@ -140,19 +140,20 @@ class Mapped:
 
 
 def unused_words(files: Sequence[str], headings: Sequence[str], mapped: Mapped) -> str:
-    """Say which channels of files aren't used, and how one becomes a condition.
+    """Say which channels of files aren't used, and how one that is measured becomes a condition.
 
     Args:
         files: their names, at least one.
         headings: of these channels, at least one.
         mapped: those that are used.
     """
-    likely = next((one for one in headings if is_measured(one)), headings[0])
+    words = f"{listed(files, most=1)}: not used: {listed([*map(repr, headings)], most=MOST_UNUSED)}"
+    likely = next((one for one in headings if is_measured(one)), None)
+    if likely is None:
+        return words
     stated = [(_entry(column), column.heading) for column in mapped.columns if column.stated]
-    return (
-        f"{listed(files, most=1)}: not used: {listed([*map(repr, headings)], most=MOST_UNUSED)}; to keep one as a "
-        "condition, its mean over each run: "
-        + mapped.option_of([*stated, (f"{condition_name(likely)}={likely}", likely)])
+    return f"{words}; to keep one as a condition, its mean over each run: " + mapped.option_of(
+        [*stated, (f"{condition_name(likely)}={likely}", likely)]
     )
 
 

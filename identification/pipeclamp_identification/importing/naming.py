@@ -26,11 +26,13 @@ WORDS: Mapping[Quantity, tuple[str, ...]] = {
     ),
     "displacement": (
         "displacement", "displ", "disp", "stroke", "travel", "position", "pos", "lvdt", "deflection", "extension",
-        "crosshead", "weg", "kolbenweg", "hub", "verschiebung", "auslenkung", "traverse", "deplacement", "course",
+        "crosshead", "deformation", "verformung",
+        "weg", "kolbenweg", "hub", "verschiebung", "auslenkung", "traverse", "deplacement", "course",
         "spostamento", "corsa", "desplazamiento", "y",
     ),
     "force": (
-        "force", "load", "loadcell", "kraft", "last", "kraftmessdose", "effort", "forza", "carico", "fuerza", "f",
+        "force", "load", "loadcell", "kraft", "last", "kraftmessdose", "effort", "forza", "carico", "fuerza", "charge",
+        "carga", "f",
     ),
     "temperature": ("temperature", "temperatur", "temp", "thermocouple", "thermoelement", "temperatura", "tc", "t"),
     SEGMENT: ("segment", "block", "sequence", "sequenz", "abschnitt", "schritt", "teilversuch", "step", "run", "lauf"),
@@ -46,6 +48,8 @@ LABELS = frozenset(
 LABELLED = frozenset(("name", "id", "label", "no", "nr", "number", "nummer", "bezeichnung", "nom", "nome", "nombre"))
 ENDINGS = 3
 """Letters from which on a compound's last word counts."""
+CLOCKS = frozenset(("time", "timestamp", "zeit", "zeitstempel", "temps", "tempo", "tiempo"))
+"""Words of time that no other quantity's name holds but where it is the time of that one."""
 DATES = ("date", "datum")
 """Words that stand beside those of a time where stamps hold both."""
 OTHERS = frozenset(
@@ -110,6 +114,9 @@ def rank(quantity: Quantity, channel: Channel) -> int:
     if unit and not of_unit:
         return 0
     if _is_named(quantity, words, beside_unit=bool(unit)):
+        # Dewesoft's "Data1_time_Weg" is the time of "Data1_Weg"
+        if not unit and quantity not in ("time", SEGMENT) and not CLOCKS.isdisjoint(words):
+            return 1
         # a name and a unit: sure; a name alone: its unit must be asked
         return 3 if unit or quantity == SEGMENT else 2
     if unit and quantity != SEGMENT and not any(_is_named(other, words, True) for other in WORDS if other != quantity):

@@ -69,6 +69,8 @@ def find(quantity: Quantity, table: RawTable, taken: Collection[str]) -> Channel
             ranked.setdefault(own, []).append(channel)
     if ranked:
         best = ranked[max(ranked)]
+        if quantity == "time":
+            best = list(_that_go_on(best))
         if len(best) > 1:
             return None if quantity == SEGMENT else _which(quantity, best)
         (channel,) = best
@@ -78,6 +80,13 @@ def find(quantity: Quantity, table: RawTable, taken: Collection[str]) -> Channel
     if called := [channel for channel in channels if is_of_another(quantity, channel)]:
         return _in_another_unit(quantity, called, channels)
     return _missing(quantity, table, channels) if quantity in NEEDED else None
+
+
+def _that_go_on(times: Sequence[Channel]) -> Sequence[Channel]:
+    """Give the times that don't begin anew with each cycle or block, where one at least doesn't; equal ones once."""
+    going = [channel for channel in times if not np.any(np.diff(channel.values) < 0)] or times
+    same = all(np.array_equal(going[0].values, one.values, equal_nan=True) for one in going[1:])
+    return going[:1] if same else going
 
 
 def _which(quantity: Quantity, best: Sequence[Channel]) -> Question:

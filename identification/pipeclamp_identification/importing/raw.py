@@ -90,6 +90,7 @@ class RawTable:
         first_row: row of the file that holds the first samples, where it has rows; 1 elsewhere.
         told: how it was read, for people.
         unread: columns with text where numbers were expected.
+        titles: what stands above the channels' names, "" where nothing does; none where a format has no such thing.
         labels: columns that hold nothing but text: they may tell runs apart, and name them.
     """
 
@@ -99,6 +100,7 @@ class RawTable:
     told: tuple[str, ...] = ()
     unread: tuple[Unread, ...] = ()
     labels: tuple[LabelColumn, ...] = ()
+    titles: tuple[str, ...] = ()
 
     @property
     def length(self) -> int:
@@ -177,15 +179,18 @@ def side_by_side(table: RawTable) -> list[RawTable]:
     )
     if not width:
         return [table]
+    titles = [set(table.titles[first : first + width]) - {""} for first in range(0, len(headings), width)]
+    titled = all(len(own) == 1 for own in titles) and len(set.union(*titles)) == len(titles)
     parts = []
     for first in range(0, len(headings), width):
         channels = table.channels[first : first + width]
         filled = np.flatnonzero(np.any([np.isfinite(channel.values) for channel in channels], axis=0))
         end = int(filled[-1]) + 1 if len(filled) else 0
         if end:
-            name = f"{table.name} columns {first + 1} to {first + width}".strip()
+            own = next(iter(titles[first // width])) if titled else f"columns {first + 1} to {first + width}"
+            name = f"{table.name} {own}".strip()
             cut = tuple(replace(channel, values=channel.values[:end]) for channel in channels)
-            parts.append(replace(table, name=name, channels=cut, labels=()))
+            parts.append(replace(table, name=name, channels=cut, labels=(), titles=()))
     return parts
 
 

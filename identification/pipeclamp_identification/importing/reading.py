@@ -74,8 +74,11 @@ def files_in(given: Sequence[Path]) -> tuple[Path, ...]:
         if path.is_dir():
             inside = sorted(one for one in path.iterdir() if one.suffix.lower() in endings and one.is_file())
             if not inside:
+                first = next((one.name for one in sorted(path.iterdir()) if one.is_file()), "")
                 raise UserError(
-                    f"{path}: holds no file that can be read; expected endings such as .csv, .xlsx or .tdms"
+                    f"{path}: holds no file with an ending of a known format"
+                    + (f" (but {without_controls(first)!r})" if first else "")
+                    + "; expected endings such as .csv, .xlsx or .tdms, or the files themselves named"
                 )
             found += inside
         elif path.is_file():

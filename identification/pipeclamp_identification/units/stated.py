@@ -174,7 +174,7 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
     if not text or not number:
         return None
     meant = MEANT.get(quantity, {})
-    spelled = meant.get(text, meant.get(text.casefold(), SPELLINGS.get(text.casefold(), text)))
+    spelled = meant.get(text, meant.get(text.casefold(), _spelled(text)))
     if spelled == "K" and ours == "degC":
         return Conversion(number, -CELSIUS)
     # "% s" is a comment's sign before a unit, no hundredth of a second
@@ -193,6 +193,11 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
         return None
 
 
+def _spelled(text: str) -> str:
+    """Give a unit as pint spells it: "deg_F" and "Deg F" are degF."""
+    return SPELLINGS.get(text.casefold().replace("_", " "), text)
+
+
 def _rounded(value: float) -> float:
     """Give a factor without the digits that its way through differences made."""
     return float(f"{value:.13g}")
@@ -209,7 +214,7 @@ def _known(text: str) -> bool:
     ):
         return text in ("-", "%", "1")
     try:
-        _registry().parse_units(SPELLINGS.get(text.casefold(), text))
+        _registry().parse_units(_spelled(text))
     except Exception:  # as above
         return False
     return True

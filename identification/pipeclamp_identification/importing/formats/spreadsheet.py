@@ -105,7 +105,7 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
     refuse_rows(len(body), len(places))
     wide = max(map(len, body))
     header = [[_text(row[place]) if place < len(row) else "" for place in range(wide)] for row in rows[:first]]
-    names, units = names_above(header[-HEADER_ROWS:], wide)
+    names, units, titles = names_above(header[-HEADER_ROWS:], wide)
     values = np.array([[_nan(_cell(row, place)) for place in places] for row in body], dtype=np.float64)
     timed = {place for place in places if isinstance(_filled(body, place), CLOCK)}
     stated = ["s" if place in timed else units[place] for place in range(wide)]
@@ -122,7 +122,17 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
         for place, own in enumerate(texts)
         if own and place not in places and (column := _labels(body, place, names[place], stated[place]))
     )
-    return [RawTable(name, table.channels, first + 1, (f"sheet {name!r}",), unread, labels)]
+    return [
+        RawTable(
+            name,
+            table.channels,
+            first + 1,
+            (f"sheet {name!r}",),
+            unread,
+            labels,
+            tuple(titles[place] for place in places),
+        )
+    ]
 
 
 def _labels(body: list[list[Any]], place: int, name: str, unit: str) -> LabelColumn | None:

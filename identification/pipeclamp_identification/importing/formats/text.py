@@ -226,6 +226,7 @@ class _Columns:
                 (told,),
                 unread,
                 tuple(replace(column, values=column.values[first:last]) for column in labels),
+                tuple(layout.titles[place] for place in numeric),
             )
             for number, (first, last) in enumerate(blocks, 1)
         ]
@@ -298,7 +299,7 @@ def _long_ones(blocks: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
 
 FORMAT = Format(
     name="delimited text",
-    suffixes=(".csv", ".txt", ".dat", ".asc", ".tsv", ".lvm", ".tab", ".prn", ".gz"),
+    suffixes=(".csv", ".txt", ".dat", ".asc", ".tsv", ".lvm", ".tab", ".prn", ".tra", ".gz"),
     begins=lambda head: False,
     read=read,
 )

@@ -12,6 +12,8 @@ import numpy as np
 from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, refuse_size, table_of
 
 TIME_RESPONSE = 1
+QUANTITIES = {5: "Temperature", 8: "Displacement", 9: "Force", 11: "Velocity", 12: "Acceleration", 13: "Force"}
+"""What the ordinate holds, by its number in the data set."""
 NOTHING = ("", "NONE", "None")
 BEGINS = re.compile(rb"\s*-1\s*\n\s*\d+b?[\s\d]*\n")
 
@@ -48,8 +50,9 @@ def _text(data: dict[str, Any], key: str) -> str:
 
 
 def _name(data: dict[str, Any], place: int) -> str:
-    """Give what a data set is called: its axis, else its first line, else its node."""
-    found = _text(data, "ordinate_axis_lab") or _text(data, "id1") or f"data set {place + 1}"
+    """Give what a data set is called: its axis, else its quantity, its first line or number; and its node."""
+    quantity = QUANTITIES.get(int(data.get("ordinate_spec_data_type", 0)), "")
+    found = _text(data, "ordinate_axis_lab") or quantity or _text(data, "id1") or f"data set {place + 1}"
     node = f" {data['rsp_ent_name']}".replace("NONE", "").rstrip() if "rsp_ent_name" in data else ""
     return found + node
 

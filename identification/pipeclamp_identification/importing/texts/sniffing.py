@@ -31,6 +31,9 @@ LINES_OF_NAMES = 4
 """Lines that a row of names may take, at most."""
 HEADER_ROWS = 4
 """Rows above the numbers that may name columns or state units."""
+LABELLED_ROWS = 100
+"""Rows above the numbers that may state units behind a label."""
+UNIT_LABEL = re.compile(r"unit|einheit|unidad", re.IGNORECASE)
 POINT = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 COMMA = re.compile(r"[-+]?(?:\d+,?\d*|,\d+)(?:[eEdD][-+]?\d+)?$|[-+]?(?:nan|inf)$", re.IGNORECASE)
 LONGEST_NUMBER = 100
@@ -51,6 +54,10 @@ NAME_LETTERS = ("t", "x", "y", "F", "T", "f")
 """Letters that name columns, though they are units of something, too: tonnes, farads, teslas."""
 
 
+Names = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]
+"""Names and units of columns, and titles above the names."""
+
+
 @dataclass(frozen=True)
 class Layout:
     """How a text holds its table.
@@ -61,6 +68,7 @@ class Layout:
         width: cells in a row.
         first: index of the first line of numbers.
         names, units: of the columns; units "" where none is stated in a row of their own.
+        titles: what stands in the row above the names, "" where nothing does.
     """
 
     delimiter: str
@@ -69,6 +77,7 @@ class Layout:
     first: int
     names: tuple[str, ...]
     units: tuple[str, ...]
+    titles: tuple[str, ...]
 
     def words(self) -> str:
         """Say how the table is held."""
@@ -126,8 +135,10 @@ def layout_of(lines: Sequence[str]) -> Layout:
     if ended and header and len(named := cells_of(header[-1], delimiter)) == width + 1 and named[-1]:
         # a column that is blank in most rows has a name
         width += 1
-    names, units = _names_and_units(header, delimiter, width)
-    return Layout(delimiter, decimal, width, first, names, units)
+    names, units, titles = _names_and_units(header, delimiter, width)
+    if not any(units):
+        units = _labelled_units(header, delimiter, width)
+    return Layout(delimiter, decimal, width, first, names, units, titles)
 
 
 def _whole_lines(lines: Sequence[str]) -> list[str]:
@@ -211,12 +222,13 @@ def _first_line(
     return first
 
 
-def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> Names:
     """Find the rows of names and of units right above the numbers."""
     blank = ("",) * width
+    numbered = tuple(f"column {place}" for place in range(1, width + 1))
     above = [line for line in header if line.strip()][-HEADER_ROWS:]
     if not above:
-        return tuple(f"column {place}" for place in range(1, width + 1)), blank
+        return numbered, blank, blank
     rows = [row for row in (_header_row(line, delimiter, width) for line in above) if row]
     last = cells_of(above[-1], delimiter)
     if len(last) > width and delimiter in LEFT_ALIGNED and any(last[width:]):
@@ -228,12 +240,12 @@ def _names_and_units(header: Sequence[str], delimiter: str, width: int) -> tuple
                 f"has {len(last)} names above {width} columns of numbers; expected as many; decimal commas between "
                 "commas can't be told from them: export with points, or with semicolons between columns"
             )
-        return tuple(f"column {place}" for place in range(1, width + 1)), blank
+        return numbered, blank, blank
     return names_above(rows, width)
 
 
-def names_above(rows: Sequence[Sequence[str]], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Give names and units of columns, units "" where none are stated.
+def names_above(rows: Sequence[Sequence[str]], width: int) -> Names:
+    """Give names and units of columns, units "" where none are stated, and what stands above the names.
 
     A row of units stands below the names, or above them where nothing else does; alone, it leaves them without names.
 
@@ -245,9 +257,23 @@ def names_above(rows: Sequence[Sequence[str]], width: int) -> tuple[tuple[str, .
     blank = ("",) * width
     place = next((place for place in reversed(range(len(filled))) if _are_units(filled[place])), None)
     if place is None or (len(filled) == 1 and not _are_ours(filled[0])):
-        return _unique(filled[-1] if filled else blank), blank
+        return _unique(filled[-1] if filled else blank), blank, tuple([blank, *filled][-2] if filled else blank)
     others = filled[place - 1 : place] or filled[place + 1 : place + 2] or [blank]
-    return _unique(others[0]), tuple(_bare(cell) for cell in filled[place])
+    titles = filled[place - 2] if place > 1 else blank
+    return _unique(others[0]), tuple(_bare(cell) for cell in filled[place]), tuple(titles)
+
+
+def _labelled_units(header: Sequence[str], delimiter: str, width: int) -> tuple[str, ...]:
+    """Give units of columns from rows that say so in the first column, LabVIEW's "Y_Unit_Label"; "" without them."""
+    units = [""] * width
+    for line in header[-LABELLED_ROWS:]:
+        label, *cells = [_bare(cell) for cell in cells_of(line, delimiter)[:width]]
+        of_time = label == "X_Dimension" and cells[:1] == ["Time"]
+        if of_time or (UNIT_LABEL.search(label) and label[:1] in "xX" and any(map(_is_plain_unit, cells[:1]))):
+            units[0] = "s" if of_time else cells[0]
+        elif UNIT_LABEL.search(label) and any(map(_is_plain_unit, cells)):
+            units[1 : 1 + len(cells)] = cells
+    return tuple(units)
 
 
 def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:
