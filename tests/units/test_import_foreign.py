@@ -209,6 +209,18 @@ def test_a_channel_that_was_written_several_times_over_is_taken_once():
     assert at_own_rate(coarse).record is coarse
 
 
+@pytest.mark.parametrize("units", [["s", "mm", "kN"], ["s", "mm", "N"]])
+def test_a_sheet_of_blocks_has_one_unit_of_each_column(tmp_path, units):
+    pytest.importorskip("python_calamine")
+    blocks = [["t", "y", "F"], ["s", "mm", "N"], *ROWS, [], ["Run 2"], ["t", "y", "F"], units, *ROWS]
+    path = workbook(tmp_path / "a.xlsx", {"D": blocks})
+    if units[2] == "N":
+        assert len(pc.import_files(path, tmp_path / "c", dry_run=True).to_frame()) == 2
+        return
+    with pytest.raises(pc.UserError, match=f"other columns or units from line {len(ROWS) + 6} on"):
+        pc.import_files(path, tmp_path / "c", dry_run=True)
+
+
 def test_runs_that_stand_beside_each_other_become_tables(tmp_path):
     pytest.importorskip("python_calamine")
     other = loop(0.3, 2.0, cycles=8)

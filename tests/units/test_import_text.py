@@ -158,6 +158,11 @@ def test_channels_of_one_name_are_told_apart_and_control_characters_taken_out(tm
             "has other columns",
         ),
         (b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "is of no known format"),
+        (
+            text(loop(), names="t;y;F", units="s;mm;kN").encode()
+            + text(loop(), names="t;y;F", units="s;mm;N").encode(),
+            "has other columns or units from line",
+        ),
         (gzip.compress(text(loop()).encode())[:200], "is no whole delimited text file"),
     ],
 )

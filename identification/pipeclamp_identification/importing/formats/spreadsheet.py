@@ -24,7 +24,13 @@ from pipeclamp_identification.importing.raw import (
     refuse_rows,
     table_of,
 )
-from pipeclamp_identification.importing.texts.sniffing import CLEAR, is_number, names_above
+from pipeclamp_identification.importing.texts.sniffing import (
+    CLEAR,
+    OTHER_COLUMNS,
+    is_number,
+    is_other_header,
+    names_above,
+)
 from pipeclamp_models.base.archive import opened_archive
 from pipeclamp_models.base.tables import pl
 
@@ -106,6 +112,11 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
     wide = max(map(len, body))
     header = [[_text(row[place]) if place < len(row) else "" for place in range(wide)] for row in rows[:first]]
     names, units, titles = names_above(header[-HEADER_ROWS:], wide)
+    for number, row in enumerate(body, first + 1):
+        if any(isinstance(cell, str) and cell for cell in row) and is_other_header(
+            [_text(cell) for cell in row], names, units
+        ):
+            raise Damaged(f"sheet {name!r} has {OTHER_COLUMNS.format(number)}")
     values = np.array([[_nan(_cell(row, place)) for place in places] for row in body], dtype=np.float64)
     timed = {place for place in places if isinstance(_filled(body, place), CLOCK)}
     stated = ["s" if place in timed else units[place] for place in range(wide)]

@@ -18,7 +18,15 @@ from pipeclamp_identification.importing.labels import Labels
 from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
-from pipeclamp_identification.importing.texts.sniffing import FEWEST_COLUMNS, Layout, cells_of, is_number, layout_of
+from pipeclamp_identification.importing.texts.sniffing import (
+    FEWEST_COLUMNS,
+    OTHER_COLUMNS,
+    Layout,
+    cells_of,
+    is_number,
+    is_other_header,
+    layout_of,
+)
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.tables import pl
 
@@ -232,20 +240,17 @@ class _Columns:
         ]
 
     def _refuse_other_order(self, blocks: Sequence[tuple[int, int]]) -> None:
-        """Refuse a later block whose names stand in another order: its numbers would go for others.
+        """Refuse a later block whose names or units are others, or in another order: its numbers would go for them.
 
         Raises:
             Damaged: one does.
         """
-        names = self.layout.names
+        layout = self.layout
         for (_, before), (after, _) in itertools.pairwise(blocks):
             for row in range(before, after):
-                cells = cells_of(self._between.get(row, ""), self.layout.delimiter)[: self.layout.width]
-                if len(set(cells) & set(names)) >= 2 and tuple(cells) != names[: len(cells)]:
-                    raise Damaged(
-                        f"has other columns from line {self.layout.first + row + 1} on; expected one order of columns "
-                        "in a file"
-                    )
+                cells = cells_of(self._between.get(row, ""), layout.delimiter)[: layout.width]
+                if is_other_header(cells, layout.names, layout.units):
+                    raise Damaged(f"has {OTHER_COLUMNS.format(layout.first + row + 1)}")
 
 
 def _frame(content: bytes, delimiter: str, layout: Layout, quote: str | None, *, numbers: bool) -> pl.DataFrame:

@@ -50,6 +50,7 @@ BRACKETED = re.compile(r"[\[(<]\s*(.*?)\s*[\])>]")
 MOST_UNITS = 0.5
 """Share of a row's cells above which, as known units, they make it one of units."""
 NEEDED = {"time", "displacement", "force"}
+OTHER_COLUMNS = "other columns or units from line {} on; expected one order of columns in a file, and one unit of each"
 NAME_LETTERS = ("t", "x", "y", "F", "T", "f")
 """Letters that name columns, though they are units of something, too: tonnes, farads, teslas."""
 
@@ -314,6 +315,14 @@ def _are_ours(row: Sequence[str]) -> bool:
     """Tell whether a row holds units of two different channels that a record needs."""
     plain = [_bare(cell) for cell in row]
     return len({quantity_of_unit(cell) for cell in plain if cell and _is_plain_unit(cell)} & NEEDED) > 1
+
+
+def is_other_header(row: Sequence[str], names: Sequence[str], units: Sequence[str]) -> bool:
+    """Tell whether a row below a table's header is one of names or units that stand in another order, or are others."""
+    cells = [_bare(cell) for cell in row]
+    if len(set(row) & set(names)) >= FEWEST_COLUMNS:
+        return _unique(row) != tuple(names[: len(row)])
+    return any(units) and _are_units(row) and _are_ours(row) and cells != list(units[: len(cells)])
 
 
 def _is_plain_unit(cell: str) -> bool:
