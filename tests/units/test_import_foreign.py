@@ -306,6 +306,43 @@ def test_structures_of_runs_are_read(tmp_path, kind):
     assert [len(record.time_s) for record in records] == [1000, 800]
 
 
+def quantity(label: str, factor: float = 1.0) -> dict[str, object]:
+    return {"quantity": {"label": label, "unit_transformation": {"offset": 0.0, "factor": factor}}}
+
+
+def signal(names: object, values: np.ndarray, label: str, factor: float = 1.0) -> dict[str, object]:
+    """Give a signal as Simcenter Testlab keeps it."""
+    x_values = {"start_value": 0.0, "increment": 0.005, "number_of_values": float(len(values)), **quantity("s")}
+    y_values = {"values": values, **quantity(label, factor)}
+    return {"x_values": x_values, "y_values": y_values, "function_record": {"name": names}}
+
+
+def test_units_that_programs_keep_beside_the_samples_count(tmp_path):
+    """Of catman's and Testlab's files in MATLAB's format; a unit beside a factor is asked for."""
+    pytest.importorskip("pymatreader")
+    from scipy.io import savemat
+
+    catman: dict[str, object] = {"File_Header": {"NumberOfChannels": "3"}}
+    named = {
+        "Zeit  1 - Standardmessrate": ("s", RUN.time),
+        "Weg": ("um", RUN.y * 1e3),
+        "Kraft": ("kN", RUN.force / 1e3),
+    }
+    for number, (name, (unit, values)) in enumerate(named.items(), 1):
+        catman[f"Channel_{number}_Header"] = {"SignalName": name, "Unit": unit, "Comment": ""}
+        catman[f"Channel_{number}_Data"] = values[:, None]
+    savemat(tmp_path / "a.mat", catman)
+    several = np.array(["clamp:+X", "clamp:+Z command"], dtype=object)
+    both = np.stack([RUN.y, 0 * RUN.y], axis=1) / 1e3
+    for name, factor in (("b", 1.0), ("c", 9.80665)):
+        cell = signal("cell:+X", RUN.force[:, None], "N", factor)
+        savemat(tmp_path / f"{name}.mat", {"Signal_0": signal(several, both, "m"), "Signal_1": cell})
+    pc.import_files([tmp_path / "a.mat", tmp_path / "b.mat"], tmp_path / "c")
+    assert_same_campaign(tmp_path / "c", [Loop(name, *list(vars(RUN).values())[1:]) for name in "ab"])
+    with pytest.raises(pc.UserError, match=r"force=cell:\+X \[N\]"):
+        pc.import_files(tmp_path / "c.mat", tmp_path / "d")
+
+
 def test_a_slow_channel_joins_the_one_test_and_stands_still_beyond_its_ends():
     def table(name: str, **channels: np.ndarray) -> RawTable:
         return RawTable(name, tuple(Channel(own, "", values) for own, values in channels.items()))

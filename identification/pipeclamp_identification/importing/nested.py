@@ -11,6 +11,11 @@ from pipeclamp_identification.importing.raw import RawTable, table_of
 
 VALUES = ("values", "value", "data", "samples", "y", "Values", "Value", "Data")
 UNIT = ("unit", "units", "Unit", "Units")
+HEADER, DATA = "_Header", "_Data"
+"""catman's "Channel_1_Header", with SignalName and Unit, and "Channel_1_Data"."""
+SIGNAL_NAME = "SignalName"
+AXES = ("x_values", "y_values")
+"""Simcenter Testlab's signals: structures of a start, an increment and a quantity, and of values and a quantity."""
 NAMES = ("names", "name", "labels", "columns", "channels", "header", "Names", "Name", "Labels", "colheaders")
 MOST_COLUMNS = 1000
 DEEPEST = 12
@@ -37,8 +42,11 @@ def _collect(
         columns += matrix
     elif not inner:
         for name, value in held.items():
-            if isinstance(value, Mapping):
-                listed = _channels(value, name)
+            header = held.get(f"{name.removesuffix(DATA)}{HEADER}") if name.endswith(DATA) else None
+            if isinstance(header, Mapping) and isinstance(header.get(SIGNAL_NAME), str):
+                columns.append((header[SIGNAL_NAME], _unit(header), value))
+            elif isinstance(value, Mapping):
+                listed = _signal(value, name) or _channels(value, name)
                 if listed:
                     columns += listed
                 else:
@@ -93,6 +101,39 @@ def _channels(held: Mapping[str, Any], name: str) -> list[tuple[str, str, object
     if values is None or not isinstance(unit, str) or np.squeeze(np.asarray(values)).ndim != 1:
         return []
     return [(own if isinstance(own, str) and own else name, unit, values)]
+
+
+def _signal(held: Mapping[str, Any], name: str) -> list[tuple[str, str, object]]:
+    """Give a signal's time and channels; nothing where the structure is none, or one over something else than time."""
+    x, y = (held.get(axis) for axis in AXES)
+    if not (isinstance(x, Mapping) and isinstance(y, Mapping)) or not {"start_value", "increment"} <= x.keys():
+        return []
+    values = np.squeeze(np.asarray(y.get("values")))
+    if values.ndim not in (1, 2) or values.dtype.kind not in "fiu" or _quantity(x) != "s":
+        return []
+    columns = [values] if values.ndim == 1 else list(values.T)
+    record = held.get("function_record")
+    texts = _texts(record["name"]) if isinstance(record, Mapping) and "name" in record else []
+    names = [f"{name}({place})" for place in range(1, len(columns) + 1)] if len(columns) > 1 else [name]
+    names = texts if len(texts) == len(columns) else names
+    time = float(x["start_value"]) + float(x["increment"]) * np.arange(len(values))
+    unit = _quantity(y)
+    return [(f"{name} time", "s", time), *((own, unit, column) for own, column in zip(names, columns, strict=True))]
+
+
+def _quantity(axis: Mapping[str, Any]) -> str:
+    """Give the unit of an axis; none where a factor stands beside it: whether it was applied, files don't say."""
+    quantity = axis.get("quantity")
+    if not isinstance(quantity, Mapping) or not isinstance(quantity.get("label"), str):
+        return ""
+    turned = quantity.get("unit_transformation")
+    plain = not isinstance(turned, Mapping) or (turned.get("factor", 1), turned.get("offset", 0)) == (1, 0)
+    return str(quantity["label"]) if plain else ""
+
+
+def _unit(held: Mapping[str, Any]) -> str:
+    """Give the unit that a structure states."""
+    return next((held[key] for key in UNIT if isinstance(held.get(key), str)), "")
 
 
 def _is_row(value: Any) -> bool:
