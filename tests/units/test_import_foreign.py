@@ -343,6 +343,22 @@ def test_units_that_programs_keep_beside_the_samples_count(tmp_path):
         pc.import_files(tmp_path / "c.mat", tmp_path / "d")
 
 
+def test_each_channel_behind_its_own_time_goes_by_it(tmp_path):
+    """Force is sampled half as often, the temperature twice: rows hold samples of different instants."""
+    slow, few = RUN.time[1::2], np.array([0.5, 2.0])
+    columns = [RUN.time, RUN.y, slow, RUN.force[1::2], few, np.array([20.0, 30.0])]
+    lines = ["Zeit 1;Weg;Zeit 2;Kraft;Zeit 3;T", "s;mm;s;N;s;°C"]
+    for row in range(len(RUN.time)):
+        lines += [";".join(f"{column[row]:.6f}" if row < len(column) else "" for column in columns)]
+    (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
+    pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    within = (RUN.time >= slow[0]) & (RUN.time <= slow[-1])
+    np.testing.assert_allclose(run.record.displacement_mm, RUN.y[within], atol=1e-6)
+    np.testing.assert_allclose(run.record.force_N, np.interp(RUN.time[within], slow, columns[3]), atol=1e-5)
+    assert run.temperature_C == pytest.approx(np.mean(np.interp(RUN.time[within], few, [20, 30])), abs=0.01)
+
+
 def test_a_slow_channel_joins_the_one_test_and_stands_still_beyond_its_ends():
     def table(name: str, **channels: np.ndarray) -> RawTable:
         return RawTable(name, tuple(Channel(own, "", values) for own, values in channels.items()))

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pipeclamp_identification.importing.columns import Mapped, Stated, map_columns, refuse_open_questions
-from pipeclamp_identification.importing.rates import joined_rates
+from pipeclamp_identification.importing.naming import rank
+from pipeclamp_identification.importing.rates import by_own_times, joined_rates
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile
 from pipeclamp_models.base.errors import UserError
@@ -47,6 +48,13 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     """
     tables = source.tables
     whole = [table for table in tables if _is_whole(table, stated)]
+    if len(tables) == 1 and (own := by_own_times(tables[0])):
+        # displacement and force are a test, which others join
+        parts = [table for table in own if any(rank(one, table.channels[-1]) for one in ("displacement", "force"))]
+        test = joined_rates(parts)
+        if test and _is_whole(test, stated):
+            tables = (test, *(table for table in own if table not in parts))
+            whole = [test]
     if len(tables) > 1 and len(whole) < 2:
         joined = joined_rates(tables, whole[0] if whole else None)
         if joined and _is_whole(joined, stated):

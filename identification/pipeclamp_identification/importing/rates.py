@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeclamp_identification.importing.columns import Column, map_columns
+from pipeclamp_identification.importing.naming import rank
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_models.base.arrays import Array
 
@@ -46,6 +47,22 @@ def joined_rates(tables: Sequence[RawTable], base: RawTable | None = None) -> Ra
                 channels.append(Channel(channel.name, channel.unit, np.interp(time[within], own, channel.values)))
     told = f"channels of {len(timed)} rates, on the times of the {'test' if whole else 'fastest'} by straight lines"
     return RawTable("", tuple(channels), chosen.first_row, (*chosen.told, told), chosen.unread)
+
+
+def by_own_times(table: RawTable) -> list[RawTable]:
+    """Give a table for each channel of one in which a time stands before each, not all the same; nothing for others."""
+    times, channels = table.channels[::2], table.channels[1::2]
+    alternate = len(times) == len(channels) > 1 and all(
+        rank("time", time) and not rank("time", channel) for time, channel in zip(times, channels, strict=True)
+    )
+    if not alternate or all(np.array_equal(times[0].values, one.values, equal_nan=True) for one in times):
+        return []
+    tables = []
+    for pair in zip(times, channels, strict=True):
+        filled = np.isfinite(pair[0].values)
+        own = tuple(replace(channel, values=channel.values[filled]) for channel in pair)
+        tables.append(replace(table, name=pair[1].name, channels=own, labels=(), titles=()))
+    return tables
 
 
 def _time(table: RawTable) -> list[tuple[Array, Column]]:

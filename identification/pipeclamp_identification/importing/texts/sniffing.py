@@ -203,6 +203,9 @@ def _first_line(
 
     def numbers_in(line: str) -> tuple[bool, bool]:
         row = _trimmed(cells_of(line, delimiter), ended)
+        if ended and len(row) == width + 1:
+            # its last column is blank in most rows
+            row = row[:width]
         numbers = sum(is_number(cell, decimal) for cell in row)
         enough = len(row) == width and numbers >= max(FEWEST_COLUMNS, CLEAR * len([cell for cell in row if cell]))
         return enough, enough and all(is_number(row[place], decimal) for place in usual if row[place])
