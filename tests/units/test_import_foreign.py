@@ -242,15 +242,18 @@ def test_titles_above_the_names_name_what_stands_side_by_side(tmp_path):
     assert found["run"].to_list() == ["a_A0.5_north", "a_A0.5_south"]
 
 
-def test_a_response_without_a_name_is_called_by_its_number(tmp_path):
+def test_a_response_without_name_and_unit_has_those_of_its_number_and_system(tmp_path):
+    """Of a file in mm and mN: a system's factors turn SI into its units."""
     pyuff = pytest.importorskip("pyuff")
-    for number, values, unit in ((8, RUN.y, "mm"), (13, RUN.force, "N")):
+    file = pyuff.UFF(str(tmp_path / "a.unv"))
+    system = {"type": 164, "units_code": 5, "units_description": "mm (milli-newton)", "temp_mode": 2}
+    file.write_sets(system | {"length": 1e3, "force": 1e3, "temp": 1.0, "temp_offset": 273.15}, "add")
+    for number, values in ((8, RUN.y), (13, RUN.force * 1e3)):
         held = {"type": 58, "func_type": 1, "rsp_node": 1, "rsp_dir": 1, "ref_dir": 1, "ref_node": 1, "data": values}
         held |= {"x": RUN.time, "id1": "NONE", "abscissa_spacing": 1, "ord_data_type": 4, "binary": 0}
-        held |= {"ordinate_axis_units_lab": unit, "ordinate_spec_data_type": number, "orddenom_spec_data_type": 0}
-        pyuff.UFF(str(tmp_path / "a.unv")).write_sets(held, "add")
-    found = pc.import_files(tmp_path / "a.unv", tmp_path / "c", dry_run=True).to_dict()
-    assert found["columns"]["a.unv"]["force_N"].startswith("Force")
+        file.write_sets(held | {"ordinate_spec_data_type": number, "orddenom_spec_data_type": 0}, "add")
+    pc.import_files(tmp_path / "a.unv", tmp_path / "c")
+    assert_same_campaign(tmp_path / "c", [Loop("a", *list(vars(RUN).values())[1:])])
 
 
 def test_a_folder_of_other_endings_names_one(tmp_path):
@@ -371,3 +374,9 @@ def test_a_slow_channel_joins_the_one_test_and_stands_still_beyond_its_ends():
     assert joined.length == test.length
     assert [column.ours for column in mapped.columns] == ["time", "displacement", "force", "temperature"]
     assert joined.channels[-1].values[[0, 300, -1]] == pytest.approx([20, 25, 40])
+    # an event's few samples don't cut short a test whose channels stand in groups of their own
+    parts = [table("1", time_s=RUN.time, displacement_mm=RUN.y), table("2", time_s=RUN.time, force_N=RUN.force)]
+    event = table("3", time_s=np.array([0.0, 1.0]), Event=np.array([0.0, 1.0]))
+    found = mapped_tables(SourceFile(Path("a.mf4"), "MDF", (*parts, slow, event)), (), None, ask=False)
+    assert isinstance(found, MappedFile)
+    assert [(one.length, len(one.channels)) for one, _ in found.tables] == [(test.length, 5)]

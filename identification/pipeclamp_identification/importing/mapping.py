@@ -12,6 +12,8 @@ from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile
 from pipeclamp_models.base.errors import UserError
 
+MOVED = ("displacement", "force")
+
 
 @dataclass(frozen=True)
 class Open:
@@ -48,12 +50,13 @@ def mapped_tables(source: SourceFile, stated: Sequence[Stated], rate: float | No
     """
     tables = source.tables
     whole = [table for table in tables if _is_whole(table, stated)]
-    if len(tables) == 1 and (own := by_own_times(tables[0])):
-        # displacement and force are a test, which others join
-        parts = [table for table in own if any(rank(one, table.channels[-1]) for one in ("displacement", "force"))]
-        test = joined_rates(parts)
+    if not whole or len(tables) == 1:
+        parts = by_own_times(tables[0]) if len(tables) == 1 else tables
+        # displacement and force are a test, which others join; an event's few samples don't cut it short
+        moved = [any(rank(one, own) for one in MOVED for own in table.channels) for table in parts]
+        test = joined_rates([table for table, moves in zip(parts, moved, strict=True) if moves])
         if test and _is_whole(test, stated):
-            tables = (test, *(table for table in own if table not in parts))
+            tables = (test, *(table for table, moves in zip(parts, moved, strict=True) if not moves))
             whole = [test]
     if len(tables) > 1 and len(whole) < 2:
         joined = joined_rates(tables, whole[0] if whole else None)

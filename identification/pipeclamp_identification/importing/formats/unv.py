@@ -14,6 +14,8 @@ from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, re
 TIME_RESPONSE = 1
 QUANTITIES = {5: "Temperature", 8: "Displacement", 9: "Force", 11: "Velocity", 12: "Acceleration", 13: "Force"}
 """What the ordinate holds, by its number in the data set."""
+UNITS = 164
+"""The data set of the file's system of units."""
 NOTHING = ("", "NONE", "None")
 BEGINS = re.compile(rb"\s*-1\s*\n\s*\d+b?[\s\d]*\n")
 
@@ -25,6 +27,7 @@ def read(path: Path) -> Sequence[RawTable]:
     file = pyuff.UFF(str(path))
     kinds = [int(kind) for kind in file.get_set_types()]
     size = path.stat().st_size
+    system: dict[str, Any] = next((file.read_sets(place) for place, kind in enumerate(kinds) if kind == UNITS), {})
     columns: list[tuple[str, str, object]] = []
     times: dict[int, tuple[str, str, object]] = {}
     for place, kind in enumerate(kinds):
@@ -37,7 +40,8 @@ def read(path: Path) -> Sequence[RawTable]:
         refuse_size(f"data set {place + 1}", float(data.get("num_pts", len(samples))), size)
         if len(samples) != int(data.get("num_pts", len(samples))):
             raise Damaged(f"ends within data set {place + 1}: {len(samples)} of {data['num_pts']} samples")
-        columns.append((_name(data, place), _text(data, "ordinate_axis_units_lab"), samples))
+        unit = _text(data, "ordinate_axis_units_lab") or _unit(data, system)
+        columns.append((_name(data, place), unit, samples))
         times.setdefault(
             len(samples), ("abscissa time", _text(data, "abscissa_axis_units_lab") or "s", np.asarray(data["x"]))
         )
@@ -49,10 +53,20 @@ def _text(data: dict[str, Any], key: str) -> str:
     return "" if text in NOTHING else text
 
 
+def _unit(data: dict[str, Any], system: dict[str, Any]) -> str:
+    """Give the unit of a displacement or force by the file's system of units: by its factor, SI becomes the file's."""
+    of, unit = {"Displacement": ("length", "m"), "Force": ("force", "N")}.get(_quantity(data), ("", ""))
+    factor = float(system.get(of, 0.0))
+    return (unit if factor == 1.0 else f"{1 / factor:.10g} {unit}") if factor > 0.0 else ""
+
+
+def _quantity(data: dict[str, Any]) -> str:
+    return QUANTITIES.get(int(data.get("ordinate_spec_data_type", 0)), "")
+
+
 def _name(data: dict[str, Any], place: int) -> str:
     """Give what a data set is called: its axis, else its quantity, its first line or number; and its node."""
-    quantity = QUANTITIES.get(int(data.get("ordinate_spec_data_type", 0)), "")
-    found = _text(data, "ordinate_axis_lab") or quantity or _text(data, "id1") or f"data set {place + 1}"
+    found = _text(data, "ordinate_axis_lab") or _quantity(data) or _text(data, "id1") or f"data set {place + 1}"
     node = f" {data['rsp_ent_name']}".replace("NONE", "").rstrip() if "rsp_ent_name" in data else ""
     return found + node
 
