@@ -50,6 +50,10 @@ LAYOUTS = {
     "decimal commas in quotes": named('"t [s]","y [mm]","F [N]"', delimiter=",", decimal=",", quote='"'),
     "LabVIEW": named("Time [s]\tWeg [mm]\tKraft [N]\tComment", delimiter="\t", header=LABVIEW),
     "LabVIEW's own units": named("X_Value\tWeg\tLoad Cell\tComment", delimiter="\t", header=Y_UNITS),
+    "LabVIEW without a time": "".join(
+        f"\t{line.partition(chr(9))[2]}\t\n" if line[0].isdigit() else f"{line}\n"
+        for line in named("X_Value\tWeg\tLoad Cell\tComment", delimiter="\t", header=Y_UNITS).splitlines()
+    ),
     "units behind labels": named("Zeit;Weg;Kraft", header="y-Einheit;mm;N\nx-Einheit;s;s\nx0;0;0\ndx;1;1\nn;9;9\n"),
     "a comment's sign before names and units": named("% Time, Weg, Kraft\n% s, mm, N", delimiter=", "),
     "names of two lines": named('"Time\n(s)";"Weg\n(mm)";"Kraft\n(N)"'),

@@ -217,6 +217,10 @@ class _Columns:
         blocks = _long_ones(_that_go_on([values[place] for place in numeric], blocks))
         # stamps of the clock became seconds, whatever stands above them
         units = ["s" if place in self._clocks else unit for place, unit in enumerate(layout.units)]
+        if layout.step and 0 not in numeric:
+            # rows whose time the header states
+            numeric = [0, *numeric]
+            values[0] = np.arange(self.length, dtype=np.float64) * layout.step
         unread = tuple(
             Unread(layout.names[place], units[place], one.count, one.row, one.text, is_whole=place not in numeric)
             for place, one in self._texts.items()

@@ -70,6 +70,7 @@ class Layout:
         first: index of the first line of numbers.
         names, units: of the columns; units "" where none is stated in a row of their own.
         titles: what stands in the row above the names, "" where nothing does.
+        step: of time between rows in s, where the header states it: for a first column that is blank. Else 0.
     """
 
     delimiter: str
@@ -79,6 +80,7 @@ class Layout:
     names: tuple[str, ...]
     units: tuple[str, ...]
     titles: tuple[str, ...]
+    step: float = 0.0
 
     def words(self) -> str:
         """Say how the table is held."""
@@ -139,7 +141,7 @@ def layout_of(lines: Sequence[str]) -> Layout:
     names, units, titles = _names_and_units(header, delimiter, width)
     if not any(units):
         units = _labelled_units(header, delimiter, width)
-    return Layout(delimiter, decimal, width, first, names, units, titles)
+    return Layout(delimiter, decimal, width, first, names, units, titles, _step(header, delimiter, decimal))
 
 
 def _whole_lines(lines: Sequence[str]) -> list[str]:
@@ -199,16 +201,21 @@ def _first_line(
     Lines right above it that hold text for one of these numbers belong to it, others ("Samples;2500;2500") don't.
     """
     rows = [row for row in (_trimmed(cells_of(line, delimiter), ended) for line in sample) if len(row) == width]
-    usual = [place for place in range(width) if 2 * sum(is_number(row[place], decimal) for row in rows) >= len(rows)]
+    # a column that mostly is blank holds no labels either: "X0;0;0" is no row of it
+    expected = [
+        place
+        for place in range(width)
+        if 2 * sum(not row[place] or is_number(row[place], decimal) for row in rows) >= len(rows)
+    ]
 
     def numbers_in(line: str) -> tuple[bool, bool]:
         row = _trimmed(cells_of(line, delimiter), ended)
-        if ended and len(row) == width + 1:
+        if ended and len(row) == width + 1 and is_number(row[width], decimal):
             # its last column is blank in most rows
             row = row[:width]
         numbers = sum(is_number(cell, decimal) for cell in row)
         enough = len(row) == width and numbers >= max(FEWEST_COLUMNS, CLEAR * len([cell for cell in row if cell]))
-        return enough, enough and all(is_number(row[place], decimal) for place in usual if row[place])
+        return enough, enough and all(is_number(row[place], decimal) for place in expected if row[place])
 
     enough: list[bool] = []
     for line in itertools.islice(lines, LONGEST_HEADER):
@@ -278,6 +285,16 @@ def _labelled_units(header: Sequence[str], delimiter: str, width: int) -> tuple[
         elif UNIT_LABEL.search(label) and any(map(_is_plain_unit, cells)):
             units[1 : 1 + len(cells)] = cells
     return tuple(units)
+
+
+def _step(header: Sequence[str], delimiter: str, decimal: str) -> float:
+    """Give the step of time that all channels of LabVIEW's header have, 0 where there is no such one."""
+    rows = {cells[0]: cells[1:] for cells in (cells_of(line, delimiter) for line in header[-LABELLED_ROWS:]) if cells}
+    steps = {cell for cell in rows.get("Delta_X", []) if cell}
+    of_time = rows.get("X_Dimension", [])[:1] == ["Time"]
+    if not of_time or len(steps) != 1 or not (COMMA if decimal == "," else POINT).match(step := steps.pop()):
+        return 0.0
+    return float(step.replace(decimal, "."))
 
 
 def _header_row(line: str, delimiter: str, width: int) -> list[str] | None:
