@@ -36,6 +36,7 @@ from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops, loops_of
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -158,7 +159,8 @@ def search(
     progress("ask the conditions that were kept back")
     hearing = _Hearing(evaluation, columns, refitted, listed, _rows(loops, kept), groups[kept])
     heard: list[Found] = []
-    left = refitted
+    # what does nothing at its fitted values has only let the law itself be fitted better
+    left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > hearing.by_chance] or refitted
     while left and len(heard) < MOST_HEARD and not (heard and heard[-1].passed):
         best, rivals = _best(left)
         heard.append(hearing.of(best, rivals))
@@ -221,20 +223,26 @@ class _Hearing:
         columns = [*self.columns, *(one.column for one in self.refitted)]
         return screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
 
-    def place(self, one: Refitted) -> int:
-        """Give the column of a refitted term at its fitted values."""
-        return len(self.columns) + self.refitted.index(one)
+    @cached_property
+    def by_chance(self) -> float:
+        """What the best of all terms explains by chance."""
+        return self.screened.by_chance()
+
+    @cached_property
+    def explained(self) -> Array:
+        """The squares that each refitted term explains."""
+        return self.screened.explained()[len(self.columns) :]
 
     def alike(self, one: Refitted) -> npt.NDArray[np.bool_]:
         """Tell which of the refitted terms act as one does, at their fitted values."""
-        return self.screened.alike(self.place(one))[len(self.columns) :]
+        return self.screened.alike(len(self.columns) + self.refitted.index(one))[len(self.columns) :]
 
     def of(self, best: Refitted, rivals: Sequence[Refitted]) -> Found:
         """Ask a term, at its fitted values, among all the others."""
         law, problem = self.evaluation.law, self.evaluation.problem
         found = best.judged
         guards = (
-            beyond_chance(float(self.screened.explained()[self.place(best)]), self.screened.by_chance()),
+            beyond_chance(float(self.explained[self.refitted.index(best)]), self.by_chance),
             comes_back(found, [one.judged for one in self.refitted], self.alike(best), problem.groups),
             beyond_the_tests(law, found, problem),
             confirmed(law.result.law, found.result.law, self.unseen, self.groups),
