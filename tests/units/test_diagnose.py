@@ -134,6 +134,18 @@ def test_what_no_rig_scatters_is_not_called_complete(campaign):
     assert "stiffness_frequency" in diagnosis.effects
 
 
+def test_what_nobody_stated_is_no_effect(campaign):
+    """Temperatures that runs.csv doesn't state: an effect of A and f was the cause, and no rival near."""
+    plan = replace(PLAN, amplitudes=(0.3, 0.6, 1.0), frequencies=(1.0, 3.0, 5.0), temperatures=(20.0, 150.0, 300.0))
+    stated = campaign(plan=plan, k1_T=-0.6)
+    diagnosis = diagnose(
+        Structure("power"), replace(stated, runs=tuple(replace(run, temperature_C=None) for run in stated.runs))
+    )
+    assert (diagnosis.verdict, diagnosis.effects) == ("unknown", ())
+    assert "27 runs are at the same stated conditions" in diagnosis.reasons[0]
+    assert "temperature" in diagnosis.reasons[0]
+
+
 def test_what_is_locked_to_time_is_no_scatter_whoever_asks(campaign):
     """One place decides: the verdict of `diagnose` is the command's, and the sentence says at which frequency."""
     tests = campaign()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import Foretold, foretold
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.repeats import Unstated, unstated
 from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
 from pipeclamp_identification.diagnosis.thresholds import (
@@ -61,7 +62,7 @@ class Weighed:
     """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`.
 
     `named` is the law with what is named first, by which the leftover is told; it stays where a ladder takes its name
-    back.
+    back. `unstated` is what differs between runs at the same stated conditions.
     """
 
     verdict: Verdict
@@ -70,6 +71,7 @@ class Weighed:
     named: Judged | None
     pair: Judged | None
     reasons: tuple[str, ...]
+    unstated: Unstated | None = None
 
 
 @dataclass(frozen=True)
@@ -132,26 +134,40 @@ def weigh(
     tell: Callable[[str], None],
 ) -> Weighed:
     """Weigh the candidates; arguments as in `Scales`."""
+    best = likeliest([law, *(each for each in candidates if not each.objections)])
+    residual, missed = (problem.plain_residual(each.result.law_force) for each in (best, law))
+    differing = unstated(problem.loops, problem.noise, residual, missed)
+    scales = Scales(structure, problem, law, candidates, tolerance, jobs, tell)
+    if differing is None:
+        return _weighed(scales, causes=True)
+    if differing.is_most:
+        return replace(_nothing("unknown", differing.words()), unstated=differing)
+    found = _weighed(scales, causes=False)
+    return replace(found, reasons=(*found.reasons, differing.words()), unstated=differing)
+
+
+def _weighed(scales: Scales, causes: bool) -> Weighed:
+    """Weigh the candidates; without causes, what is named takes a part at most."""
+    structure, problem, law, tolerance = scales.structure, scales.problem, scales.law, scales.tolerance
     if is_adequate(law.lack, tolerance):
         if is_complete(law, problem, tolerance):
             return _nothing("complete", _scatter_words(law.lack, problem))
-        return _nothing("unknown", _few_runs_words(law.lack, problem))
-    scales = Scales(structure, problem, law, candidates, tolerance, jobs, tell)
+        return _nothing("unknown", _few_runs_words(law.lack, problem, repeat=causes))
     usable, sound = scales.usable, scales.sound
     pair: Judged | None = None
-    if sound:
+    if sound and causes:
         # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
         asked = (sound[0], likeliest(sound), *_takers(sound, law))
         best = next((each for each in asked if scales.explains(each)), None)
         if best is not None:
             return _cause(best, sound, scales)
     if usable and not scales.form_allowed:
-        promises = screened(structure, problem, law, tell)
+        promises = screened(structure, problem, law, scales.tell)
         able = [each for each in usable if takes_part(each, law, problem)]
         weighed = None
-        if sound and (not able or able[0].lack.share < NEAR_NOISE_SHARE):
-            tell("two effects together")
-            found = pairs(structure, problem, law, sound, promises, jobs, tell)
+        if sound and causes and (not able or able[0].lack.share < NEAR_NOISE_SHARE):
+            scales.tell("two effects together")
+            found = pairs(structure, problem, law, sound, promises, scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = _cause_of_two(found, sound, scales)
         weighed = weighed or _part(able, promises, pair, scales)
@@ -357,11 +373,11 @@ def _scatter_words(lack: LackOfFit, problem: Problem) -> str:
     return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
 
 
-def _few_runs_words(lack: LackOfFit, problem: Problem) -> str:
-    return (
-        f"{_scatter_words(lack, problem)}: more than rigs have, and these {len(problem.loops.run)} runs are too few to "
-        "tell it from physics; repeat some of them three times each"
-    )
+def _few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
+    """Say that more scatters than on rigs; where repeats have shown so already, that is all."""
+    words = f"{_scatter_words(lack, problem)}: more than rigs have"
+    few = f"{words}, and these {len(problem.loops.run)} runs are too few to tell it from physics"
+    return f"{few}; repeat some of them three times each" if repeat else words
 
 
 def _form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: Judged) -> str:
