@@ -56,8 +56,10 @@ def test_laws_of_one_name_are_told_apart(climbed):
     held = [(file, tests.compare(file)) for file in (base, added, added)]
     labels = [law.label for law in laws_held(held)]
     assert labels == ["law", "law: damping_temperature", "law (2)"]
-    answer, difference, *_ = comparison_page(held)
+    answer, difference, *details = comparison_page(held)
     assert difference.explorer["laws"] == labels
+    assert answer.paragraphs[0].startswith("law (2): RMS error")
+    assert "Along the loop: law (2)" in [section.title for section in details], "which law it is of"
     errors = [row[2] for row in answer.tables[0].rows]
     assert errors[0] > errors[1] == errors[2]
 

@@ -12,10 +12,12 @@ import pytest
 from cantilever import shaken
 
 from pipeclamp.pages.page import render
-from pipeclamp.pages.system.attribution import attribution_section
+from pipeclamp.pages.system.on_pipe import attributed_sections
 from pipeclamp.show.on_pipe import attribution_words
 from pipeclamp_identification.attribution.answer import attribution_answer
+from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.compared import Compared
+from pipeclamp_identification.attribution.misstated import warmth_words
 from pipeclamp_identification.attribution.next_test import propose
 from pipeclamp_identification.attribution.noise import noise_of
 from pipeclamp_identification.attribution.refit import as_stated, changed
@@ -138,7 +140,15 @@ def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(compared,
     if named == {"left.stiffness", "right.stiffness"}:
         assert "a probe at" in proposal.test
         assert any("it is a support's stiffness" in words for words in attribution_words(found, proposal))
-    assert "ambiguous" in render("test", "", [attribution_section(found, proposal)])
+    answer, response, tried, *_ = attributed_sections(Attributed(compared, found, proposal))
+    assert answer.paragraphs[0].startswith("Ambiguous: one of these is wrong"), "the verdict before how much it errs"
+    assert response.figures and tried.title == "What was tried"
+    assert "Ambiguous" in render("test", "", [answer, response, tried])
+
+
+def test_a_temperature_that_nothing_tells_has_no_number():
+    assert warmth_words((0.0,), (7e11,)) == "these measurements don't tell it"
+    assert warmth_words((12.0,), (3.0,)) == "+12 ± 3 K from what is stated"
 
 
 def test_what_errs_only_where_the_branch_is_not_known_is_not_named(compared, found):

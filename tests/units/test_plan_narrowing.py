@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from banded import SPREAD, banded
 
+from pipeclamp.show.narrowing import beyond_words
 from pipeclamp_identification.diagnosis.limits import parse_limits
 from pipeclamp_identification.diagnosis.outlook import REPEATS
 from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
-from pipeclamp_identification.planning.narrowing import WORTH, plan_tests
+from pipeclamp_identification.planning.narrowing import WORTH, Map, plan_tests
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import Interval, KrigedShare, LocalForm, read_law
@@ -116,3 +117,10 @@ def test_the_band_is_the_responses_and_narrows(tmp_path, spread):
 def test_limits_that_no_test_keeps_are_refused(tmp_path):
     with pytest.raises(UsageError, match="no sine test keeps all of"):
         plan_tests(banded(tmp_path, 1.0), parse_limits("A=1..2,f=5..6,v=..1"))
+
+
+def test_a_peak_beyond_the_tests_is_said():
+    here = Map("c", {}, np.zeros(0), {"A": 0.5, "f": 2.0, "T": 293.15}, {"A": (0.2, 1.0), "f": (1.0, 5.0)})
+    assert beyond_words(here) == ""
+    words = beyond_words(replace(here, motion={"A": 3.97, "f": 4.36}))
+    assert "A = 3.97 mm (tests: 0.2 to 1)" in words and "f =" not in words

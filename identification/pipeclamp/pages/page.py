@@ -118,8 +118,14 @@ class _Drawn:
 
 
 def with_narrow(figure: go.Figure, narrow: go.Figure) -> go.Figure:
-    """Give the figure with another one that takes its place where the window is narrower than its least width."""
-    return figure.update_layout(meta={"least_width": figure.layout.meta, "narrow": plain(narrow)})
+    """Give the figure with another one that takes its place where the window is narrower than its least width.
+
+    Where that draws the same data otherwise, the page holds them once.
+    """
+    instead = plain(narrow)
+    if instead["data"] == plain(figure)["data"]:
+        del instead["data"]
+    return figure.update_layout(meta={"least_width": figure.layout.meta, "narrow": instead})
 
 
 def plain(figure: go.Figure) -> dict[str, Any]:

@@ -10,11 +10,11 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from pipeclamp.pages.page import MEASURED, MODEL, SERIES, styled
+from pipeclamp.pages.page import MEASURED, MODEL, SERIES, styled, with_narrow
 from pipeclamp_models.base.arrays import Array
 
 PANELS_PER_ROW = 4
-PANEL_HEIGHT = 250
+PANEL_HEIGHT, NARROW_PANEL_HEIGHT = 250, 200
 LEAST_PANEL_WIDTH = 230
 FEW = 12
 BESIDE = "published "
@@ -37,8 +37,15 @@ class LoopPanel:
 
 
 def loops_picture(panels: Sequence[LoopPanel], title: str, names: tuple[str, str] = ("measured", "law")) -> go.Figure:
-    """Draw loops, one a panel, measured in grey and computed in red over it, under these names."""
-    columns = min(PANELS_PER_ROW, len(panels))
+    """Draw loops, one a panel, measured in grey and computed in red over it, under these names.
+
+    In a narrow window they stand below each other.
+    """
+    wide = _loops_in(min(PANELS_PER_ROW, len(panels)), panels, title, names)
+    return with_narrow(wide, _loops_in(1, panels, title, names)) if len(panels) > 1 else wide
+
+
+def _loops_in(columns: int, panels: Sequence[LoopPanel], title: str, names: tuple[str, str]) -> go.Figure:
     rows = math.ceil(len(panels) / columns)
     figure = make_subplots(
         rows=rows,
@@ -66,7 +73,8 @@ def loops_picture(panels: Sequence[LoopPanel], title: str, names: tuple[str, str
         figure.update_xaxes(title_text="y / mm", row=rows, col=column)
     for row in range(1, rows + 1):
         figure.update_yaxes(title_text="F / N", row=row, col=1)
-    figure = styled(figure, title, height=90 + PANEL_HEIGHT * rows, least_width=LEAST_PANEL_WIDTH * columns)
+    height = PANEL_HEIGHT if columns > 1 else NARROW_PANEL_HEIGHT
+    figure = styled(figure, title, height=90 + height * rows, least_width=LEAST_PANEL_WIDTH * columns)
     return figure.update_layout(margin={"t": 80, "b": 80})
 
 

@@ -95,12 +95,17 @@ def comparison_page(laws: Sequence[tuple[LawFile, Held]], next_command: str = ""
     """
     file, held = laws[-1]
     tables, parameters = [], stages_table(file)
+    words, details = _answer(held), _details(held)
     if len(laws) > 1:
+        # what isn't drawn of all laws is of this one
+        label = labels_of([one for one, _ in laws])[-1]
+        words = [f"{label}: {words[0]}", *words[1:]]
+        details = [replace(section, title=f"{section.title}: {label}") for section in details]
         tables = [laws_table([(one, against.nrmse, scatter_of(against)) for one, against in laws])]
         parameters = parameters_table([one for one, _ in laws])
     further = [Section("Parameters", (), [parameters])] if parameters else []
-    answer = Section("Answer", _answer(held), tables, _falling(file, ()), next_command)
-    return [answer, *_difference(laws), *_details(held), *further]
+    answer = Section("Answer", words, tables, _falling(file, ()), next_command)
+    return [answer, *_difference(laws), *details, *further]
 
 
 def comparison_title(files: Sequence[LawFile], tests: str) -> tuple[str, str]:

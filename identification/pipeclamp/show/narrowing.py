@@ -7,7 +7,7 @@ from pathlib import Path
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.outlook import REPEATS
-from pipeclamp_identification.planning.narrowing import WORTH, BandPlan, test_words
+from pipeclamp_identification.planning.narrowing import WORTH, BandPlan, Map, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
 from pipeclamp_system.bands.band import TOLD, Band, ends_words, origin_words
 
@@ -45,10 +45,27 @@ def _ends(band: Band, before: Band) -> tuple[float, float, str]:
     return band.low, band.high, f"{width(band) / width(before):.0%}" if width(before) > 0 else ""
 
 
+def beyond_words(one: Map) -> str:
+    """Say where a clamp moves beyond its law's tests at the peak; nothing where it doesn't."""
+    told = (("A", "mm"), ("f", "Hz"))
+    outside = [
+        f"{name} = {one.motion[name]:.3g} {unit} (tests: {one.tested[name][0]:.3g} to {one.tested[name][1]:.3g})"
+        for name, unit in told
+        if not one.tested[name][0] <= one.motion[name] <= one.tested[name][1]
+    ]
+    if not outside:
+        return ""
+    return (
+        f"At that peak the clamp of {one.law} moves beyond its tests: {', '.join(outside)}. The band there is "
+        "carried on from what the law is off in its tests; none has shown what it is off in such a motion."
+    )
+
+
 def band_plan_words(plan: BandPlan, drive: Path | None = None) -> list[str]:
     """Say which test narrows the band most, what stays, and what was reckoned with."""
     amplitude = plan.before.amplitude
     lines = [f"Peak at {plan.point}, {plan.curve}: {ends_words(amplitude, 'mm', plan.per_cent)}."]
+    lines += [words for one in plan.maps if (words := beyond_words(one))]
     at_best = f"{plan.floor.low:.4g} to {plan.floor.high:.4g} mm"
     if plan.tests:
         first = plan.tests[0]

@@ -24,9 +24,9 @@ def attribution_words(found: Attribution | None, proposal: Proposal | None) -> l
         return [f"Which parameter may be wrong is asked of {FEWEST} measured values at least."]
     words = [_headline(found)]
     if found.verdict in ("wrong", "ambiguous"):
-        words += [f"{_capital(entry.told())}. {_left(entry, found)}" for entry in found.named]
+        words += [f"{capital(entry.told())}. {_left(entry, found)}" for entry in found.named]
     if found.kind == "part":
-        words.append(f"{_capital(NO_PROOF)}.")
+        words.append(f"{capital(NO_PROOF)}.")
     if found.verdict == "ambiguous":
         kinds = {suspect.kind for suspect in found.suspects}
         if len(kinds) == 1:
@@ -75,7 +75,8 @@ def _left(entry: Candidate, found: Attribution) -> str:
     return f"With it the error falls from {found.stated.nrmse:.2%} to {entry.nrmse:.2%}."
 
 
-def _capital(text: str) -> str:
+def capital(text: str) -> str:
+    """Give a sentence with a capital."""
     return text[:1].upper() + text[1:]
 
 

@@ -17,6 +17,8 @@ MOVES = (0.02, 0.1)
 """Shares of the pipe's length by which a position may be wrong, at which a search begins."""
 WARMER = (10.0, 50.0)
 """K, likewise."""
+COLDEST, WARMEST = -200.0, 500.0
+"""K, as far as a temperature may be off."""
 
 
 def misstated(model: CoupledModel) -> Iterator[Suspect]:
@@ -43,10 +45,10 @@ def misstated(model: CoupledModel) -> Iterator[Suspect]:
             kind="the clamps' temperature",
             words="the temperature of the clamps",
             change=_warmed,
-            told=lambda values, errors: f"{values[0]:+.3g} ± {errors[0]:.1g} K from what is stated",
+            told=warmth_words,
             starts=tuple((side * step,) for step in WARMER for side in (-1, 1)),
-            lower=(-200.0,),
-            upper=(500.0,),
+            lower=(COLDEST,),
+            upper=(WARMEST,),
         )
 
 
@@ -73,6 +75,13 @@ def _moved_clamp(index: int, model: CoupledModel, values: Values) -> CoupledMode
     clamps = list(model.pipe.clamps)
     clamps[index] = moved(clamps[index], values[0])
     return replace(model, pipe=model.pipe.model_copy(update={"clamps": tuple(clamps)}))
+
+
+def warmth_words(values: Values, errors: Values) -> str:
+    """Say by how much a temperature is off; what is known less well than the whole of its range isn't known."""
+    if not errors[0] < WARMEST - COLDEST:
+        return "these measurements don't tell it"
+    return f"{values[0]:+.3g} ± {errors[0]:.1g} K from what is stated"
 
 
 def _warmed(model: CoupledModel, values: Values) -> CoupledModel:

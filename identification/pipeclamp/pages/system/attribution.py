@@ -1,10 +1,9 @@
-"""What of pipe, clamps and measurement is wrong: in sentences, as a table, for --json."""
+"""What of pipe, clamps and measurement was tried as wrong, and how."""
 
 from __future__ import annotations
 
 from pipeclamp.pages.page import Section
-from pipeclamp.show.on_pipe import attribution_words, candidate_table
-from pipeclamp_identification.attribution.next_test import Proposal
+from pipeclamp.show.on_pipe import candidate_table
 from pipeclamp_identification.attribution.verdict import Attribution
 
 METHOD = (
@@ -19,9 +18,6 @@ NOT_COVERED = (
 )
 
 
-def attribution_section(found: Attribution | None, proposal: Proposal | None) -> Section:
-    """Give the report's section."""
-    words = attribution_words(found, proposal)
-    if found is None:
-        return Section("What is wrong", words)
-    return Section("What is wrong", [*words, METHOD, NOT_COVERED], [candidate_table(found)])
+def attribution_section(found: Attribution) -> Section:
+    """Give the report's section on what was tried."""
+    return Section("What was tried", [METHOD, NOT_COVERED], [candidate_table(found)])

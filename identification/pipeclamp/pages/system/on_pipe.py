@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.system.attribution import attribution_section
 from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp.pages.system.pipe_records import records_sections
+from pipeclamp.show.on_pipe import attribution_words, capital
 from pipeclamp_identification.attribution.attributed import Attributed
 
 
 def attributed_sections(found: Attributed) -> list[Section]:
-    """Give the page: how much the model errs, what may be wrong, and where."""
+    """Give the page: the verdict and how much the model errs, before and after correction, what was tried, where."""
     sines, records = found.compared.sines, found.compared.records
     named = found.attribution.named if found.attribution else ()
     corrected = named[0].refit.computed if named else None
@@ -18,4 +21,7 @@ def attributed_sections(found: Attributed) -> list[Section]:
         *(pipe_comparison_sections(sines, corrected.sines if corrected else None, found.bands) if sines else []),
         *(records_sections(records, corrected.records if corrected else None) if records else []),
     ]
-    return [how, attribution_section(found.attribution, found.proposal), *others]
+    verdict, *why = attribution_words(found.attribution, found.proposal)
+    answer = replace(how, title="Answer", paragraphs=[capital(verdict), *why, *how.paragraphs])
+    tried = [attribution_section(found.attribution)] if found.attribution else []
+    return [answer, *others[:1], *tried, *others[1:]]

@@ -40,7 +40,7 @@ function saveButton(format) {
 function fitting(element, specification) {
   const width = onPaper ? PAPER_WIDTH : element.clientWidth;
   const { narrow, least_width: least } = specification;
-  return { fitted: narrow && width && width < least ? narrow : specification, width };
+  return { fitted: narrow && width && width < least ? { data: specification.data, ...narrow } : specification, width };
 }
 
 // Plotly cuts titles that are wider than the picture.
@@ -69,7 +69,7 @@ function wrapped(line, most) {
 function drawIn(element, specification) {
   const { fitted, width } = fitting(element, specification);
   const { data, layout } = inLook({ data: fitted.data, layout: fitted.layout });
-  if (specification.narrow) element.style.height = fitted === specification.narrow ? `${layout.height}px` : "";
+  if (specification.narrow) element.style.height = fitted === specification ? "" : `${layout.height}px`;
   withTitleWrapped(layout, onPaper ? width : element.closest("figure")?.clientWidth || width);
   if (onPaper) layout.width = PAPER_WIDTH;
   const config = {
