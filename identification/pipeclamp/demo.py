@@ -164,8 +164,8 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
 def _errors(file: LawFile, on_unseen: Comparison) -> str:
     assert file.fit is not None
     return (
-        f"{file.fit.nrmse:.2%} on the tests used, {on_unseen.nrmse:.2%} on tests never seen "
-        f"({on_unseen.noise_nrmse:.2%} is scatter)"
+        f"{file.fit.nrmse:.2%} on the tests used ({file.fit.noise_nrmse:.2%} is scatter), {on_unseen.nrmse:.2%} on "
+        f"tests never seen ({on_unseen.noise_nrmse:.2%} is scatter)"
     )
 
 

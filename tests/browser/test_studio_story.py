@@ -69,6 +69,7 @@ def test_the_whole_job(page, url, violations, home):
     page.wait_for_function("document.getElementById('run-title').textContent !== ''")
     page.wait_for_selector("#candidates", timeout=A_JOB_ms)
     assert page.inner_text("#answer-title") == "Missing: damping_temperature."
+    assert "with memory:2 beside it" in page.inner_text(".answer"), "two are missing, as the terminal says"
     page.wait_for_selector(LOOP)
     page.check("input[name=candidate][value=damping_temperature]")
     page.wait_for_selector("#errors :text('law1 + damping_temperature')")

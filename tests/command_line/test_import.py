@@ -62,6 +62,7 @@ def test_sheets_of_a_workbook_name_runs_and_state_what_was_set(pipeclamp, tmp_pa
     write_sheets(tmp_path / "clamp 7.xlsx", ten_runs()[:4])
     told = pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", tmp_path / "plain").stdout
     assert '--pattern "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"' in told.replace("\n", "")
+    assert "pipeclamp identify" not in told, "without the temperatures that the names state"
     campaign = tmp_path / "clamp_7"
     pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", campaign, "--pattern", "T{temperature_C}")
     runs = {run.name: run for run in pc.read_campaign(campaign).tests.campaign.runs}
@@ -75,7 +76,8 @@ def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports
     pipeclamp("import", exports, "-o", campaign)
     (campaign / "runs.csv").write_text((campaign / "runs.csv").read_text().replace("0.3,", "0.31,", 1))
     before = contents(campaign)
-    assert "nothing to do" in pipeclamp("import", exports, "-o", campaign).stdout
+    again = " ".join(pipeclamp("import", exports, "-o", campaign, "--pattern", "T{temperature_C}").stdout.split())
+    assert "nothing to do" in again and "name another folder by -o" in again
     assert contents(campaign) == before
     later = write_texts(tmp_path / "later", [loop(0.6, 2.0)], **GERMAN)
     assert "1 run of 1 file, 10 more" in pipeclamp("import", exports, later, "-o", campaign).stdout

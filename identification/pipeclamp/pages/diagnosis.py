@@ -39,7 +39,9 @@ def diagnosis_answer(answer: Diagnosed) -> Section:
 def promised(diagnosis: Diagnosis) -> list[Rung]:
     """Give the law as it is, and what the effects that the answer names, or the best one, would make of it."""
     named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
-    alone = named or diagnosis.candidates[:1]
+    # what runs at the same stated conditions differ by is promised to no effect
+    best = [] if diagnosis.found.unstated else diagnosis.candidates[:1]
+    alone = named or best
     together = [diagnosis.pair] if diagnosis.pair else []
     return [
         Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),

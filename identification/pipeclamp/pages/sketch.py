@@ -22,4 +22,6 @@ def sketch(name: str, effect: Effect, declared: Sequence[Declaration] = ()) -> g
         )
     ]
     larger = f", drawn {loops.times} times as large" if loops.times > 1 else ""
-    return loops_picture(panels, f"{name} on a loop: without (grey), with (red){larger}", names=("without", "with"))
+    return loops_picture(
+        panels, f"{name} of typical size on a loop: without (grey), with (red){larger}", names=("without", "with")
+    )

@@ -68,7 +68,7 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
     if not answer.new_files:
         head = (
             f"{found.folder}: nothing to do, {_counted(len(answer.known_files), 'file')} named and there already; "
-            "options count for new files alone"
+            "options count for new files alone; to import these anew with others, name another folder by -o"
         )
     else:
         files = _counted(len(answer.new_files), "file")
@@ -79,14 +79,19 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
     if answer.pattern:
-        lines.append(f'the files\' names look as if they state settings; to take them: --pattern "{answer.pattern}"')
+        again = ", with another folder by -o" if found.written else ""
+        lines.append(
+            f"the files' names look as if they state settings; to take them, import again{again}: "
+            f'--pattern "{answer.pattern}"'
+        )
     unknown = [run.run for run in answer.runs if run.temperature_C is None]
     if unknown:
         lines.append(
             f"no temperature is known of {_counted_of(len(unknown), len(answer.runs))}: state it in runs.csv, or by "
             "--pattern or --conditions when importing"
         )
-    if found.written and any(run.cycles for run in answer.runs):
+    known_by_name = answer.pattern and unknown
+    if found.written and not known_by_name and any(run.cycles for run in answer.runs):
         lines.append(f"Next: {after_import(str(found.folder))}")
     return lines
 

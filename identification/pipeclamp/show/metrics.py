@@ -95,8 +95,11 @@ def study_table(study: Variation, metrics: Metrics) -> Table:
                 [beside.dissipated_energy_J, beside.max_elastic_energy_J, beside.loss_factor] if beside else [None] * 3
             )
         rows.append(entries)
-    return Table(header, rows, f"Loop metrics {title_of(study)}")
+    of = f"; published: {PUBLISHED}" if published else ""
+    return Table(header, rows, f"Loop metrics {title_of(study)}{of}")
 
+
+PUBLISHED = "of the specimen of Jiang et al. 2020, Tables 2-5, at these conditions, no measurement of this campaign"
 
 AXES = {
     "frequency_Hz": "f / Hz",

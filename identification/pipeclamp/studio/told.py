@@ -57,7 +57,7 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         effects=found.effects,
         headline=found.headline(),
         words=tuple(found.words()),
-        rung=tuple(found.rung()),
+        rung=_rung(found),
         lines=tuple(verdict_lines(found, next_command, None)),
         heldout_nrmse=diagnosis.law.heldout_nrmse,
         candidates=tuple(
@@ -66,6 +66,13 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         next_test=found.proposal.words() if found.proposal else found.no_test,
         drive=found.proposal is not None,
     )
+
+
+def _rung(found: Diagnosed) -> tuple[str, ...]:
+    """Say what the effect that is named first takes; of two that are missing together, that there are two."""
+    if found.verdict == "missing" and found.kind == "cause" and found.diagnosis.pair:
+        return (*found.diagnosis.reasons[:1], *found.rung()[1:])
+    return found.rung()
 
 
 def stamp(file: LawFile) -> str:
