@@ -304,3 +304,26 @@ def test_several_processes_and_pieces_of_a_file_make_the_same_campaign(tmp_path,
     with pytest.raises(UserError, match=r"s\.csv: holds no table"):
         pc.import_files(folder, tmp_path / "e")
     assert not (tmp_path / "e").exists()
+
+
+@pytest.mark.parametrize("format", ["parquet", "csv.gz"])
+@pytest.mark.parametrize(
+    ("offsets", "answers", "left"),
+    [
+        # one zero for all: what the means differ by may be real
+        ((250.0, 250.3), False, (-0.15, 0.15)),
+        ((250.0, 190.0), False, (0.0, 0.0)),
+        # a spring that is held off its rest, and a mean within twice the amplitude
+        ((5.0, 5.0), True, (5.0, 5.0)),
+        ((0.9, 0.9), False, (0.9, 0.9)),
+    ],
+)
+def test_an_absolute_position_is_told_from_a_mean_displacement(tmp_path, offsets, answers, left, format):
+    for place, (run, offset) in enumerate(zip((loop(0.5), loop(0.3)), offsets, strict=True)):
+        moved = replace(run, y=run.y + offset, force=run.force + (1200 * offset if answers else 40.0))
+        (tmp_path / f"{place}.csv").write_text(text(moved))
+    found = pc.import_files(sorted(tmp_path.glob("*.csv")), tmp_path / "c", format=format)
+    records = [run.record for run in pc.read_campaign(tmp_path / "c").tests.campaign.runs]
+    assert [np.mean(one.displacement_mm) for one in records] == pytest.approx(left, abs=1e-3)
+    assert any("is taken off, for no mean force answers it" in note for note in found.notes) == (left != offsets)
+    assert all(bool(run["done"]) == (left != offsets) for run in found.to_dict()["runs"])
