@@ -26,9 +26,10 @@ with atheris.instrument_imports(include=["pipeclamp", "pipeclamp_models", "pipec
 
 FOLDER = Path(tempfile.mkdtemp())
 RUNS = "run,file\na,a.csv\n"
+# MATLAB's and MDF's files are read in processes of their own, a second each: tests/properties damages them
+IMPORTED = {"import": "csv", "workbook": "xlsx", "hdf5": "h5", "parquet": "parquet", "tdms": "tdms", "unv": "unv"}
 READERS = {
-    "import": ("a.csv", lambda path: plan_import([path], Options(), FOLDER)),
-    "workbook": ("a.xlsx", lambda path: plan_import([path], Options(), FOLDER)),
+    **{name: (f"a.{ending}", lambda path: plan_import([path], Options(), FOLDER)) for name, ending in IMPORTED.items()},
     "conditions": ("set.csv", read_conditions),
     "campaign": ("campaign.toml", lambda path: read_description(path.parent)),
     "record": ("a.csv", lambda path: read_tests(path.parent)),

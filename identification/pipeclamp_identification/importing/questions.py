@@ -69,7 +69,7 @@ def find(quantity: Quantity, table: RawTable, taken: Collection[str]) -> Channel
             ranked.setdefault(own, []).append(channel)
     if ranked:
         best = ranked[max(ranked)]
-        if quantity == "time":
+        if quantity == "time" and len(best) > 1:
             best = list(_that_go_on(best))
         if len(best) > 1:
             return None if quantity == SEGMENT else _which(quantity, best)
