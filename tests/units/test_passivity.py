@@ -92,6 +92,7 @@ NOTCHES = {
     "T": {"factor": "1 - 3*q*exp(-((T - 330)/4)**2)"},
     "A and T": {"factor": "1 - 3*q*exp(-((A - 1.1)/0.2)**2 - ((T - 400)/10)**2)"},
     "y": {"force": "-q*2*v*exp(-((y - 1.23)/0.02)**2)"},
+    "the speed, whichever way it goes": {"force": "q*4*y*v**2/(4 + v**2)"},
     "A, with memory": {"factor": "1 - 30*q*exp(-((A - 2.6)/0.15)**2)", "base": "memory"},
 }
 """Damping that a declared effect turns round in a part of the range that no coarse grid meets."""
@@ -134,6 +135,15 @@ def test_what_dissipates_or_gives_back_is_proved(declared, name):
     law = declared(**SOUND[name])
     require_passive(*law)
     assert "proved for any motion" in passivity(*law).words()
+
+
+def test_a_place_that_pushes_along_is_told_where_no_cycle_gains_by_it(declared):
+    """What it pushes along in a window of 2 um at the highest speeds is less than what the way there costs."""
+    law = declared(force="-q*2*v*exp(-((y - 1.23)/0.0003)**2)*exp(-((v - 200)/5)**2)")
+    require_passive(*law)
+    words = passivity(*law).words()
+    assert "isn't proved" in words
+    assert "pushes along" in words
 
 
 def test_a_law_with_memory_is_searched(declared):

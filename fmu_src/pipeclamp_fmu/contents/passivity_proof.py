@@ -30,6 +30,9 @@ FASTEST = 2.0
 MOST_BOXES = 3000
 """After so many it is left undecided."""
 
+SHARPENED = 200
+"""Boxes that are halved beyond the first place found, towards the one that feeds in most."""
+
 NOTHING, SMALLEST = 1e-9, 1e-200
 """A negative power that is less than this share of that in the middle of the range, or than this in N mm/s, is
 rounding."""
@@ -41,8 +44,8 @@ class Proof:
 
     Attributes:
         proved: whether the law is proved to dissipate everywhere.
-        against: where it feeds energy, by signal: the slow ones (A mm, f Hz, T K, ...), y (mm) and v (mm/s); None where
-            no such place was met.
+        against: where its force pushes along, by signal: the slow ones (A mm, f Hz, T K, ...), y (mm) and v (mm/s);
+            None where no such place was met.
     """
 
     proved: bool
@@ -52,10 +55,14 @@ class Proof:
         """Say of a law that was taken why it is held to create no energy."""
         if self.proved:
             return "creates no energy: proved for any motion in its range at held A, f and T (by interval arithmetic)"
-        return (
+        searched = (
             "creates no energy as far as was searched: an optimiser, free in A, f, T and the shape of the cycle, found "
             "none that feeds energy in; it isn't proved"
         )
+        if self.against is None:
+            return searched
+        *_, y, v = self.against.values()
+        return f"{searched}: at y = {y:.3g} mm and v = {v:.3g} mm/s, say, its force pushes along instead of braking"
 
 
 def prove(law: Stepping, values: Sequence[float], ranges: Sequence[Interval]) -> Proof:
@@ -131,14 +138,15 @@ def _searched(
 
     for box in boxes:
         add(box)
-    for _ in range(MOST_BOXES):
-        if not waiting:
-            return Proof(proved=True)
+    worst, against, left = -rounding, None, MOST_BOXES
+    while waiting and left:
+        left -= 1
         _, _, box = heapq.heappop(waiting)
         middle = [(low + high) / 2 for low, high in box]
         _, there = power([(value, value) for value in middle])
-        if there < -rounding:
-            return Proof(proved=False, against=dict(zip(names, middle, strict=True)))
+        if there < worst:
+            left = min(left, SHARPENED) if against is None else left
+            worst, against = there, dict(zip(names, middle, strict=True))
         widths = [
             (high - low) / (end - begin) if end > begin and told else 0.0
             for (low, high), (begin, end), told in zip(box, whole, matters, strict=True)
@@ -146,4 +154,4 @@ def _searched(
         widest = widths.index(max(widths))
         for half in ((box[widest][0], middle[widest]), (middle[widest], box[widest][1])):
             add((*box[:widest], half, *box[widest + 1 :]))
-    return Proof(proved=False)
+    return Proof(proved=not waiting and against is None, against=against)
