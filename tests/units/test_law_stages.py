@@ -59,7 +59,8 @@ def test_laws_of_one_name_are_told_apart(climbed):
     answer, difference, *details = comparison_page(held)
     assert difference.explorer["laws"] == labels
     assert answer.paragraphs[0].startswith("law (2): RMS error")
-    assert "Along the loop: law (2)" in [section.title for section in details], "which law it is of"
+    along = next(section for section in details if section.title == "Along the loop")
+    assert along.paragraphs[0] == "Of law (2).", "which law it is of"
     errors = [row[2] for row in answer.tables[0].rows]
     assert errors[0] > errors[1] == errors[2]
 

@@ -7,11 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.page import MEASURED, MODEL, SERIES, styled, with_narrow
 from pipeclamp_models.base.arrays import Array
+
+Drawn = npt.NDArray[np.float32]
 
 PANELS_PER_ROW = 4
 PANEL_HEIGHT, NARROW_PANEL_HEIGHT = 250, 200
@@ -78,8 +81,9 @@ def _loops_in(columns: int, panels: Sequence[LoopPanel], title: str, names: tupl
     return figure.update_layout(margin={"t": 80, "b": 80})
 
 
-def _closed(samples: Array) -> Array:
-    return np.append(samples, samples[:1])
+def _closed(samples: Array) -> Drawn:
+    """Give a loop closed, in single precision: a picture shows no more, and its page is half as large."""
+    return np.append(samples, samples[:1]).astype(np.float32)
 
 
 def overlay_picture(loops: Sequence[tuple[str, Array, Array]], title: str) -> go.Figure:

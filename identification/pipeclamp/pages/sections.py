@@ -100,7 +100,7 @@ def comparison_page(laws: Sequence[tuple[LawFile, Held]], next_command: str = ""
         # what isn't drawn of all laws is of this one
         label = labels_of([one for one, _ in laws])[-1]
         words = [f"{label}: {words[0]}", *words[1:]]
-        details = [replace(section, title=f"{section.title}: {label}") for section in details]
+        details = [replace(section, paragraphs=[f"Of {label}.", *section.paragraphs]) for section in details]
         tables = [laws_table([(one, against.nrmse, scatter_of(against)) for one, against in laws])]
         parameters = parameters_table([one for one, _ in laws])
     further = [Section("Parameters", (), [parameters])] if parameters else []
