@@ -45,7 +45,9 @@ class Unstated:
     def words(self) -> str:
         """Say it, and what to do."""
         differ = " and ".join(f"{share:.2g}% of {name}" for name, share in self.percent())
-        what = "such as a specimen or a preload" if self.temperature_known else "their temperature, most likely"
+        what = (
+            "specimen, preload or mounting, say" if self.temperature_known else "temperature, specimen or preload, say"
+        )
         return (
             f"{self.runs} runs are at the same stated conditions as others, and differ from them by {differ} (standard "
             f"deviation), more than rigs scatter: what differs between them isn't stated ({what}), and no effect "
