@@ -358,7 +358,8 @@ def test_each_channel_behind_its_own_time_goes_by_it(tmp_path):
     for row in range(len(RUN.time)):
         lines += [";".join(f"{column[row]:.6f}" if row < len(column) else "" for column in columns)]
     (tmp_path / "a.csv").write_text("\n".join(lines), encoding="utf-8")
-    pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    found = pc.import_files(tmp_path / "a.csv", tmp_path / "c")
+    assert "a.csv: put on the times of the fastest channel by straight lines: 'Kraft [N]'" in found.notes
     (run,) = pc.read_campaign(tmp_path / "c").tests.campaign.runs
     within = (RUN.time >= slow[0]) & (RUN.time <= slow[-1])
     np.testing.assert_allclose(run.record.displacement_mm, RUN.y[within], atol=1e-6)

@@ -51,7 +51,7 @@ def test_channels_of_different_rates_are_put_on_one_time(tmp_path):
         file.append([signal(run.force[::2] / 1e3, run.time[::2], name="Last", unit="kN")])
         file.save(tmp_path / "a.mf4")
     found = pc.import_files(tmp_path / "a.mf4", tmp_path / "c")
-    assert "2 rates" in found.found.imported.files[0].read_as
+    assert "by straight lines: 'Last [kN]'" in found.found.imported.files[0].read_as
     record = found.tests().tests.campaign.runs[0].record
     np.testing.assert_allclose(record.displacement_mm, run.y[: len(record.time_s)], atol=1e-9)
     assert np.std(record.force_N - run.force[: len(record.time_s)]) < 10

@@ -198,6 +198,7 @@ class _Planner:
         self.reversed: list[Mapped] = []
         self.own: dict[str, str] = {}
         self.known_as: dict[str, str] = {}
+        self.joined: dict[str, list[str]] = {}
         self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
 
     def add(self, path: Path, file: TakenFile) -> None:
@@ -223,6 +224,8 @@ class _Planner:
             time = next((column.heading for column in table.mapped.columns if column.ours == "time"), None)
             if self.options.rate and time:
                 self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
+            for words in table.joined:
+                self.joined.setdefault(words, []).append(path.name)
             for unread in table.unread:
                 self.note(f"{path.name}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))
@@ -337,6 +340,8 @@ class _Planner:
                 f"what the rig applies, positive with positive displacement; expected it turned, for example\n  "
                 f"{replace(self.reversed[0], columns=tuple(turned), questions=()).option()}"
             )
+        for words, files in self.joined.items():
+            self.note(f"{listed(list(dict.fromkeys(files)), most=1)}: {words}")
         for headings, (mapped, files) in self.unused.items():
             if headings:
                 self.notes.append(unused_words(files, headings, mapped))

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeclamp_identification.importing.columns import Column, map_columns
+from pipeclamp_identification.importing.columns import Column, listed, map_columns
 from pipeclamp_identification.importing.naming import rank
 from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_models.base.arrays import Array
@@ -45,8 +45,10 @@ def joined_rates(tables: Sequence[RawTable], base: RawTable | None = None) -> Ra
             if channel.heading != column.heading and channel.heading not in taken:
                 taken.add(channel.heading)
                 channels.append(Channel(channel.name, channel.unit, np.interp(time[within], own, channel.values)))
-    told = f"channels of {len(timed)} rates, on the times of the {'test' if whole else 'fastest'} by straight lines"
-    return RawTable("", tuple(channels), chosen.first_row, (*chosen.told, told), chosen.unread)
+    moved = [repr(channel.heading) for channel in channels[len(chosen.channels) :]]
+    told = f"put on the times of the {'test' if whole else 'fastest channel'} by straight lines: {listed(moved)}"
+    joined = (*chosen.joined, told)
+    return RawTable("", tuple(channels), chosen.first_row, chosen.told, chosen.unread, joined=joined)
 
 
 def by_own_times(table: RawTable) -> list[RawTable]:

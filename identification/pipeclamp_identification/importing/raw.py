@@ -91,6 +91,7 @@ class RawTable:
         told: how it was read, for people.
         unread: columns with text where numbers were expected.
         titles: what stands above the channels' names, "" where nothing does; none where a format has no such thing.
+        joined: what was done to put channels of other rates on one time, for people.
         labels: columns that hold nothing but text: they may tell runs apart, and name them.
     """
 
@@ -101,6 +102,7 @@ class RawTable:
     unread: tuple[Unread, ...] = ()
     labels: tuple[LabelColumn, ...] = ()
     titles: tuple[str, ...] = ()
+    joined: tuple[str, ...] = ()
 
     @property
     def length(self) -> int:

@@ -119,6 +119,7 @@ class TakenTable:
         mapped: its channels that are ours.
         unused: headings of the others.
         unread: what isn't numbers in those that are ours.
+        joined: what was done to put its channels on one time.
         taken: what became of it.
     """
 
@@ -126,6 +127,7 @@ class TakenTable:
     mapped: Mapped
     unused: tuple[str, ...]
     unread: tuple[Unread, ...]
+    joined: tuple[str, ...]
     taken: TakenPart
 
 
@@ -200,13 +202,13 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         unused = tuple(one.heading for one in table.channels if one.heading not in headings)
         # a column that is nothing but text serves as the names of runs, as it is
         unread = tuple(one for one in table.unread if one.channel.heading in headings and not one.is_whole)
-        tables.append(TakenTable(table.name, mapped, unused, unread, taken))
+        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, taken))
     first, mapped = used.tables[0]
     file = ImportedFile(
         file=source.name,
         sha256=digest,
         format=source.format,
-        read_as="; ".join([*first.told, *(one.words() for one in tables[0].unread)]),
+        read_as="; ".join([*first.told, *first.joined, *(one.words() for one in tables[0].unread)]),
         columns={OURS.get(one.ours, one.ours): _imported(one) for one in mapped.columns},
     )
     return TakenFile(file, tuple(tables), used.aside)
