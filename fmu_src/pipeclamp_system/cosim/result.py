@@ -15,6 +15,7 @@ from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.cosim.beating import FEWEST_CYCLES, Beats, Swing, is_judged, swing_of
 from pipeclamp_system.cosim.energy import NAMES, EnergyBalance
+from pipeclamp_system.cosim.repetition import REPEATS, off_a_cycle_before
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_system.description.system import ClampSource, SystemDescription
 from pipeclamp_system.description.trust_mark import doubt
@@ -149,6 +150,16 @@ class CosimResult:
                 changes[name] = change
         return changes
 
+    @property
+    def unrepeated(self) -> dict[str, float]:
+        """By which share of its motion each point differs from a cycle of the sine before, where it is too much."""
+        frequency = self.system.excitation.frequency_Hz
+        if not self.settles or frequency is None:
+            return {}
+        points = (*self.clamp_names, *self.probe_names)
+        off = {name: off_a_cycle_before(self.time, self.columns[f"{name}.s"], frequency) for name in points}
+        return {name: share for name, share in off.items() if share > REPEATS}
+
     def doubts(self) -> list[tuple[str, str]]:
         """Say why it isn't to be trusted: what is wrong, what was expected, and what helps."""
         energy = f"the coupling itself made {self.coupling_share:.2%} of the energy"
@@ -222,6 +233,7 @@ class CosimResult:
             for name, change in self.unsettled.items()
             if self.beats is None
         ]
+        lines += self._about_repetition()
         lines += self._about_short_run()
         if self.beats is not None:
             lines.append("the displacement's error for its steps isn't told: two runs of a swing drift apart")
@@ -261,6 +273,16 @@ class CosimResult:
         if self.beats is not None:
             return "its amplitude swings"
         return "its motion is no steady sine, or is still changing"
+
+    def _about_repetition(self) -> list[str]:
+        """Say where the amplitude is settled and yet the motion doesn't repeat itself."""
+        if self.unsettled or self.beats is not None or not self.unrepeated:
+            return []
+        name, share = max(self.unrepeated.items(), key=lambda found: found[1])
+        return [
+            f"the motion at {name} differs from that a cycle of the sine before by {share:.0%}, though its amplitude "
+            "has settled: subharmonic or irregular, which no frequency response holds"
+        ]
 
     def _about_short_run(self) -> list[str]:
         """Say where a run is too short to show whether a tracked amplitude swings."""

@@ -52,11 +52,12 @@ class Dot:
         temperature, level: as of its curve.
         frequency: Hz.
         amplitudes: half the peak-to-peak displacement of each clamp and probe, mm.
-        expected: the same of the stable state of the curve that is nearest to it.
+        expected: the same of the stable state of the curve that is nearest to it; its own where there is none.
         truncated: share of that state's motion which lies in harmonics that are left out; None where there is none.
         settled: whether it ran until its transient was gone.
         step: macro step, s: the system's, halved until the dot could be trusted.
         trusted: whether it can be at that step.
+        repeats: whether its motion is the same in each cycle; curves hold no other.
     """
 
     temperature: float | None
@@ -68,6 +69,12 @@ class Dot:
     settled: bool
     step: float
     trusted: bool
+    repeats: bool = True
+
+    @property
+    def has_branch(self) -> bool:
+        """Whether the curve has a stable state at its frequency."""
+        return self.truncated is not None
 
     @property
     def difference(self) -> float:
@@ -130,7 +137,8 @@ def co_simulated(
         if trusted or halvings == MOST_HALVINGS:
             settled = not result.unsettled and (near is None or _cycles_to(near, frequency) <= cycles)
             truncated = near.truncated if near else None
-            return Dot(temperature, level, frequency, found, expected, truncated, settled, step, trusted)
+            repeats = not result.unrepeated
+            return Dot(temperature, level, frequency, found, expected, truncated, settled, step, trusted, repeats)
         halvings, before = halvings + 1, found
 
 

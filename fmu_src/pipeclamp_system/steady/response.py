@@ -155,14 +155,27 @@ class FrequencyResponse:
     def _about_dots(self) -> list[str]:
         """Say how well the co-simulations agree, in which steps, and which of them aren't to be trusted."""
         steps = [1e3 * dot.step for dot in self.dots]
-        good = [dot.difference for dot in self.dots if dot.settled and dot.trusted]
+        sound = [dot for dot in self.dots if dot.settled and dot.trusted]
+        good = [dot.difference for dot in sound if dot.repeats and dot.has_branch]
         lines = [
             f"{len(self.dots)} co-simulations in steps of {min(steps):.3g} to {max(steps):.3g} ms; those that settled "
             f"and can be trusted ({len(good)}) differ by at most {max(good, default=0.0):.2%} from the stable branches"
         ]
+        odd = [dot for dot in sound if not dot.repeats]
+        if odd:
+            lines.append(
+                f"{len(odd)} co-simulations don't repeat from cycle to cycle: subharmonic or irregular motion, which "
+                f"no curve holds ({_places(odd)})"
+            )
+        alone = [dot for dot in sound if dot.repeats and not dot.has_branch]
+        if alone:
+            lines.append(
+                f"{len(alone)} co-simulations settle where no stable branch was found: one is missing there "
+                f"({_places(alone)})"
+            )
         doubtful = [dot for dot in self.dots if not dot.trusted]
         if doubtful:
-            places = "; ".join(f"{label(dot.temperature, dot.level)}, {dot.frequency:.4g} Hz" for dot in doubtful)
+            places = _places(doubtful)
             lines.append(
                 doubt(
                     f"{len(doubtful)} co-simulations, drawn as crosses: 1/{2**MOST_HALVINGS} of step_s "
@@ -170,6 +183,11 @@ class FrequencyResponse:
                 )
             )
         return lines
+
+
+def _places(dots: Sequence[Dot]) -> str:
+    """Say where dots lie."""
+    return "; ".join(f"{label(dot.temperature, dot.level)}, {dot.frequency:.4g} Hz" for dot in dots)
 
 
 def _about_detached(branch: Sequence[SteadyState]) -> str:
@@ -295,7 +313,8 @@ def write_response(
             rows.append({**row, **next(further)})
     for dot in response.dots:
         row = _row("co-simulation", dot.temperature, dot.level, dot.frequency, dot.amplitudes, response)
-        row |= {"settled": float(dot.settled), "trusted": float(dot.trusted), "step [s]": dot.step}
+        row |= {"settled": float(dot.settled), "trusted": float(dot.trusted), "repeats": float(dot.repeats)}
+        row |= {"step [s]": dot.step}
         rows.append(row | {"truncated [1]": dot.truncated})
     write_whole(path, pl.from_dicts(rows, infer_schema_length=None).write_csv())
 

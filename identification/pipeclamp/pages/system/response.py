@@ -56,7 +56,8 @@ def response_sections(response: FrequencyResponse, bands: ResponseBands | None =
 
 def _remark(dot: Dot) -> str:
     """Give what a table says besides of a co-simulation."""
-    told = [words for words, said in (("not settled", not dot.settled), (DOUBT, not dot.trusted)) if said]
+    remarks = {"not settled": not dot.settled, "differs from cycle to cycle": not dot.repeats, DOUBT: not dot.trusted}
+    told = [words for words, said in remarks.items() if said]
     return ", ".join(told) or "–"
 
 
