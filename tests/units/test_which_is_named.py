@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pipeclamp_identification.diagnosis import weighing
 from pipeclamp_identification.diagnosis.weighing import Scales, Tolerance, weigh
 from pipeclamp_models.law.law import Structure
 
@@ -30,6 +31,9 @@ def usable(*candidates):
 def test_beside_its_special_case(general, special, left, named):
     found = usable(candidate(general, left, 90.0), candidate(special, 8.0, 100.0))
     assert found == ([general, special] if named else [special])
+    law, *both = candidate("", 100.0, 1000.0), candidate(general, left, 90.0), candidate(special, 8.0, 100.0)
+    said = [weighing.simpler_words(each, both, law) for each in both]
+    assert said == [[] if named else [f"{special}, a special case of it, leaves about as little"], []]
 
 
 def test_beside_what_it_only_acts_like():

@@ -65,7 +65,7 @@ def evidence_sections(answer: Diagnosed) -> list[Section]:
         [("rms over runs", leftover.phase.tolist(), leftover.shape.tolist(), "lines")],
         f"Residual force along the cycle, {_law_described(diagnosis)}, noise included",
     ).update_yaxes(rangemode="tozero")  # fmt: skip
-    cards = [_card(candidate, diagnosis.law) for candidate in helpful(diagnosis)[:SKETCHED]]
+    cards = [_card(candidate, diagnosis) for candidate in helpful(diagnosis)[:SKETCHED]]
     candidates = Section("Candidates", _screened(diagnosis), [candidate_table(diagnosis)], cards=cards)
     sections = [
         *([candidates] if diagnosis.candidates else []),
@@ -74,15 +74,15 @@ def evidence_sections(answer: Diagnosed) -> list[Section]:
     return [*sections, _proposal_section(answer.proposal)] if answer.proposal else sections
 
 
-def _card(candidate: Judged, law: Judged) -> Card:
+def _card(candidate: Judged, diagnosis: Diagnosis) -> Card:
     """Tell of a candidate what to look at and what speaks against it, beside what it does to a loop."""
-    name, effect = candidate.effects[0], _effect(candidate)
+    law, name, effect = diagnosis.law, candidate.effects[0], _effect(candidate)
     words = [
         f"In the picture: {effect.looks_like}.",
         f"It takes the estimated error on left-out conditions from {law.heldout_nrmse:.2%} to "
         f"{candidate.heldout_nrmse:.2%}, and {explained_share(candidate, law):.0%} of what is missing.",
         f"Imitated by {', '.join(effect.imitated_by) or 'nothing'}; what tells: {effect.told_apart_by}.",
-        f"Against it: {'; '.join(against(candidate, law)) or 'nothing in this data'}.",
+        f"Against it: {'; '.join(against(candidate, diagnosis)) or 'nothing in this data'}.",
     ]
     return Card(name, words, sketch(name, effect, candidate.result.law.structure.declared))
 

@@ -10,7 +10,7 @@ from pipeclamp_identification.diagnosis.answer import RungAnswer, diagnosis_answ
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.diagnosis.weighing import explained_share
+from pipeclamp_identification.diagnosis.weighing import explained_share, simpler_words
 from pipeclamp_identification.fitting.groups_answer import group_words
 from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
 
@@ -20,8 +20,9 @@ WORSE = 1.02
 """An error on left-out conditions that rises by less is the same."""
 
 
-def against(candidate: Judged, law: Judged) -> list[str]:
-    """Say what speaks against a candidate: its parameters, and left-out conditions that it foretells worse."""
+def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
+    """Say what speaks against a candidate: its parameters, left-out conditions it foretells worse, a simpler effect."""
+    law = diagnosis.law
     errors = {"A, f": (law.heldout_nrmse, candidate.heldout_nrmse)}
     errors |= {name: (error, candidate.heldout_by[name]) for name, error in law.heldout_by.items()}
     worse = (
@@ -29,7 +30,8 @@ def against(candidate: Judged, law: Judged) -> list[str]:
         for name, (before, after) in errors.items()
         if after > WORSE * before
     )
-    return [*candidate.objections, *candidate.reservations, *worse]
+    simpler = simpler_words(candidate, diagnosis.candidates, law)
+    return [*candidate.objections, *candidate.reservations, *worse, *simpler]
 
 
 def candidate_table(diagnosis: Diagnosis) -> Table:
@@ -43,7 +45,7 @@ def candidate_table(diagnosis: Diagnosis) -> Table:
             100 * candidate.heldout_nrmse,
             *(100 * error for error in candidate.heldout_by.values()),
             100 * explained_share(candidate, law),
-            "; ".join(against(candidate, law)) or "–",
+            "; ".join(against(candidate, diagnosis)) or "–",
         )
         for candidate in sorted(judged, key=lambda candidate: candidate.squares)
     ]

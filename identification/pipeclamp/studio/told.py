@@ -11,6 +11,7 @@ from pipeclamp.show.diagnosis import against, verdict_lines
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.law.file import LawFile, Verdict
@@ -61,7 +62,7 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         lines=tuple(verdict_lines(found, next_command, None)),
         heldout_nrmse=diagnosis.law.heldout_nrmse,
         candidates=tuple(
-            _candidate(each, diagnosis.law) for each in diagnosis.candidates if _is_finite(each.result.law.values)
+            _candidate(each, diagnosis) for each in diagnosis.candidates if _is_finite(each.result.law.values)
         ),
         next_test=found.proposal.words() if found.proposal else found.no_test,
         drive=found.proposal is not None,
@@ -84,7 +85,8 @@ def _is_finite(values: Mapping[str, float]) -> bool:
     return all(map(math.isfinite, values.values()))
 
 
-def _candidate(judged: Judged, law: Judged) -> ToldCandidate:
+def _candidate(judged: Judged, diagnosis: Diagnosis) -> ToldCandidate:
+    law = diagnosis.law
     name = judged.effects[0]
     effect = next(effect for effect in judged.result.equations.effects if effect.name == name)
     return ToldCandidate(
@@ -94,7 +96,7 @@ def _candidate(judged: Judged, law: Judged) -> ToldCandidate:
         told_apart_by=effect.told_apart_by,
         heldout_nrmse=judged.heldout_nrmse,
         explained=explained_share(judged, law),
-        against=tuple(against(judged, law)),
+        against=tuple(against(judged, diagnosis)),
         effects=judged.result.law.structure.effects,
         values=dict(judged.result.law.values),
     )

@@ -27,6 +27,7 @@ from pipeclamp_identification.diagnosis.problem import (
     prepare,
     weighed_again,
 )
+from pipeclamp_identification.diagnosis.repeats import unstated
 from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.thresholds import (
     FEWEST_RUNS,
@@ -168,7 +169,10 @@ def diagnose(
             problem, law = weighed_again(problem, structure, likeliest(judged).result, [law.result])
             judged = ranked(judge_each([as_it_is(each) for each in judged], problem, jobs, tell))
         law = law_from_another_valley(law, judged, problem)
-    found = weigh(structure, problem, law, judged, tolerance, jobs, tell)
+    sound = likeliest([law, *(each for each in judged if not each.objections)])
+    residual, missed = (problem.plain_residual(each.result.law_force) for each in (sound, law))
+    differing = unstated(problem.loops, problem.noise, residual, missed)
+    found = weigh(structure, problem, law, judged, tolerance, jobs, tell, differing)
     tell("what is left over")
     best = _best(law, judged, found.pair)
     described = found.named or best

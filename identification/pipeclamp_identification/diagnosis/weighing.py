@@ -12,7 +12,7 @@ from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import Foretold, foretold
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.repeats import Unstated, unstated
+from pipeclamp_identification.diagnosis.repeats import Unstated
 from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
 from pipeclamp_identification.diagnosis.thresholds import (
@@ -106,8 +106,8 @@ class Scales:
 
         A general effect whose special case leaves about as much isn't among them.
         """
-        able = [each for each in self.candidates if not each.objections and _betters(each, self.law)]
-        return [each for each in able if not any(_leaves_as_little(other, each) for other in able)]
+        able = _able(self.candidates, self.law)
+        return [each for each in able if not _simpler(each, able)]
 
     @property
     def sound(self) -> list[Judged]:
@@ -132,11 +132,9 @@ def weigh(
     tolerance: Tolerance,
     jobs: int,
     tell: Callable[[str], None],
+    differing: Unstated | None = None,
 ) -> Weighed:
-    """Weigh the candidates; arguments as in `Scales`."""
-    best = likeliest([law, *(each for each in candidates if not each.objections)])
-    residual, missed = (problem.plain_residual(each.result.law_force) for each in (best, law))
-    differing = unstated(problem.loops, problem.noise, residual, missed)
+    """Weigh the candidates; arguments as in `Scales`, and what differs between runs at the same stated conditions."""
     scales = Scales(structure, problem, law, candidates, tolerance, jobs, tell)
     if differing is None:
         return _weighed(scales, causes=True)
@@ -292,6 +290,22 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
 def _without_general(alike: Sequence[Judged]) -> list[Judged]:
     """Leave out effects that do no better than a special case of theirs."""
     return [each for each in alike if not any(_is_special_case(_added(other), _added(each)) for other in alike)]
+
+
+def _able(candidates: Sequence[Judged], law: Judged) -> list[Judged]:
+    return [each for each in candidates if not each.objections and _betters(each, law)]
+
+
+def _simpler(candidate: Judged, able: Sequence[Judged]) -> list[Judged]:
+    return [other for other in able if _leaves_as_little(other, candidate)]
+
+
+def simpler_words(candidate: Judged, candidates: Sequence[Judged], law: Judged) -> list[str]:
+    """Say which special cases of an effect leave about as little, so that it isn't named; arguments as in `Scales`."""
+    if len(candidate.effects) > 1:
+        return []
+    found = _simpler(candidate, _able(candidates, law))
+    return [f"{other.effects[0]}, a special case of it, leaves about as little" for other in found]
 
 
 def _leaves_as_little(special: Judged, general: Judged) -> bool:
