@@ -79,3 +79,16 @@ def test_a_pipe_without_clamps(left: str) -> None:
     assert followed.whole
     assert followed.states[0].growth == pytest.approx(-0.002 * moving, rel=1e-6)
     assert detached_branches(system, followed.pieces, 4.0, 10.0) == ()
+
+
+@pytest.mark.parametrize("k10", [1e4, 1e6])
+def test_a_clamp_far_stiffer_than_the_pipe_is_stable(
+    tmp_path: Path, write_law: Callable[..., None], k10: float
+) -> None:
+    """Its step of a cycle is many periods of what it makes with the pipe."""
+    pipe = pipe_of("clamped", {"clamp1": 2.2})
+    write_law(tmp_path / "stiff.json", {"k10": k10, "c0": 1e-6, "alpha0": 1.0})
+    clamp = SteadyClamp(law_of(read_law(tmp_path / "stiff.json")), 293.15, 1.0, 9.0, (0.01, 5.0), (1.0, 60.0))
+    state = SteadySystem(pipe, [(0, clamp)], lambda frequency: 2.5).at(5.0)
+    assert state is not None
+    assert state.growth == pytest.approx(largest_rate(pipe, [k10], [1e-6], 0.0, 1.0), rel=2e-3)

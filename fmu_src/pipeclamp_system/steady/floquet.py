@@ -1,6 +1,8 @@
 """Stability of a periodic motion: a small disturbance, followed step by step through a cycle (Floquet).
 
-Between samples the clamps' forces are straight and the modes move exactly. With x = (q, q'), in a step from 0 to 1,
+Each clamp's mean stiffness and damping move with the modes, exactly; what is left of its force F is straight between
+samples. Were all of it, a clamp far stiffer than the pipe would be unstable in the steps alone. With x = (q, q'), in a
+step from 0 to 1,
 
     x_1 = E x_0 + B_0 F_0 + B_1 F_1,    F_1 = F_y y_1 + F_v v_1 + F_before y_0 + F_z z_0 + F_A A,
 
@@ -60,6 +62,9 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     """Give what each step makes of (q, q', F, z, A, the first of A's averages), (n, d, d)."""
     count, size = len(clamps), 2 * len(stiffness)
     memory = [clamp.memory for clamp in clamps]
+    mean = np.array([clamp.by_argument[0].mean(axis=-1) for clamp in clamps])
+    stiffness = stiffness + shapes.T @ (MM * mean[:, Y, None] * shapes)
+    damping = damping + shapes.T @ (MM * mean[:, V, None] * shapes)
     start, (held, sloped) = modal_step(np.hstack([-stiffness, -damping]), -shapes.T, h, 2)
     places = np.cumsum([0, *memory])
     states, amplitudes = size + count, size + count + places[-1]
@@ -75,7 +80,8 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     by_start = np.zeros((samples, count + places[-1], width))
     for index, clamp in enumerate(clamps):
         rows = [index, *range(count + places[index], count + places[index + 1])]
-        slopes = np.moveaxis(clamp.by_argument, 2, 0)[..., None]
+        slopes = np.moveaxis(clamp.by_argument, 2, 0)[..., None].copy()
+        slopes[:, 0, [Y, V]] -= mean[index, [Y, V], None]
         by_end[:, rows] = slopes[:, :, Y] * y_of[index] + slopes[:, :, V] * v_of[index]
         by_start[:, rows, :size] = slopes[:, :, BEFORE] * y_of[index]
         own = slice(states + places[index], states + places[index + 1])
