@@ -8,7 +8,7 @@ from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 
 SMOOTHING = (0.01, 0.001)
-LOCK = {"u_l": 0.2, "z_lp": 30.0, "z_ln": 50.0, "g_l": 0.1, "n_l": 2.0}
+LOCK = {"x_l": 0.2, "z_lp": 30.0, "z_ln": 50.0, "g_l": 0.1, "n_l": 2.0}
 MEAN = 40.0
 
 
@@ -45,7 +45,7 @@ def test_no_motion_gains_work(seed):
     fine = np.interp(np.arange(0, 30, 1e-3), np.arange(31), places)
     force = force_on("slip_lock", LOCK, fine).force[0]
     work = np.cumsum(np.concatenate([[0.0], (force[1:] + force[:-1]) / 2 * np.diff(fine)]))
-    stored = MEAN * LOCK["u_l"] * (np.abs(force) / MEAN) ** 1.5 / 3
+    stored = MEAN * LOCK["x_l"] * (np.abs(force) / MEAN) ** 1.5 / 3
     lost = np.diff(work - stored)
     assert lost.min() > -1e-3 * MEAN * np.abs(np.diff(fine)).max()
     assert lost.sum() > MEAN

@@ -1,7 +1,7 @@
 """Slip-lock: a clearance that is taken up gradually, in series with an element that slips, at another force each way.
 
 The element's own displacement d grows with y and stops where its force reaches a slip force. Up to g there is no force,
-beyond it F = F_m ((|d| - g) / u_l)^n_l, with F_m the mean of the two slip forces as identified. What makes the slip
+beyond it F = F_m ((|d| - g) / x_l)^n_l, with F_m the mean of the two slip forces as identified. What makes the slip
 forces follow speed or temperature leaves this curve as it is, so that no work is gained.
 """
 
@@ -11,12 +11,12 @@ from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, St
 from pipeclamp_models.equations.literature import ARMSTRONG, BABER, JENKINS
 from pipeclamp_models.equations.symbols import A_typical, F_typical, y, y_previous
 
-u_l, z_up, z_down, g_l, n_l, d = sp.symbols("u_l z_lp z_ln g_l n_l d_l", real=True)
+x_l, z_up, z_down, g_l, n_l, d = sp.symbols("x_l z_lp z_ln g_l n_l d_l", real=True)
 up, down = sp.symbols("lock_p lock_n", real=True)
 most, least = sp.symbols("d_most d_least", real=True)
 mean = (z_up + z_down) / 2
 trial = d + y - y_previous
-taken = [sp.Max(side * d - g_l, 0) / u_l for side in (1, -1)]
+taken = [sp.Max(side * d - g_l, 0) / x_l for side in (1, -1)]
 """On either side: way beyond the clearance, over that of the mean slip force."""
 
 LEAST = sp.Rational(1, 10**9)
@@ -25,7 +25,7 @@ LEAST = sp.Rational(1, 10**9)
 
 def limit(slip: sp.Expr) -> sp.Expr:
     """Give the displacement at which a slip force is reached, mm."""
-    return g_l + u_l * sp.Max(slip / mean, LEAST) ** (1 / n_l)
+    return g_l + x_l * sp.Max(slip / mean, LEAST) ** (1 / n_l)
 
 
 def power(way: sp.Expr, exponent: sp.Expr) -> sp.Expr:
@@ -49,7 +49,7 @@ EFFECT = Effect(
     special_cases=("directional_slip", "memory"),
     parameters=(
         Parameter(
-            u_l, "mm", "way beyond the clearance on which the mean slip force is reached",
+            x_l, "mm", "way beyond the clearance on which the mean slip force is reached",
             tuple(share * A_typical for share in (0.2, 0.2, 0.1, 0.4)), lower=1e-3 * A_typical, upper=3 * A_typical,
         ),
         Parameter(z_up, "N", "slip force on the way up", tuple(slips), lower=1e-4 * F_typical, upper=10 * F_typical),
@@ -74,5 +74,5 @@ EFFECT = Effect(
             update=sp.Piecewise((most, trial > most), (least, trial < least), (trial, True)),
         ),
     ),
-    energy=mean * u_l * sum(power(way, n_l + 1) for way in taken) / (n_l + 1),
+    energy=mean * x_l * sum(power(way, n_l + 1) for way in taken) / (n_l + 1),
 )  # fmt: skip
