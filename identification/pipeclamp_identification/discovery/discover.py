@@ -164,9 +164,9 @@ def search(
     while left and len(heard) < MOST_HEARD and not (heard and heard[-1].passed):
         best, rivals = _best(left)
         heard.append(hearing.of(best, rivals))
-        # what acts as a term that failed would fail too
-        alike = hearing.alike(best)
-        left = [one for one in left if one is not best and not alike[refitted.index(one)]]
+        # what acts as a term that failed would fail too; asked before they are fitted, for then all act much the same
+        alike = scanned.alike(by_id[best.term.declaration.id])
+        left = [one for one in left if one is not best and not alike[by_id[one.term.declaration.id]]]
     result = heard[-1] if heard[-1].passed else heard[0]
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
