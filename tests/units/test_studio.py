@@ -137,7 +137,7 @@ def test_a_search_for_a_term_that_tests_cannot_serve_is_told(studio, home):
     """Four groups of A and f are too few; the law that was reserved for the term isn't there, nor in the session."""
     ended = studio.done(studio.json(JOBS, {"kind": "discover", "law": "law1"}))
     assert ended["state"] == "refused"
-    assert "4 groups of amplitude and frequency" in ended["says"]
+    assert "groups of amplitude and frequency: 4" in ended["says"]
     laws = [step["law"] for step in json.loads((home / "session.json").read_text(encoding="utf-8"))["steps"]]
     assert all((home / f"{law}.json").is_file() for law in laws if law)
 
