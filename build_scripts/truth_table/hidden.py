@@ -1,7 +1,7 @@
 """What can be hidden in a truth: every effect in the catalogue's form (clean) and in another (rough).
 
 `slip_speed` is hidden in devices alone (`devices/`), for it needs another effect, whose slip force it changes; so does
-`slip_temperature`, which isn't hidden.
+`slip_temperature`, which isn't hidden. `slip_lock` is what a device holds, too.
 
 Each function takes the motion, the base law, the form, the size and the drawn shape, and gives the effect's Part.
 """
@@ -85,22 +85,6 @@ def directional_slip(motion: Motion, base: BaseLaw, rough: bool, size: float, sh
         return np.mean([jenkins_of_two_limits(motion, part * up, part * down) for part in parts], axis=0)
 
     return Part(force=size * base.k10 * motion.remember(("directional_slip", rough), element))
-
-
-def slip_lock(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A clearance taken up by a power, before an element with another limit each way; rough: at a rounded corner."""
-    limit, side = 1.5 * shape["limit"], np.sign(shape["sign"])
-    clearance, exponent = 0.35 * limit, 1.0 + 1.5 * shape["any"]
-
-    def element() -> Array:
-        way = jenkins_of_two_limits(motion, (1 + 0.15 * side) * limit, (1 - 0.15 * side) * limit, rest=0.0)
-        beyond = np.abs(way) - clearance
-        taken = softly(beyond, 0.1 * limit) if rough else np.maximum(beyond, 0.0)
-        if rough:
-            taken = taken - softly(-clearance, 0.1 * limit)
-        return limit * np.sign(way) * (taken / (limit - clearance)) ** exponent
-
-    return Part(force=size * base.k10 * motion.remember(("slip_lock", rough), element))
 
 
 def slip_spread(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -363,7 +347,6 @@ def delay(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape)
 EFFECTS: dict[str, Kind] = {
     "memory": Kind(memory, most=0.8, rough_is="slip_spread"),
     "directional_slip": Kind(directional_slip, most=0.8),
-    "slip_lock": Kind(slip_lock, most=0.8),
     "slip_spread": Kind(slip_spread, most=0.8),
     "bouc_wen": Kind(bouc_wen_pinched, most=0.8),
     "coulomb": Kind(coulomb, most=0.15),

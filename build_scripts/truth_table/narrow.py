@@ -18,7 +18,7 @@ IMITATIONS = {
     ("hardening", "end_stop"): STROKE, ("gap", "end_stop"): STROKE, ("gap", "memory"): STROKE,
     ("play", "gap"): STROKE,
     ("slip_spread", "memory"): STROKE, ("bouc_wen", "memory"): STROKE, ("slip_spread", "bouc_wen"): STROKE,
-    ("directional_slip", "memory"): STROKE, ("slip_lock", "directional_slip"): STROKE,
+    ("directional_slip", "memory"): STROKE,
     ("exponential_stiffening", "hardening"): STROKE, ("exponential_stiffening", "end_stop"): STROKE,
     ("gas_spring", "asymmetry"): STROKE, ("stribeck", "coulomb"): ANY,
     ("displacement_friction", "memory"): STROKE, ("displacement_friction", "coulomb"): ("one amplitude",),

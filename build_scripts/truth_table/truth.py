@@ -193,15 +193,11 @@ def jenkins(motion: Motion, limits: Array) -> Array:
     return result.T
 
 
-def jenkins_of_two_limits(motion: Motion, up: float, down: float, rest: float | None = None) -> Array:
-    """An element of unit stiffness that slips at `up` and at -`down`, mm, (R, n).
-
-    It is unloaded where the record begins, or at a displacement `rest`, mm.
-    """
+def jenkins_of_two_limits(motion: Motion, up: float, down: float) -> Array:
+    """An element of unit stiffness that slips at `up` and at -`down`, mm, (R, n)."""
     result = np.empty_like(motion.y.T)
     z = np.zeros(len(motion.y))
-    before = motion.y[:, :1] if rest is None else np.full((len(z), 1), rest)
-    for step, move in enumerate(np.diff(motion.y, axis=1, prepend=before).T):
+    for step, move in enumerate(np.diff(motion.y, axis=1, prepend=motion.y[:, :1]).T):
         z = np.clip(z + move, -down, up)
         result[step] = z
     return result.T

@@ -40,7 +40,7 @@ def test_both_agree_on_the_base_law():
 @pytest.mark.parametrize(
     "effect",
     [
-        "memory", "directional_slip", "slip_lock", "slip_spread", "bouc_wen",
+        "memory", "directional_slip", "slip_spread", "bouc_wen",
         "coulomb", "viscous", "quadratic_damping", "directional_damping", "asymmetry", "hardening",
         "end_stop", "gap", "play", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency",
         "loosening", "density", "condition", "offset", "inertia", "delay", "stribeck", "exponential_stiffening",
