@@ -66,7 +66,7 @@ def test_a_term_that_does_as_well_as_the_best_comes_back(behind, alike, passes):
     best = np.random.default_rng(3).uniform(90.0, 110.0, len(groups))
     simple = best + behind / len(groups)
     found, other = (SimpleNamespace(score=SimpleNamespace(squares=squares)) for squares in (simple, best))
-    guard = comes_back(found, [found, other], np.array([True, alike]), groups)
+    guard = comes_back([found, other], np.array([True, alike]), groups)
     assert guard.passed == passes
     assert "in 100%" in guard.words if passes else "in 0%" in guard.words
 

@@ -15,11 +15,11 @@ REPEATS = 0.02
 """Share of a motion's rms by which it may differ from that a cycle before."""
 
 LAST_SHARE = 0.2
-"""Of the run, at its end, that is looked at: a cycle at least."""
+"""Of a run, at its end: what has settled is told there."""
 
 
 def off_a_cycle_before(time: Array, signal: Array, frequency: float) -> float:
-    """Give by how much a signal differs at the end of a run from itself a cycle before.
+    """Give by how much a signal differs at the end of a run, a cycle at least, from itself a cycle before.
 
     Args:
         time: s, (n,).

@@ -15,7 +15,7 @@ from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.cosim.beating import FEWEST_CYCLES, Beats, Swing, is_judged, swing_of
 from pipeclamp_system.cosim.energy import NAMES, EnergyBalance
-from pipeclamp_system.cosim.repetition import REPEATS, off_a_cycle_before
+from pipeclamp_system.cosim.repetition import LAST_SHARE, REPEATS, off_a_cycle_before
 from pipeclamp_system.description.scheme import ORDER, ROLLS_BACK, Scheme
 from pipeclamp_system.description.system import ClampSource, SystemDescription
 from pipeclamp_system.description.trust_mark import doubt
@@ -31,9 +31,6 @@ UNEVEN = 1e-6
 
 MARGIN = 0.95
 """Of a step that is proposed: it is said in two digits."""
-
-LAST_SHARE = 0.2
-"""Of a run, at its end: there amplitudes are taken."""
 
 NOTABLE_FORM = 0.01
 """Share by which half of peak to peak may differ from sqrt(2) times the rms, as of a motion that is no sine."""
@@ -276,9 +273,9 @@ class CosimResult:
 
     def _about_repetition(self) -> list[str]:
         """Say where the amplitude is settled and yet the motion doesn't repeat itself."""
-        if self.unsettled or self.beats is not None or not self.unrepeated:
+        if self.unsettled or self.beats is not None or not (unrepeated := self.unrepeated):
             return []
-        name, share = max(self.unrepeated.items(), key=lambda found: found[1])
+        name, share = max(unrepeated.items(), key=lambda found: found[1])
         return [
             f"the motion at {name} differs from that a cycle of the sine before by {share:.0%}, though its amplitude "
             "has settled: subharmonic or irregular, which no frequency response holds"

@@ -3,7 +3,7 @@ is stated explains it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,7 +44,7 @@ class Unstated:
 
     def words(self) -> str:
         """Say it, and what to do."""
-        differ = " and ".join(f"{share:.2g}% of {name}" for name, share in self.percent())
+        differ = " and ".join(f"{100 * share:.2g}% of {name}" for name, share in self.shares.items())
         what = (
             "specimen, preload or mounting, say" if self.temperature_known else "temperature, specimen or preload, say"
         )
@@ -53,10 +53,6 @@ class Unstated:
             f"deviation), more than rigs scatter: what differs between them isn't stated ({what}), and no effect "
             "explains it; state it in runs.csv, and identify again"
         )
-
-    def percent(self) -> Iterable[tuple[str, float]]:
-        """Give each name with its share in percent."""
-        return ((name, 100 * share) for name, share in self.shares.items())
 
 
 def unstated(loops: Loops, noise: NoiseModel, residual: Array, missed: Array) -> Unstated | None:

@@ -233,17 +233,19 @@ class _Hearing:
         """The squares that each refitted term explains."""
         return self.screened.explained()[len(self.columns) :]
 
-    def alike(self, one: Refitted) -> npt.NDArray[np.bool_]:
-        """Tell which of the refitted terms act as one does, at their fitted values."""
-        return self.screened.alike(len(self.columns) + self.refitted.index(one))[len(self.columns) :]
+    def alike(self, place: int) -> npt.NDArray[np.bool_]:
+        """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
+        alike = self.screened.alike(len(self.columns) + place)[len(self.columns) :]
+        alike[place] = True
+        return alike
 
     def of(self, best: Refitted, rivals: Sequence[Refitted]) -> Found:
         """Ask a term, at its fitted values, among all the others."""
         law, problem = self.evaluation.law, self.evaluation.problem
-        found = best.judged
+        found, place = best.judged, self.refitted.index(best)
         guards = (
-            beyond_chance(float(self.explained[self.refitted.index(best)]), self.by_chance),
-            comes_back(found, [one.judged for one in self.refitted], self.alike(best), problem.groups),
+            beyond_chance(float(self.explained[place]), self.by_chance),
+            comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
             beyond_the_tests(law, found, problem),
             confirmed(law.result.law, found.result.law, self.unseen, self.groups),
             not_in_the_catalogue(found, self.listed, problem),

@@ -51,22 +51,19 @@ def beyond_chance(explained: float, by_chance: float) -> Guard:
     return Guard("more than chance", bool(explained > by_chance), words)
 
 
-def comes_back(
-    found: Judged, judged: Sequence[Judged], alike: npt.NDArray[np.bool_], groups: npt.NDArray[np.intp]
-) -> Guard:
+def comes_back(judged: Sequence[Judged], alike: npt.NDArray[np.bool_], groups: npt.NDArray[np.intp]) -> Guard:
     """Ask whether a term, or one that acts alike, does as well as the best again where conditions are drawn again.
 
     What counts as well is what counted when the term was chosen (`RIVAL_LIKELIHOOD`).
 
     Args:
-        found: the law with the term.
-        judged: the law with each term that was refitted, this one among them.
-        alike: which of them act as the term does.
+        judged: the law with each term that was refitted.
+        alike: which of them are the term, or act as it does.
         groups: of each run, shape (R,).
     """
-    by_group = np.array([np.bincount(groups, weights=each.score.squares) for each in (found, *judged)])
+    by_group = np.array([np.bincount(groups, weights=each.score.squares) for each in judged])
     squares = draws(by_group.shape[1]) @ by_group.T.astype(np.float64)
-    own = squares[:, np.array([True, *alike])].min(axis=1)
+    own = squares[:, alike].min(axis=1)
     share = float(np.mean(own <= squares.min(axis=1) + RIVAL_LIKELIHOOD))
     words = f"a term that acts alike does as well as the best in {share:.0%} of draws of the conditions"
     return Guard("comes back", share >= COMES_BACK_SHARE, words)

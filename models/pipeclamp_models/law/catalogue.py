@@ -57,17 +57,15 @@ def find_effect(name: str, declared: Mapping[str, Effect] | None = None) -> Effe
     if not colon and entry.default is None:
         raise UserError(f"effect {name!r} needs {entry.argument_means} after a colon: {identifier}:...")
     try:
-        return _member(identifier, argument if colon else str(entry.default))
+        return _member(entry, argument if colon else str(entry.default))
     except ValueError as error:
         raise UserError(f"effect {name!r}: got {argument!r} after the colon; expected {error}") from error
 
 
 @lru_cache(maxsize=256)
-def _member(family: str, argument: str) -> Effect:
-    """Build a member of a family of the folder; a diagnosis asks for the same few many hundred times."""
-    entry = find_entry(family)
-    assert isinstance(entry, Family)
-    return entry.build(argument)
+def _member(family: Family, argument: str) -> Effect:
+    """Build a member of a family; a diagnosis asks for the same few many hundred times."""
+    return family.build(argument)
 
 
 def showable(name: str) -> str:

@@ -16,11 +16,11 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.cosim.beating import cycle_amplitudes
 from pipeclamp_system.cosim.energy import NAMES
+from pipeclamp_system.cosim.repetition import LAST_SHARE
 from pipeclamp_system.cosim.result import CosimResult
 
 MOST_POINTS = 4000
 """A time history is drawn with at most so many points, highest and lowest of each stretch kept."""
-LAST_SHARE = 0.2
 SYMBOLS = {"s": "y", "A_used": "A"}
 """Of the columns that are drawn, as the clamp's law has them."""
 
