@@ -48,7 +48,7 @@ def _sentence(words: str) -> str:
 
 def _equations(effect: Effect) -> list[str]:
     """Give the equations, each with what it is, and the symbols in them."""
-    names = tuple(str(one.symbol) for one in (*effect.coefficients, *effect.states))
+    names = tuple(map(str, (*(one.symbol for one in effect.coefficients), *effect.within_steps)))
     lines = ["## Equation", ""]
     for one in effect_statements(effect):
         words = one.words if one.words.startswith(names) else _sentence(one.words)

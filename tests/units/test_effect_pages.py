@@ -32,6 +32,8 @@ def test_a_page_tells_all_that_the_effect_states(effect):
         assert words in text
     for parameter in effect.parameters:
         assert f"| `{parameter.name}` | {parameter.unit} | {parameter.meaning}" in text.replace("\\|", "|")
+    for stage in effect.stages:
+        assert f"\n{stage.symbol}, {stage.meaning}:\n" in text
     assert text.count("$$") >= 2
 
 
