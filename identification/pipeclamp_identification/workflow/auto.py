@@ -61,9 +61,7 @@ class Settled:
 
     def told(self, tests: str) -> LawFile:
         """Give the law with the last diagnosis in its file, on tests of this name."""
-        last = LastDiagnosis(
-            verdict=self.found.verdict, effects=self.found.effects, tests=tests, in_vain=self.in_vain
-        )
+        last = LastDiagnosis(verdict=self.found.verdict, effects=self.found.effects, tests=tests, in_vain=self.in_vain)
         return self.file.model_copy(update={"diagnosis": last})
 
     def words(self) -> list[str]:
