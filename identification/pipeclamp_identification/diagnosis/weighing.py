@@ -37,6 +37,8 @@ from pipeclamp_models.law.law import Structure, with_effect
 
 SHOWN_SCATTER = 5e-5
 """Scatter from run to run that is less is shown as none."""
+NEXT_TO_NOTHING = 0.005
+"""A share that is less would be shown as 0 %."""
 BEYOND_COMPARISON = 1e200
 """Squares that count as infinite, but none of them as nothing."""
 
@@ -424,6 +426,8 @@ def _hidden_words(lack: LackOfFit, problem: Problem) -> str:
 def _immaterial_words(best: Judged, law: Judged) -> str:
     """Say what the best effect takes, and why it can't be named."""
     takes = explained_share(best, law)
+    if takes < NEXT_TO_NOTHING:
+        return f"the best of the catalogue, {best.effects[0]}, takes less than 1% of what is missing on left-out A and f"
     worse = [
         f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
         for name, error in best.heldout_by.items()
