@@ -427,7 +427,8 @@ def _immaterial_words(best: Judged, law: Judged) -> str:
     """Say what the best effect takes, and why it can't be named."""
     takes = explained_share(best, law)
     if takes < NEXT_TO_NOTHING:
-        return f"the best of the catalogue, {best.effects[0]}, takes less than 1% of what is missing on left-out A and f"
+        named = best.effects[0]
+        return f"the best of the catalogue, {named}, takes less than 1% of what is missing on left-out A and f"
     worse = [
         f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
         for name, error in best.heldout_by.items()
