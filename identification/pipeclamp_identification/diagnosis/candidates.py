@@ -121,7 +121,10 @@ def larger_as_asked(judged: Judged, structure: Structure, problem: Problem, tell
 def _with_larger(
     judged: Judged, place: int, structure: Structure, problem: Problem, tell: Callable[[str], None]
 ) -> Judged | None:
-    """Give a law with the next larger member of one of its added effects; None where it doesn't do clearly better."""
+    """Give a law with the next larger member of one of its added effects; None where it doesn't do clearly better.
+
+    Nor where the tests don't determine all of its parameters: an element that never slips only lets mean forces go.
+    """
     smaller = structure.effect(judged.effects[place])
     if smaller.refinement is None or not smaller.refinement.at_once:
         return None
@@ -132,7 +135,9 @@ def _with_larger(
         larger = with_effect(larger, effect)
     starts = refined_starts(larger, smaller, problem.observations, judged.result.law.values)
     grown = judge(effects, larger, most_promising_first(larger, problem.observations, starts), problem)
-    return None if grown.objections or grown.squares > judged.squares - LARGER_MEMBER_SQUARES else grown
+    determined = grown.result.standard_errors()
+    idle = any(parameter.name not in determined for parameter in larger.effect(effects[place]).parameters)
+    return None if grown.objections or idle or grown.squares > judged.squares - LARGER_MEMBER_SQUARES else grown
 
 
 def pairs(

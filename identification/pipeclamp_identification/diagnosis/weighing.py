@@ -259,7 +259,10 @@ def _clearly_better_general(special: Judged, scales: Scales) -> Judged | None:
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
-    """Name the first of two effects that together explain what is missing; None where no two do."""
+    """Name the first of two effects that together explain what is missing; None where no two do.
+
+    Of some hundred pairs one or another comes near by chance: it is a part where more than scatter is left.
+    """
     if not found or not scales.explains(found[0]):
         return None
     pair = found[0]
@@ -269,15 +272,16 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
         reason = f"{together}; they cancel each other, and neither helps by itself"
         return Weighed("unknown", (), None, None, pair, (reason,))
     named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
+    kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
     if len(firsts) > 1:
         reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
-        return Weighed("ambiguous", tuple(firsts), "cause", named, pair, (reason,))
+        return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
     second = next(name for name in pair.effects if effect_id(name) != effect_id(firsts[0]))
     reason = (
         f"two effects are missing: {named.effects[0]} first, which takes {explained_share(named, scales.law):.0%} by "
         f"itself; with {second} beside it {explained_share(pair, scales.law):.0%} is explained"
     )
-    return Weighed("missing", tuple(firsts), "cause", named, pair, (reason,))
+    return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
 
 
 def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
