@@ -13,9 +13,9 @@ INTERRUPTED = 130
 """Exit status after Ctrl-C, as of a shell."""
 TERMINATED = 143
 """Exit status after SIGTERM, as of a shell."""
-OBJECTS_BETWEEN_SEARCHES = 50_000
-"""Python looks for unreachable cycles of objects after so many new ones: after its usual 700, a command spends a
-twentieth of its time on looking through what its libraries load, in vain."""
+OBJECTS_BETWEEN_SEARCHES = 200_000
+"""Python looks for unreachable cycles of objects after so many new ones, more than `identify` of 240 runs makes: after its
+usual 700, a command spends a twentieth of its time on looking through what its libraries load, in vain."""
 
 
 def main() -> None:

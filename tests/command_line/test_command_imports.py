@@ -70,6 +70,29 @@ def test_a_command_loads_only_what_it_may(command: str, tmp_path: Path):
     assert found <= MAY_LOAD[command]
 
 
+def test_no_model_is_built_before_it_is_used():
+    """A model's validator takes longer to build than the module around it to load, and a command uses few."""
+    built = """
+import pydantic
+from pipeclamp.studio import session
+from pipeclamp_identification.workflow import schemas
+
+models = [pydantic.BaseModel]
+for model in models:
+    models += model.__subclasses__()
+ours = [model for model in models if model.__module__.startswith("pipeclamp")]
+print(sum(model.__pydantic_complete__ for model in ours), len(ours))
+"""
+    call = [sys.executable, "-c", built]
+    done = subprocess.run(
+        call, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    count, of_all = map(int, done.stdout.split())
+    # defaults that are tables themselves are made, and so built, with the module
+    assert count < of_all / 10
+
+
 def test_what_no_command_may_load_would_be_seen(tmp_path: Path):
     too_much = {"control", "scipy.signal", "scipy.stats", "pipeclamp_identification.attribution"}
     assert too_much <= loaded(["--help"], tmp_path, "import pipeclamp_identification.attribution.verdict, control")

@@ -12,7 +12,7 @@ SCHEMA: Final = "pipeclamp-studio-1"
 class Kept(BaseModel):
     """A part of the file: unknown keys are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, defer_build=True)
 
 
 class Step(Kept):

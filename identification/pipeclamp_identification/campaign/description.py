@@ -43,7 +43,7 @@ class ColumnSource(BaseModel):
     A unit that the name states counts: "Load [kN]" needs no factor, and takes none that contradicts it.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, defer_build=True)
 
     name: Text = Field(alias="from")
     factor: Annotated[Number, AfterValidator(_not_zero)] | None = None

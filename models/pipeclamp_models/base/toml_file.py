@@ -45,7 +45,7 @@ MOST_NAMED = 20
 class Table(BaseModel):
     """What all tables share: keys that aren't known are refused, values don't change once read."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     @model_validator(mode="before")
     @classmethod
