@@ -14,8 +14,8 @@ INTERRUPTED = 130
 TERMINATED = 143
 """Exit status after SIGTERM, as of a shell."""
 OBJECTS_BETWEEN_SEARCHES = 200_000
-"""Python looks for unreachable cycles of objects after so many new ones, more than `identify` of 240 runs makes: after its
-usual 700, a command spends a twentieth of its time on looking through what its libraries load, in vain."""
+"""Python looks for unreachable cycles of objects after so many new ones, more than `identify` of 240 runs makes: after
+its usual 700, a command spends a twentieth of its time on looking through what its libraries load, in vain."""
 
 
 def main() -> None:
