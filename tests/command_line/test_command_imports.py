@@ -27,6 +27,8 @@ TESTS = {"numpy", "polars", "pydantic"}
 FIT = {"scipy", "scipy.optimize", "scipy.linalg", "scipy.sparse", "scipy.special", "numpy.f2py"}
 """SciPy asks for NumPy's f2py by itself."""
 DRAWN = {"plotly", "jinja2", "pipeclamp.pages", "joblib", "scipy.integrate", "scipy.interpolate", "scipy.stats"}
+COMPARED = {"pipeclamp_identification.comparison.compare", "pipeclamp_identification.metrics_only"}
+"""One module shows what is held against records, and against metrics."""
 PAGE = {*FIT, *DRAWN, "sympy"}
 """One module gives all pages, those of a diagnosis among them."""
 WATCHED = {
@@ -34,6 +36,7 @@ WATCHED = {
     *("control", "fmpy", "matplotlib", "pandas", "pythonfmu", "scipy.signal"),
     *("pipeclamp_fmu", "pipeclamp_models.pipe"),
     *("pipeclamp_identification.attribution", "pipeclamp_identification.on_pipe"),
+    *COMPARED,
     *("pipeclamp_system.coupling", "pipeclamp_system.cosim", "pipeclamp_system.steady", "pipeclamp_system.study"),
 }
 """Packages that cost time to load, and rooms of our own that bring such with them."""
@@ -42,11 +45,11 @@ MAY_LOAD = {
     "--help": HELP,
     "identify --help": HELP,
     "effects": {*TERMINAL, *EQUATIONS},
-    "metrics clamp_a": {*TERMINAL, *TESTS},
+    "metrics clamp_a": {*TERMINAL, *TESTS, *COMPARED},
     "identify clamp_a -o LAW": {*TERMINAL, *TESTS, *FIT},
-    "identify emwm2_tables -o LAW": {*TERMINAL, *TESTS, *FIT},
-    "compare emwm2 clamp_a_heldout": {*TERMINAL, *TESTS},
-    "compare emwm2 clamp_a_heldout --report PAGE": {*TERMINAL, *TESTS, *PAGE},
+    "identify emwm2_tables -o LAW": {*TERMINAL, *TESTS, *FIT, "pipeclamp_identification.metrics_only"},
+    "compare emwm2 clamp_a_heldout": {*TERMINAL, *TESTS, *COMPARED},
+    "compare emwm2 clamp_a_heldout --report PAGE": {*TERMINAL, *TESTS, *COMPARED, *PAGE},
 }
 
 

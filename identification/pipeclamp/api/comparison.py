@@ -109,7 +109,7 @@ class LawsComparison(Shown):
     def __init__(self, laws: Sequence[Law], tests: Tests, held: Sequence[Held]) -> None:
         self.laws = tuple(laws)
         self.tests = tests
-        from pipeclamp_identification.comparison.laws import named_apart
+        from pipeclamp_identification.comparison.names import named_apart
 
         files = named_apart([law.file for law in laws], [law.origin for law in laws])
         self._held = list(zip(files, held, strict=True))

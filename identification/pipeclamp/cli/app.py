@@ -281,7 +281,7 @@ def compare(
     if bands is not None:
         raise UsageError("--bands: a law held against its own tests has none; expected SYSTEM.toml and MEASURED")
     from pipeclamp.show.views import comparison_view, laws_view
-    from pipeclamp_identification.comparison.laws import named_apart
+    from pipeclamp_identification.comparison.names import named_apart
     from pipeclamp_identification.workflow.next_command import after_comparison
 
     with told("compare") as tell:

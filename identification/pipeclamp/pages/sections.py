@@ -20,10 +20,11 @@ from pipeclamp.show.metric_comparison import metric_comparison_words, metric_wor
 from pipeclamp.show.metrics import metric_table
 from pipeclamp.show.views import scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.comparison.laws import labels_of, laws_held, stages_held
+from pipeclamp_identification.comparison.laws import laws_held, stages_held
+from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
-from pipeclamp_identification.metrics_only.law import METHOD, MetricComparison
+from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.workflow.on_metrics import MetricTests
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
@@ -186,5 +187,5 @@ def _falling(file: LawFile, next_rungs: Sequence[Rung]) -> list[go.Figure]:
     if len(rungs) < 2:
         return []
     fit = file.fit
-    axis = OF_METRICS if fit and fit.method == METHOD else OF_FORCE
+    axis = OF_METRICS if fit and fit.of_metrics else OF_FORCE
     return [waterfall_picture(rungs, fit.noise_nrmse if fit else None, "The error, effect by effect", axis)]

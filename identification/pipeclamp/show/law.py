@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
-from pipeclamp_identification.comparison.laws import labels_of
+from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
-from pipeclamp_identification.metrics_only.law import METHOD
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 
@@ -55,7 +54,7 @@ def outlines_of(file: LawFile) -> dict[str, ParameterOutline]:
 
 def fit_words(fit: FitQuality) -> str:
     """Say how well a law fits its data."""
-    if fit.method == METHOD:
+    if fit.of_metrics:
         return f"error {fit.nrmse:.2%} in dW and W (rms of log ratios)"
     scatter = f" (scatter {fit.noise_nrmse:.2%})" if fit.noise_nrmse is not None else f"; {SINGLE_CYCLES}"
     return f"error {fit.nrmse:.2%} of the rms force{scatter}"

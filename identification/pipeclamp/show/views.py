@@ -9,7 +9,7 @@ from pipeclamp.show import comparison, metric_comparison, metrics
 from pipeclamp.show.law import laws_table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.comparison.laws import labels_of
+from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.workflow.laws_answer import LawComparison, LawsComparisonAnswer
 from pipeclamp_identification.workflow.on_metrics import MetricTests

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits, overall_nrmse
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_at
@@ -60,32 +61,3 @@ def laws_held(comparisons: Iterable[tuple[LawFile, Comparison]]) -> tuple[HeldLa
     held = tuple(comparisons)
     labels = labels_of([file for file, _ in held])
     return tuple(HeldLaw(label, one.law, one.runs) for label, (_, one) in zip(labels, held, strict=True))
-
-
-def named_apart(files: Sequence[LawFile], origins: Sequence[str]) -> list[LawFile]:
-    """Give laws that are compared, those of one name with the file beside it that each came from.
-
-    Args:
-        files: the laws.
-        origins: the file, or the bundled name, of each.
-    """
-    names = [file.name for file in files]
-    alike = [names.count(name) > 1 and len(set(origins)) > 1 for name in names]
-    return [
-        file.model_copy(update={"name": f"{file.name} ({origin})"}) if doubtful else file
-        for file, origin, doubtful in zip(files, origins, alike, strict=True)
-    ]
-
-
-def labels_of(files: Iterable[LawFile]) -> tuple[str, ...]:
-    """Give names that tell laws apart: their own, with the effects where another has that name already."""
-    labels: list[str] = []
-    for file in files:
-        label = file.name
-        if label in labels:
-            label = f"{file.name}: {', '.join(file.effects) or file.base}"
-        number = 2
-        while label in labels:
-            label, number = f"{file.name} ({number})", number + 1
-        labels.append(label)
-    return tuple(labels)

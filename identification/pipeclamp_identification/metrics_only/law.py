@@ -14,14 +14,12 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import FitQuality, HistoryStep, LawFile, RunQuality, law_of
+from pipeclamp_models.law.file import OF_METRICS, FitQuality, HistoryStep, LawFile, RunQuality, law_of
 from pipeclamp_models.law.law import Structure, find_base
 from pipeclamp_models.law.range import intervals_of, outside_range, rounded
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import refuse_unknown_conditions
 
-METHOD = "metrics"
-"""What a parameter file says of how its law was fitted; its errors are then rms log ratios."""
 WORST_SHOWN = 8
 
 
@@ -69,7 +67,7 @@ def metric_law_file(
     """Give the parameter file of a law fitted to metrics; arguments as for `identify.law_file`."""
     logs = metric_observations(campaign).logs(result.law_force.force)
     quality = FitQuality(
-        method=METHOD,
+        method=OF_METRICS,
         nrmse=rounded(rms(logs)),
         runs=tuple(
             RunQuality(run=run.name, nrmse=rounded(rms(row))) for run, row in zip(campaign.runs, logs, strict=True)

@@ -16,6 +16,8 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law, Structure
 
 SCHEMA: Final = "pipeclamp-law-1"
+OF_METRICS: Final = "metrics"
+"""The method of a law that was fitted to metrics without records."""
 
 CoefficientState = Literal["fitted", "held", "frozen", "at_bound", "given"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -118,6 +120,11 @@ class FitQuality(Part):
     noise_nrmse: Finite | None = None
     runs: tuple[RunQuality, ...] = ()
     unsettled: Annotated[int, Field(ge=1)] | None = None
+
+    @property
+    def of_metrics(self) -> bool:
+        """Whether the data are metrics alone: errors are then rms log ratios."""
+        return self.method == OF_METRICS
 
 
 class Estimate(Part):
