@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.file import KrigedShare, LocalForm
 from pipeclamp_models.law.local_form import coordinate, likeness, squares
 from pipeclamp_models.law.range import rounded
@@ -19,8 +19,12 @@ MOST = 400
 """Runs beyond which that takes too long."""
 NEAR, FAR = 0.6, 1.7
 """Lengths, in standard deviations of the tested conditions, from which the likeliest ones are sought."""
+FEW = 80
+"""Runs that show roughly how far one tells of another: where there are more, these lead near."""
 FARTHEST = 4.0
 """Of the logarithms of lengths and deviation, from where they are likely beforehand."""
+GOLDEN = (5**0.5 - 1) / 2
+"""Its multiples less their whole parts are spread evenly, however many there are."""
 EASY = 1e-8
 """Share of the variance that is added for the numbers' sake."""
 
@@ -46,7 +50,7 @@ def local_form(loops: Loops, shares: Array, variances: Array, whole: Array) -> L
     tested = np.column_stack([coordinate(name, values) for name, values in at.items()])
     spread = tested.std(axis=0)
     stiffness, damping = (
-        _kriged(list(at), _likeliest(tested / spread, *of_both), spread)
+        _kriged(list(at), likeliest(tested / spread, *of_both), spread)
         for of_both in zip(shares, variances, whole.tolist(), strict=True)
     )
     return LocalForm(
@@ -70,8 +74,15 @@ def _kriged(names: Sequence[str], found: _Found, spread: Array) -> KrigedShare:
     )
 
 
-def _likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
-    """Give the likeliest deviation and lengths; that a length is as the tests are spread is likely beforehand."""
+def likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> _Found:
+    """Give the likeliest deviation and lengths; that a length is as the tests are spread is likely beforehand.
+
+    Args:
+        tested: coordinates of R tests along c conditions, in standard deviations of each, (R, c).
+        shares: in the tests, (R,).
+        variances: of what scatters in them, (R,).
+        whole: standard deviation over all conditions; 0 where nothing is off.
+    """
     # fits alone need it, not every command that reads a law
     from scipy.optimize import minimize
 
@@ -79,11 +90,20 @@ def _likeliest(tested: Array, shares: Array, variances: Array, whole: float) -> 
     if whole == 0.0:
         return 0.0, np.ones(count), shares, variances
     expected = np.append(np.zeros(count), np.log(whole))
-    known = squares(tested, tested), shares, variances, expected
-    starts = [np.append(np.full(count, np.log(length)), np.log(whole)) for length in (NEAR, FAR)]
     bounds = [(at - FARTHEST, at + FARTHEST) for at in expected]
-    tried = [minimize(unlikeliness, start, known, method="L-BFGS-B", jac=True, bounds=bounds) for start in starts]
-    best = min(tried, key=lambda one: float(one.fun)).x
+
+    def likeliest_from(starts: Sequence[Array], runs: IntArray) -> Array:
+        known = squares(tested[runs], tested[runs]), shares[runs], variances[runs], expected
+        tried = [minimize(unlikeliness, start, known, method="L-BFGS-B", jac=True, bounds=bounds) for start in starts]
+        return np.asarray(min(tried, key=lambda one: float(one.fun)).x)
+
+    starts = [np.append(np.full(count, np.log(length)), np.log(whole)) for length in (NEAR, FAR)]
+    every = np.arange(len(tested))
+    if len(every) > FEW:
+        # spread over the tests without their plan's rhythm
+        some = np.argsort(every * GOLDEN % 1.0)[:FEW]
+        starts = [likeliest_from(starts, some)]
+    best = likeliest_from(starts, every)
     deviation = float(np.exp(best[-1]))
     return deviation, np.exp(best[:-1]), shares, variances + EASY * deviation**2
 
@@ -110,7 +130,8 @@ def unlikeliness(
     if failed:
         return 1e12, np.zeros_like(logarithms)
     below, _ = dpotri(root, lower=True)  # and zeros above
-    inverse = below + np.tril(below, -1).T
+    inverse = below + below.T
+    np.fill_diagonal(inverse, np.diag(below))
     weights, off = inverse @ shares, logarithms - expected
     value = 0.5 * float(shares @ weights + off @ off) + float(np.log(np.diag(root)).sum())
     moved = (inverse - np.outer(weights, weights)) * alike
