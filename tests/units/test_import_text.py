@@ -256,3 +256,24 @@ def test_names_of_runs_part_and_name_them(tmp_path, ending):
     assert not any("no run here is called" in note for note in found.notes)
     with pytest.raises(pc.UserError, match="'Valve' holds no numbers"):
         pc.import_files(other, tmp_path / "d", dry_run=True, columns="force=Valve [N]")
+
+
+@pytest.mark.parametrize(
+    ("headers", "names"),
+    [
+        (("Test;A05_f2\nOperator;N. N.\n", "Test;A03_f2\nOperator;N. N.\n"), ("A05_f2", "A03_f2")),
+        # a file's own header stands above the first one's
+        (("Machine 7;100 kN\n\nRun 1;timed\n", "Run 2;timed\n"), ("Run_1", "Run_2")),
+        (("# sweep at 20 °C\n", "# sweep at 60 °C\n"), ("sweep_at_20_C", "sweep_at_60_C")),
+        # when they were written isn't what they are
+        (("Date;01.02.2024 12:00\n", "Date;01.02.2024 12:10\n"), ("block_1", "block_2")),
+        (("Test;A\n", "Test;A\n"), ("block_1", "block_2")),
+        (("Test;A\n", ""), ("block_1", "block_2")),
+    ],
+)
+def test_blocks_of_a_file_are_called_by_the_titles_above_them(tmp_path, headers, names):
+    runs = (loop(0.5), loop(0.3))
+    content = "\n\n".join(text(run, header=header) for run, header in zip(runs, headers, strict=True))
+    (tmp_path / "day.csv").write_text(content, encoding="utf-8")
+    found = pc.import_files([tmp_path / "day.csv"], tmp_path / "campaign")
+    assert [run["run"] for run in found.to_dict()["runs"]] == [f"day_{name}" for name in names]
