@@ -18,7 +18,8 @@ from pipeclamp_identification.importing.columns import Mapped, Stated, listed, u
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in
 from pipeclamp_identification.importing.mapping import Open
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
-from pipeclamp_identification.importing.reading import stem_of, without_controls
+from pipeclamp_identification.importing.raw import without_controls
+from pipeclamp_identification.importing.reading import stem_of
 from pipeclamp_identification.importing.taking import Draft, KnownFile, Over, TakenFile, TakenTable, Way, take_file
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
@@ -223,6 +224,8 @@ class _Planner:
                 self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
             for words in table.joined:
                 self.joined.setdefault(words, []).append(path.name)
+            if table.stated:
+                self.note(f"{path.name}: {listed(sorted(table.stated))} of its runs as its own properties state them")
             for unread in table.unread:
                 self.note(f"{path.name}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))
@@ -280,7 +283,7 @@ class _Planner:
                 self.reversed.append(table.mapped)
         else:
             measured["motion"] = "free"
-        row: dict[str, float | str | None] = dict(measured)
+        row: dict[str, float | str | None] = {**table.stated, **measured}
         known_as = name_in(self.options.conditions, (name, draft.label, own, path.name, path.stem))
         self.known_as[name] = known_as
         stated = settings | self.options.conditions.get(known_as, {})
