@@ -23,6 +23,8 @@ DEAD_BELOW = 0.1
 FEWEST_OTHERS = 3
 FAR = 2.0
 """A mean displacement lies far off where it exceeds so many of the largest amplitudes: clamps are held within them."""
+FAR_ALONE = 20.0
+"""And where others of the campaign don't, so many: tests may hold a clamp off its rest in some runs, but not so far."""
 UNANSWERED = 0.1
 """Share of stiffness times mean displacement that a mean force reaches where the displacement is real: a stiffness that
 softens with the power -0.4 of the amplitude still answers with a third of it at fifteen amplitudes."""
@@ -123,29 +125,36 @@ def zeros_elsewhere(runs: Sequence[SeenSine]) -> Array | None:
     """Give what is to be taken off each run's displacement, mm, shape (n,); None where its zero may be the clamp's.
 
     An absolute position, or a sensor that wasn't set to zero: a law takes a mean displacement for a real one. A spring
-    that was moved so far would answer with a mean force; where no run has one, it wasn't moved.
+    that was moved so far would answer with a mean force; where no run has one, it wasn't moved. Nothing is taken off
+    runs that don't lie far off where others do, very far: the sensor was set between them.
 
-    It is one for all runs where their means lie within the largest amplitude of each other: those differences may be
-    real. Else the sensor was set anew, and it is each run's own mean.
+    It is one for all where their means lie within the largest amplitude of each other: those differences may be real.
+    Else the sensor was set anew, and it is each run's own mean.
     """
     mean = np.array([float(np.mean(one.by_cycle.displacement[:, 0].real)) for one in runs])
     force = np.array([float(np.mean(one.by_cycle.force[:, 0].real)) for one in runs])
     stiffness = np.array([one.shown.stiffness.real for one in runs])
     largest = max(one.shown.amplitude_mm for one in runs)
-    far, unanswered = np.abs(mean) > FAR * largest, np.abs(force) < UNANSWERED * stiffness * np.abs(mean)
-    if not np.all(far & unanswered):
+    far = np.abs(mean) > FAR * largest
+    if not np.all(far):
+        far = np.abs(mean) > FAR_ALONE * largest
+    answered = np.abs(force) >= UNANSWERED * stiffness * np.abs(mean)
+    if not np.any(far) or np.any(answered[far]):
         return None
-    common = float(np.median(mean))
-    return np.full(len(mean), common) if np.all(np.abs(mean - common) <= largest) else mean
+    common = float(np.median(mean[far]))
+    own = common if np.all(np.abs(mean[far] - common) <= largest) else mean
+    return np.where(far, own, 0.0)
 
 
 def zero_words(zeros: Array) -> str:
     """Say that zeros are taken off."""
-    least, most = float(np.min(zeros)), float(np.max(zeros))
+    off = zeros[zeros != 0.0]
+    least, most = float(np.min(off)), float(np.max(off))
     shown = f"{least:.5g} mm" if least == most else f"{least:.5g} to {most:.5g} mm, each run's own,"
+    where = "" if len(off) == len(zeros) else f" in {len(off)} of {len(zeros)} runs"
     return (
-        f"the displacement's zero is not where the clamp rests: a mean of {shown} is taken off, for no mean force "
-        "answers it"
+        f"the displacement's zero is not where the clamp rests: a mean of {shown} is taken off{where}, for no mean "
+        "force answers it"
     )
 
 
