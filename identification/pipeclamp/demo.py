@@ -39,6 +39,7 @@ from pipeclamp_models.realise.motion import sinusoids
 from pipeclamp_system.cosim.result import CosimResult, write_result
 from pipeclamp_system.cosim.run import run_system
 
+COMMAND = "pipeclamp demo"
 EFFECTS = ("damping_temperature", "memory:2")
 UNSEEN = "on tests never seen"
 """What the truth of clamp_a, a campaign of the virtual rig, holds besides a base law."""
@@ -92,6 +93,7 @@ def _published_tables(folder: Path, tell: Tell) -> Path:
         "From the printed law to one that fits",
         "Tables 2, 3, 5 of Symmetry 2020, 12(8), 1283",
         _way_sections(steps),
+        COMMAND,
     )
     return path
 
@@ -138,15 +140,14 @@ def _figure_14(A: float, f: float, T: float) -> go.Figure:
 def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     tell("2. A campaign of raw loops: clamp_a, 48 runs of an independent virtual rig")
     tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in ("clamp_a", "clamp_a_heldout"))
-    command = "pipeclamp demo"
-    file = tests.identify().file(name="clamp_a", command=command, date=None)
-    write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics_page(tests))
+    file = tests.identify().file(name="clamp_a", command=COMMAND, date=None)
+    write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics_page(tests), COMMAND)
     yield folder / "2_metrics.html"
     on_unseen = [unseen.compare(file)]
     tell(f"   base law: {_errors(file, on_unseen[-1])}")
     additions: list[Addition] = []
     for effect in EFFECTS:
-        additions.append(add_effect(file, effect, tests, command=command, date=None))
+        additions.append(add_effect(file, effect, tests, command=COMMAND, date=None))
         file = additions[-1].after
         on_unseen.append(unseen.compare(file))
         tell(f"   + {effect}: {_errors(file, on_unseen[-1])}")
@@ -157,6 +158,7 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
         "The law of clamp_a",
         f"error {on_unseen[-1].nrmse:.2%} on tests it has never seen",
         _law_sections(file, tests, additions, on_unseen),
+        COMMAND,
     )
     yield path
 
@@ -217,7 +219,8 @@ def co_simulated(system: Path, page: Path, conditions: str, tell: Tell) -> Path:
     """
     result = run_system(system)
     write_result(result, system.with_suffix(".csv"))
-    write_report(page, f"Pipe and clamp at {conditions}", result.name, cosim_sections(result))
+    command = f"pipeclamp cosim {system.name} -o {system.stem}.csv --report {page.name}"
+    write_report(page, f"Pipe and clamp at {conditions}", result.name, cosim_sections(result), command)
     tell(f"   {conditions}: {_motion(result)}")
     for mark in result.marks():
         tell(f"   {mark}")

@@ -283,7 +283,9 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
     # What it tells of pipe and clamp is to be trusted, and its pages say nothing else.
     assert "NOT TO BE TRUSTED" not in done.stdout + done.stderr
     for page in (tmp_path / "story").glob("*.html"):
-        assert "NOT TO BE TRUSTED" not in page.read_text(encoding="utf-8"), page.name
+        text = page.read_text(encoding="utf-8")
+        assert "NOT TO BE TRUSTED" not in text, page.name
+        assert re.search(r"Made on \S+ by pipeclamp \S+: pipeclamp (demo|cosim)", text), page.name
     for name in ("system", "system_hot"):
         assert set(pl.read_csv(tmp_path / "story" / f"{name}.csv")["trusted [1 yes, 0 no]"]) == {1.0}
     # a second run replaces the first

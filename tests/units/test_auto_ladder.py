@@ -11,14 +11,18 @@ HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "pla
 
 
 def law(*effects):
-    return SimpleNamespace(effects=effects, date=None)
+    after = SimpleNamespace(effects=effects, date=None)
+    after.model_copy = lambda update: SimpleNamespace(**update)
+    return after
 
 
 def found(verdict, kind=None, *effects):
     return SimpleNamespace(
         verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple,
         naming_a_part=lambda reason: found(verdict, "part", *effects),
-        naming_nothing=lambda reason: SimpleNamespace(verdict="unknown", effects=(), reasons=(reason,)),
+        naming_nothing=lambda reason: SimpleNamespace(
+            verdict="unknown", kind=None, effects=(), values={}, reasons=(reason,)
+        ),
     )  # fmt: skip
 
 
@@ -75,6 +79,8 @@ def test_where_none_of_several_helps_the_best_was_tried_in_vain(monkeypatch):
     assert settled.found.verdict == "unknown"
     (reason,) = settled.found.reasons
     assert reason.startswith("bouc_wen was tried and not added")
+    kept = settled.told("tests").diagnosis.in_vain
+    assert [(one.effect, one.refitted_nrmse) for one in kept] == [("bouc_wen", (0.10, 0.18)), ("play", (0.10, 0.12))]
 
 
 def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatch):
@@ -156,3 +162,24 @@ def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypa
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.file.effects == ("memory",)
     assert added == ["oil_damper", "memory", "bouc_wen"]
+    went, tried = settled.in_vain
+    assert (went.effect, tried.effect) == ("oil_damper", "bouc_wen")
+
+
+def test_an_effect_that_went_is_not_named_at_the_end(monkeypatch):
+    answers = {
+        (): found("missing", "part", "oil_damper"),
+        ("oil_damper",): found("missing", "part", "memory"),
+        ("memory",): found("missing", "part", "oil_damper"),
+    }
+    tests = answering(answers, monkeypatch)
+    tests.superfluous = lambda file, keep, progress: "oil_damper" if len(file.effects) == 2 else None
+
+    def remove(file, effect, tests, **options):
+        return SimpleNamespace(effect=f"- {effect}", after=law("memory"), heldout=(0.0100, 0.0101))
+
+    monkeypatch.setattr(change, "remove_effect", remove)
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert settled.found.verdict == "unknown"
+    (reason,) = settled.found.reasons
+    assert reason.startswith("oil_damper went, for the law did as well without it (1.00% -> 1.01%)")

@@ -29,7 +29,7 @@ from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.declaration_files import read_declaration
-from pipeclamp_models.law.file import law_text
+from pipeclamp_models.law.file import InVain, LastDiagnosis, law_text
 from pipeclamp_models.law.law import Law, Structure
 
 BASE = {
@@ -186,6 +186,20 @@ def test_answer_and_report(campaign):
     assert settled.file.effects == ("asymmetry",)
     assert [step.step for step in settled.file.history][-1] == "+ asymmetry"
     assert law_text(settled.file)
+
+
+def test_what_was_tried_in_vain_on_the_same_tests_is_not_named_again(campaign):
+    tests = campaign(("asymmetry",), k2=20.0)
+    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    tried = InVain(effect="asymmetry", refitted_nrmse=(0.05, 0.06))
+    last = LastDiagnosis(verdict="unknown", tests="tests", in_vain=(tried,))
+    remembering = file.model_copy(update={"diagnosis": last})
+    found = diagnosed(remembering, tests)
+    assert (found.verdict, found.effects) == ("unknown", ())
+    assert found.words()[0].startswith("asymmetry was tried and not added")
+    assert "5.00% -> 6.00%" in found.words()[0]
+    repeated = replace(tests, fingerprint="of other tests")
+    assert diagnosed(remembering, repeated).effects == ("asymmetry",)
 
 
 def test_slip_forces_that_follow_the_temperature_are_named_beside_what_slips(campaign):

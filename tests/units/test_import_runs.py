@@ -179,6 +179,9 @@ def test_rounded_stamps_are_counted_out_and_uneven_ones_put_on_a_grid():
          {"amplitude_mm": 0.5, "frequency_Hz": 3.0, "temperature_C": 20.0}),
         (["c7 0,5mm 3Hz", "c7 1mm 1Hz"], "{amplitude_mm}mm {frequency_Hz}Hz", {"amplitude_mm": 0.5,
          "frequency_Hz": 3.0}),
+        (["rod1_s1_n10_100psi", "rod1_s2_n10_50psi"], "_{pressure_psi}psi", {"pressure_psi": 100.0}),
+        (["d_5mm_0.5A", "d_5mm_1A"], "d_{amplitude_mm}mm_{current_A}A", {"amplitude_mm": 5.0, "current_A": 0.5}),
+        (["test_100psi_1", "test_100psi_2"], "", {}),
         (["test_001", "test_002"], "", {}),
         (["A1_f1", "B1_f1"], "", {}),
     ],
@@ -186,6 +189,17 @@ def test_rounded_stamps_are_counted_out_and_uneven_ones_put_on_a_grid():
 def test_patterns_are_guessed(stems, pattern, first):
     assert guessed_pattern(stems) == pattern
     assert not pattern or Pattern(pattern).settings(stems[0]) == first
+
+
+def test_numbers_that_what_was_measured_contradicts_are_no_setting(tmp_path):
+    """As a damper's dynamometer names its files: t1 is a trial, while a channel has the temperature."""
+    for pressure in (50, 100):
+        run = loop(0.005 * pressure, 2.0)
+        rows = zip(run.time, run.y, run.force, strict=True)
+        lines = ["Time (s),Displacement (mm),Force (N),Temperature (C)", *(f"{t},{y},{F},25.2" for t, y, F in rows)]
+        (tmp_path / f"t1_3_18_s2_n10_{pressure}psi.csv").write_text("\n".join(lines))
+    found = pc.import_files(sorted(tmp_path.glob("*.csv")), tmp_path / "c", dry_run=True)
+    assert found.to_dict()["pattern"] == "_{pressure_psi}psi"
 
 
 def test_a_patterns_units_count():

@@ -13,6 +13,7 @@ from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
+from pipeclamp_identification.diagnosis.remembered import tried_in_vain
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
@@ -163,6 +164,8 @@ def diagnosed(
 ) -> Diagnosed:
     """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
 
+    What a ladder that ended on the same tests has tried in vain isn't named again.
+
     Args:
         file: the law.
         campaign: the tests.
@@ -176,10 +179,13 @@ def diagnosed(
     Raises:
         UserError: the data can't serve the law.
     """
+    declared = tuple(declared)
     comparison = compare(file, campaign, loops)
     structure = structure_of(file).with_declared(declared)
     diagnosis = diagnose(
         structure, campaign, comparison.loops, start=law_of(file).values, jobs=jobs, progress=progress,
         prepared=prepared,
     )  # fmt: skip
-    return Diagnosed(diagnosis, comparison, limits)
+    found = Diagnosed(diagnosis, comparison, limits)
+    in_vain = tried_in_vain(found.effects, file, campaign.fingerprint, declared)
+    return found.naming_nothing(in_vain) if in_vain else found

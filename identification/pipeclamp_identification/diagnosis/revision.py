@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeclamp_identification.diagnosis.candidates import larger_as_asked
 from pipeclamp_identification.diagnosis.problem import (
     Judged,
     Prepared,
@@ -27,7 +28,7 @@ from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.equations.effect import Effect
-from pipeclamp_models.law.catalogue import entries, find_effect
+from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
 from pipeclamp_models.law.law import BASES, Law, Structure, find_base
 
 MOST_SWAPPED = 3
@@ -94,22 +95,26 @@ def _does_as_well(other: Judged, asked: Asked) -> bool:
 
 
 def simpler_structure(asked: Asked, names: Collection[str], progress: Progress) -> Structure | None:
-    """Give the law with an effect of fewer parameters in one's place that acts alike; None where none does as well.
+    """Give the law with an effect in one's place that acts alike, and fewer parameters; None where none does as well.
 
-    It does as well on left-out conditions, and the fit to all tests prefers it, its parameters counted.
+    An element of `memory` that the law has becomes one of several where that takes the place. It does as well on
+    left-out conditions, and the fit to all tests prefers it, its parameters counted.
 
     Args:
         asked: the law.
         names: the effects that are asked.
         progress: is told what is being done.
     """
-    swaps = [
-        (name, other)
-        for name, other in _alike(asked)
-        if name in names and len(find_effect(other).parameters) < len(asked.structure.effect(name).parameters)
-    ]
+    parameters = _parameters(asked.structure)
+    swaps = [swap for swap in _alike(asked) if swap.gone in names and _parameters(swap.structure) < parameters]
     found = [each for each in _swapped(asked, swaps, progress) if not each.objections]
-    simpler = [each for each in found if each.akaike < asked.law.akaike and _does_as_well(each, asked)]
+    simpler = [
+        each
+        for each in found
+        if each.akaike < asked.law.akaike
+        and _does_as_well(each, asked)
+        and _parameters(each.result.law.structure) < parameters
+    ]
     return min(simpler, key=lambda judged: judged.akaike).result.law.structure if simpler else None
 
 
@@ -134,33 +139,60 @@ def better_structures(asked: Asked, progress: Progress) -> list[Structure]:
     return structures
 
 
-def _alike(asked: Asked) -> Iterator[tuple[str, str]]:
-    """Give each effect of the law with each of the catalogue that acts alike."""
+@dataclass(frozen=True)
+class _Swap:
+    """A law with another effect in one's place."""
+
+    gone: str
+    come: str
+    structure: Structure
+
+
+def _alike(asked: Asked) -> Iterator[_Swap]:
+    """Give the law with each effect of the catalogue in the place of each of its own that acts alike."""
     known = candidate_names(asked.structure, asked.problem.loops.conditions)
-    for name in asked.structure.effects:
-        yield from ((name, other) for other in known if _act_alike(asked.structure.effect(name), other))
+    effects = asked.structure.effects
+    for name in effects:
+        for other in known:
+            if _act_alike(asked.structure.effect(name), other):
+                # a larger member takes the place of the one that the law has
+                kept = [one for one in effects if one == name or effect_id(one) != effect_id(other)]
+                exchanged = tuple(other if one == name else one for one in kept)
+                yield _Swap(name, other, replace(asked.structure, effects=exchanged))
 
 
-def _swapped(asked: Asked, swaps: Iterable[tuple[str, str]], progress: Progress) -> list[Judged]:
-    """Put another effect in the place of one, for each of these pairs: all roughly, the best closely."""
-    rough: list[Fit] = []
-    for name, other in swaps:
-        progress(f"{other} in place of {name}")
-        effects = tuple(other if one == name else one for one in asked.structure.effects)
-        structure = replace(asked.structure, effects=effects)
+def _parameters(structure: Structure) -> int:
+    """Count the parameters of a law's effects."""
+    return sum(len(effect.parameters) for effect in structure.all_effects())
+
+
+def _swapped(asked: Asked, swaps: Iterable[_Swap], progress: Progress) -> list[Judged]:
+    """Put another effect in the place of one, for each of these swaps: all roughly, the best closely.
+
+    Members of a family are as large as the tests ask for.
+    """
+    rough: list[tuple[Fit, str]] = []
+    for swap in swaps:
+        progress(f"{swap.come} in place of {swap.gone}")
         try:
-            starts = starting_points(structure, asked.problem.coarse, structure.own(asked.values))
-            promising = most_promising_first(structure, asked.problem.coarse, starts)
-            rough.append(roughly(structure, promising, asked.problem))
+            starts = starting_points(swap.structure, asked.problem.coarse, swap.structure.own(asked.values))
+            promising = most_promising_first(swap.structure, asked.problem.coarse, starts)
+            rough.append((roughly(swap.structure, promising, asked.problem), swap.come))
         except UserError:  # another effect modifies what only the one before has
             continue
-    rough.sort(key=lambda fit: fit.cost)
-    return [judge((), fit.law.structure, [fit.law.values], asked.problem) for fit in rough[:MOST_SWAPPED]]
+    rough.sort(key=lambda entry: entry[0].cost)
+    found: list[Judged] = []
+    for fit, come in rough[:MOST_SWAPPED]:
+        structure = fit.law.structure
+        judged = replace(judge((), structure, [fit.law.values], asked.problem), effects=(come,))
+        others = replace(structure, effects=tuple(name for name in structure.effects if name != come))
+        found.append(larger_as_asked(judged, others, asked.problem, progress))
+    return found
 
 
 def _act_alike(effect: Effect, other: str) -> bool:
     """Tell whether one of two effects is known to imitate the other, or is a special case of it."""
-    twin = find_effect(other) if other in entries() else None
+    twin = find_effect(other) if effect_id(other) in entries() else None
     if twin is None:
         return False
     return any(one.id in (*of.imitated_by, *of.special_cases) for one, of in ((twin, effect), (effect, twin)))

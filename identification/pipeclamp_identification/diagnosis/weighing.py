@@ -37,6 +37,8 @@ from pipeclamp_models.law.law import Structure, with_effect
 
 SHOWN_SCATTER = 5e-5
 """Scatter from run to run that is less is shown as none."""
+NEXT_TO_NOTHING = 0.005
+"""A share that is less would be shown as 0 %."""
 BEYOND_COMPARISON = 1e200
 """Squares that count as infinite, but none of them as nothing."""
 
@@ -48,8 +50,8 @@ class Tolerance:
     Attributes:
         complete: below this a law counts as complete.
         form: below this what no effect explains passes for the form of the effects that the law has.
-        left: below this, and below a share of what is missing, an effect counts as explaining it; a law that lacks
-            less is improved by causes alone.
+        left: below this, and below a share of what is missing, an effect counts as explaining it; of what a law lacks
+            below this, a part takes half at least.
     """
 
     complete: float
@@ -180,7 +182,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         return _nothing("complete", _form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
-    return _nothing("unknown", _immaterial_words(usable[0], law), pair)
+    return _nothing("unknown", _immaterial_words(usable[0], law, problem), pair)
 
 
 def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
@@ -239,7 +241,21 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     if len(names) > 1:
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
+    if general := _clearly_better_general(best, scales):
+        fits = f"{general.effects[0]}, of which it is a special case, fits these tests clearly better"
+        reason = (
+            f"{best.effects[0]} leaves little over, but {fits}: which of the two it is, its exact form would decide"
+        )
+        return Weighed("missing", names, "part", best, None, (reason,))
     return Weighed("missing", names, "cause", best, None, (f"{best.effects[0]} explains it and no rival comes near",))
+
+
+def _clearly_better_general(special: Judged, scales: Scales) -> Judged | None:
+    """Give the best effect that was left aside for a special case of it, and that this one doesn't come near."""
+    able = _able(scales.candidates, scales.law)
+    generals = [each for each in able if special in _simpler(each, able) and each.may_be_cause]
+    better = [each for each in generals if not _near(each, [special], scales.problem)]
+    return min(better, key=lambda each: each.squares, default=None)
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
@@ -266,7 +282,9 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
 
 def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
     """Name the effect that clearly takes most of what is missing, though much remains; None where none does."""
-    if not able or scales.law.lack.share < scales.tolerance.left:
+    if scales.law.lack.share < scales.tolerance.left:
+        able = [each for each in able if explained_share(each, scales.law) >= HALF_TAKEN_SHARE]
+    if not able:
         return None
     near = _near(able[0], able, scales.problem)
     alike = _without_general([able[0], *(each for each in near if _same_part(each, able[0], promises, scales))])
@@ -283,7 +301,8 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
         return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form))
     unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
-    but = f"beyond doubt; {_immaterial_words(more[0], scales.law)}" if more else "and no rival comes near"
+    most = f"beyond doubt; {_immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
+    but = most or "and no rival comes near"
     return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form))
 
 
@@ -421,14 +440,26 @@ def _hidden_words(lack: LackOfFit, problem: Problem) -> str:
     )
 
 
-def _immaterial_words(best: Judged, law: Judged) -> str:
+def _immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
     """Say what the best effect takes, and why it can't be named."""
     takes = explained_share(best, law)
+    if takes < NEXT_TO_NOTHING:
+        named = best.effects[0]
+        return f"the best of the catalogue, {named}, takes less than 1% of what is missing on left-out A and f"
     worse = [
         f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
         for name, error in best.heldout_by.items()
         if error >= law.heldout_by[name]
     ]
-    otherwise = "that is too little" if takes < MATERIAL_PART_SHARE else "some conditions gain, others lose"
-    why = "; ".join(worse) or otherwise
+    if worse:
+        why = "; ".join(worse)
+    elif takes < MATERIAL_PART_SHARE:
+        why = "that is too little"
+    elif best.akaike >= law.akaike:
+        why = "the fit to all tests gains no more than its parameters cost"
+    elif not takes_part(best, law, problem):
+        why = "some conditions gain, others lose"
+    else:
+        little = f"where so little is missing ({law.lack.share:.2g} times the force noise)"
+        why = f"{little} only what takes half of it is named"
     return f"{best.effects[0]} takes most, {takes:.0%} of what is missing on left-out A and f, but {why}"

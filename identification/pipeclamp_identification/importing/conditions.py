@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_c
 from pipeclamp_identification.importing.naming import names_specimen, setting_called
 from pipeclamp_identification.importing.raw import Damaged, without_controls
 from pipeclamp_identification.importing.texts.decoding import decoded
-from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, unit_in_name
+from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, further_quantity, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.range import rounded
@@ -121,10 +122,18 @@ def _number_in(text: str) -> float | None:
     return float(text.replace(",", ".").replace("p", "."))
 
 
-def guessed_pattern(stems: Sequence[str]) -> str:
+def guessed_pattern(
+    stems: Sequence[str], contradicted: Callable[[str, Sequence[float]], bool] = lambda column, values: False
+) -> str:
     """Propose a pattern that all names of files follow, "" for none.
 
-    Numbers are looked for behind letters (A0.5) and before units (3Hz).
+    Numbers are looked for behind letters (A0.5) and before units (3Hz); those of a further condition (100psi) count
+    where they vary. What varies without a meaning parts a name; the part that states most is taken.
+
+    Args:
+        stems: the names, without endings.
+        contradicted: tells of a column of runs.csv, and of what the names would state there, whether what was measured
+            is something else.
     """
     if not stems:
         return ""
@@ -134,24 +143,43 @@ def guessed_pattern(stems: Sequence[str]) -> str:
     numbers = list(zip(*(re.findall(NUMBER, stem) for stem in stems), strict=False))
     pieces = re.split(NUMBER, stems[0])
     fields: list[str] = []
-    for place in range(len(numbers)):
-        before = re.search(r"([A-Za-z]*)[_=]?$", pieces[place])
-        after = re.match(r"[ _]?(degC|[A-Za-z]+)", pieces[place + 1])
-        named = GUESSED.get(after[1].casefold(), "") if after else ""
-        named = named or (LETTERS.get(before[1].casefold(), "") if before else "")
-        fields.append("" if named in fields else named)
-    if not any(fields):
+    for place, texts in enumerate(numbers):
+        field = _meant(pieces[place], texts, pieces[place + 1])
+        known = field and field not in fields
+        fields.append(field if known and not contradicted(*_stated(field, texts)) else "")
+    opaque = [place for place, texts in enumerate(numbers) if not fields[place] and len(set(texts)) > 1]
+    bounds = [-1, *opaque, len(numbers)]
+    parts = [range(low + 1, high) for low, high in itertools.pairwise(bounds)]
+    named = [[place for place in part if fields[place]] for part in parts]
+    most = max(named, key=len)
+    if not most:
         return ""
-    first = next(place for place, field in enumerate(fields) if field)
-    last = max(place for place, field in enumerate(fields) if field)
-    if not all(fields[first : last + 1]):
-        return ""
+    first, last = most[0], most[-1]
     begin = re.search(r"[A-Za-z]*[_=]?$", pieces[first])
     end = re.match(r"[ _]?[A-Za-z]*", pieces[last + 1])
     middle = "".join(
-        f"{{{fields[place]}}}" + (pieces[place + 1] if place < last else "") for place in range(first, last + 1)
+        (f"{{{fields[place]}}}" if fields[place] else numbers[place][0]) + (pieces[place + 1] if place < last else "")
+        for place in range(first, last + 1)
     )
     return (begin[0] if begin else "") + middle + (end[0] if end else "")
+
+
+def _meant(before: str, texts: Sequence[str], after: str) -> str:
+    """Give the field that numbers in names of files fill, by what stands around them; "" where that tells nothing."""
+    letters = re.search(r"([A-Za-z]*)[_=]?$", before)
+    unit = re.match(r"[ _]?(degC|[A-Za-z]+)", after)
+    if unit and (field := GUESSED.get(unit[1].casefold())):
+        return field
+    if letters and (field := LETTERS.get(letters[1].casefold())):
+        return field
+    further = further_quantity(unit[1]) if unit and len(set(texts)) > 1 else None
+    return f"{further}_{unit[1]}" if unit and further else ""
+
+
+def _stated(field: str, texts: Sequence[str]) -> tuple[str, list[float]]:
+    """Give the column of runs.csv that a field fills, and what numbers in names of files state there."""
+    column, factor, offset = _column_of(field)
+    return column, [factor * (_number_in(text) or 0.0) + offset for text in texts]
 
 
 def of_properties(properties: Mapping[str, object]) -> Settings:

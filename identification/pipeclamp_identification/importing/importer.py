@@ -27,6 +27,8 @@ from pipeclamp_models.base.processes import cores, spread
 
 STEADY_TEMPERATURE = 5.0
 """K by which a temperature may move within a run before that is said."""
+TEMPERATURE_APART = 15.0
+"""K by which an oven may miss what was set in it: a name's number that is farther off is no temperature."""
 WORTH_PROCESSES = 24_000_000
 """Bytes of files from which on they are taken by several processes, which take a second or two to begin."""
 LARGE = 64_000_000
@@ -346,26 +348,25 @@ class _Planner:
             if headings:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
-        guess = "" if self.options.pattern or self.options.conditions else guessed_pattern(list(self.own.values()))
-        guess = guess if self._fits(guess) else ""
+        stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
+        guess = guessed_pattern(stems, self._contradicted)
         return Plan(
             tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, tuple(self.notes), again
         )
 
-    def _fits(self, pattern: str) -> bool:
-        """Tell whether what a guessed pattern reads of names is what was measured, of most runs that tell it."""
-        if not pattern:
+    def _contradicted(self, column: str, values: Sequence[float]) -> bool:
+        """Tell whether most runs were measured otherwise than the files' names would state, a value a run."""
+        if column == "temperature_C":
+            shown = [run.row.get(column) for run in self.runs]
+            pairs = [(own, value) for own, value in zip(shown, values, strict=True) if isinstance(own, float)]
+            apart = [abs(own - value) > TEMPERATURE_APART for own, value in pairs]
+        elif column in ("amplitude_mm", "frequency_Hz"):
+            measured = [run.measured and run.measured[column == "frequency_Hz"] for run in self.runs]
+            pairs = [(own, value) for own, value in zip(measured, values, strict=True) if own is not None]
+            apart = [not _twice(own, value) and abs(own - value) > STATED_APART * value for own, value in pairs]
+        else:
             return False
-        read = Pattern(pattern)
-        apart = []
-        for run in self.runs:
-            stated = read.settings(self.own[run.name]) or {}
-            for column, own in zip(("amplitude_mm", "frequency_Hz"), run.measured or (), strict=False):
-                value = stated.get(column)
-                if isinstance(value, float):
-                    twice = PEAK_TO_PEAK[0] * value < own < PEAK_TO_PEAK[1] * value
-                    apart.append(not twice and abs(own - value) > STATED_APART * value)
-        return 2 * sum(apart) <= len(apart)
+        return 2 * sum(apart) > len(apart)
 
     def _note_conditions(self, again: set[str]) -> None:
         """Say which rows of the table of conditions met no run, and which runs no row; `again` are known files."""
@@ -376,6 +377,11 @@ class _Planner:
             self.note(f"--conditions: no run here is called, nor from a file that is called, {listed(idle)}")
         if bare and self.options.conditions:
             self.note(f"--conditions: says nothing of {len(bare)} of {len(self.runs)} runs: {listed(bare)}")
+
+
+def _twice(amplitude: float, stated: float) -> bool:
+    """Tell whether an amplitude is that of a stroke from peak to peak that was stated."""
+    return PEAK_TO_PEAK[0] * stated < amplitude < PEAK_TO_PEAK[1] * stated
 
 
 def _names(own: str, stem: str, single: bool) -> Iterator[str]:

@@ -9,6 +9,7 @@ from typing import Self
 from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.next_test import NoTest
+from pipeclamp_identification.diagnosis.remembered import tried_in_vain
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test
@@ -129,17 +130,19 @@ def metrics_diagnosed(
     limits: Limits | None = None,
     progress: Progress | None = None,
 ) -> MetricDiagnosed:
-    """Diagnose the law of a parameter file on a campaign of metrics.
+    """Diagnose the law of a parameter file on a campaign of metrics; what was tried on it in vain isn't named again.
 
     Raises:
         UserError: the metrics can't serve the law.
     """
+    declared = tuple(declared)
     comparison = compare_metrics(file, campaign)
     diagnosis = diagnose_metrics(structure_of(file).with_declared(declared), campaign, progress=progress)
-    found = next_metric_test(diagnosis, limits)
-    if isinstance(found, NoTest):
-        return MetricDiagnosed(diagnosis, campaign, comparison, None, found.words)
-    return MetricDiagnosed(diagnosis, campaign, comparison, found)
+    test = next_metric_test(diagnosis, limits)
+    proposal, no_test = (None, test.words) if isinstance(test, NoTest) else (test, "")
+    found = MetricDiagnosed(diagnosis, campaign, comparison, proposal, no_test)
+    in_vain = tried_in_vain(found.effects, file, campaign.fingerprint, declared)
+    return found.naming_nothing(in_vain) if in_vain else found
 
 
 def _place(campaign: MetricCampaign, row: int) -> str:

@@ -26,6 +26,8 @@ QUANTITY_OF: Mapping[str, Quantity] = {f"{quantity}_{unit}": quantity for quanti
 """What each column of a record holds."""
 SETTINGS: Mapping[str, str] = {"amplitude": "mm", "frequency": "Hz", "temperature": "degC", "density": "g/cm^3"}
 """Units in which conditions of a run are stated."""
+FURTHER: Mapping[str, str] = {"pressure": "Pa", "current": "A", "voltage": "V", "preload": "N", "torque": "N m"}
+"""What else is set in tests of isolators and dampers, with a unit of it."""
 
 SPELLINGS: Mapping[str, str] = {
     "sec": "s", "secs": "s", "sek": "s", "seconds": "s", "sekunden": "s", "msec": "ms", "minutes": "min", "hr": "h",
@@ -41,6 +43,7 @@ SPELLINGS: Mapping[str, str] = {
 """How machines spell units that pint knows by another name; in any case."""
 MEANT: Mapping[Quantity, Mapping[str, str]] = {
     "force": {"kg": "kgf", "g": "gf", "lb": "lbf", "t": "1000 kgf", "to": "1000 kgf", "klb": "kip"},
+    "preload": {"kg": "kgf", "lb": "lbf"},
     "temperature": {"c": "degC", "f": "degF", "k": "K", "°": "degC"},
     "time": {"S": "s", "m": "min"},
     "displacement": {"M": "m"},
@@ -104,6 +107,11 @@ def quantity_of_unit(text: str) -> Quantity | None:
     if (plain := BARE.get(text.strip().casefold())) is not None:
         return plain
     return next((quantity for quantity, unit in OURS.items() if _conversion_to(unit, text, quantity)), None)
+
+
+def further_quantity(text: str) -> Quantity | None:
+    """Give what else than a record's quantities is stated in a unit: a pressure, a current, ...; None for no unit."""
+    return next((quantity for quantity, unit in FURTHER.items() if _conversion_to(unit, text, quantity)), None)
 
 
 def conversion(quantity: Quantity, unit: str, target: str = "") -> Conversion:

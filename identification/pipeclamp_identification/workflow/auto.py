@@ -8,6 +8,7 @@ from typing import Literal
 
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.remembered import in_vain_words, no_help
 from pipeclamp_identification.workflow.change import (
     Addition,
     add_effect,
@@ -19,7 +20,8 @@ from pipeclamp_identification.workflow.change import (
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LastDiagnosis, LawFile
+from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile
+from pipeclamp_models.law.range import rounded
 
 MOST_RUNGS = 12
 MOST_EXCHANGED = 3
@@ -49,15 +51,17 @@ class Settled:
         file: the law.
         found: the last diagnosis.
         ladder: what was done on the way.
+        in_vain: what the last diagnosis named, and didn't help.
     """
 
     file: LawFile
     found: Diagnosed
     ladder: tuple[Rung, ...]
+    in_vain: tuple[InVain, ...] = ()
 
     def told(self, tests: str) -> LawFile:
         """Give the law with the last diagnosis in its file, on tests of this name."""
-        last = LastDiagnosis(verdict=self.found.verdict, effects=self.found.effects, tests=tests)
+        last = LastDiagnosis(verdict=self.found.verdict, effects=self.found.effects, tests=tests, in_vain=self.in_vain)
         return self.file.model_copy(update={"diagnosis": last})
 
     def words(self) -> list[str]:
@@ -105,12 +109,15 @@ def add_until_settled(
         UserError: the data can't serve the law.
     """
     ladder: list[Rung] = []
-    gone: set[str] = set()
+    gone: dict[str, InVain] = {}
     while True:
         found = tests.diagnose(file, declared=declared, limits=limits, jobs=jobs, progress=progress)
         if found.verdict == "missing" and found.kind == "cause" and (parts := _parts(file, ladder)):
             found = found.naming_a_part(f"{' and '.join(parts)}, a part that the law has, may stand for something else")
-        if len(ladder) >= most or not _goes_on(found, ladder) or gone.intersection(found.effects[:1]):
+        went = tuple(gone[name] for name in found.effects if name in gone)
+        if went and found.effects[0] in gone:
+            found = found.naming_nothing(in_vain_words(went))
+        if len(ladder) >= most or not _goes_on(found, ladder):
             seen(found, file)
             whole = found.verdict == "complete" and len(ladder) < most
             rung = _with_something_simpler(file, ladder, tests, command, progress) if whole else None
@@ -128,17 +135,18 @@ def add_until_settled(
             ladder.append(Rung(tried[-1], kind, (*_told(found, names, tried), *found.cautions())))
             name = having = names[len(tried) - 1]
         else:
-            found = _not_borne_out(found, tried) if tried else found
+            in_vain = (*went, *map(_in_vain, tried))
+            found = found.naming_nothing(in_vain_words(in_vain)) if tried else found
             seen(found, file)
             rung = _with_something_exchanged(file, tests, command, progress)
             if rung is None:
-                return Settled(file, found, tuple(ladder))
+                return Settled(file, found, tuple(ladder), in_vain)
             ladder.append(rung)
             name, having = rung.change.effect.rpartition(" -> ")[2], rung.change.effect
         file = ladder[-1].change.after
         for change in without_spares(file, name, tests, command=command, date=file.date, progress=progress):
             ladder.append(Rung(change, "revision", (as_well_without(change, having),)))
-            gone.add(change.effect.removeprefix("- "))
+            gone[change.effect.removeprefix("- ")] = _in_vain(change)
             file = change.after
 
 
@@ -174,10 +182,11 @@ def _until_one_helps(
     return tried
 
 
-def _not_borne_out(found: Diagnosed, tried: Sequence[Addition]) -> Diagnosed:
-    """Take back what a diagnosis names, where adding it doesn't lower the error on left-out conditions."""
-    words = "; ".join(map(_didnt_fall, tried))
-    return found.naming_nothing(f"{words}; tests at further conditions would tell whether it is real")
+def _in_vain(change: Addition) -> InVain:
+    """Give what a law was refitted with, or without, and isn't to have."""
+    errors = tuple(map(rounded, change.heldout))
+    without, having = reversed(errors) if change.effect.startswith("- ") else errors
+    return InVain(effect=change.effect.lstrip("+- "), refitted_nrmse=(without, having))
 
 
 def _helps(addition: Addition) -> bool:
@@ -197,18 +206,10 @@ def _goes_on(found: Diagnosed, ladder: Sequence[Rung]) -> bool:
 
 def _told(found: Diagnosed, names: Sequence[str], tried: Sequence[Addition]) -> tuple[str, ...]:
     """Say what the effect that was added takes, or what was tried in vain before it; and what would do as well."""
-    before = tuple(_didnt_fall(addition) for addition in tried[:-1])
+    before = tuple(no_help(_in_vain(addition)) for addition in tried[:-1])
     others = names[len(tried) :]
     rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
     return (*(before or found.rung()), *rivals)
-
-
-def _didnt_fall(addition: Addition) -> str:
-    before, after = addition.heldout
-    return (
-        f"{addition.effect.removeprefix('+ ')} was tried and not added: the error on left-out conditions didn't fall "
-        f"({before:.2%} -> {after:.2%})"
-    )
 
 
 def _with_something_exchanged(file: LawFile, tests: Tests, command: str, progress: Progress) -> Rung | None:

@@ -126,8 +126,8 @@ def exchange(
     """
     step = f"base {structure.base}{' alone' if file.effects and not structure.effects else ''}"
     if structure.base == file.base:
-        (gone,), (come,) = (
-            [name for name in some if name not in others]
+        gone, come = (
+            " and ".join(name for name in some if name not in others)
             for some, others in ((file.effects, structure.effects), (structure.effects, file.effects))
         )
         step = f"{gone} -> {come}"

@@ -245,12 +245,23 @@ Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
 """What a diagnosis can find."""
 
 
+class InVain(Part):
+    """An effect that was tried, and isn't in the law: errors on left-out groups of A and f without it and with it."""
+
+    effect: str
+    refitted_nrmse: tuple[Finite, Finite]
+
+
 class LastDiagnosis(Part):
-    """What the last diagnosis of the law as it stands found: its verdict, what it named, and on which tests."""
+    """What the last diagnosis of the law as it stands found: its verdict, what it named, on which tests.
+
+    `in_vain` are effects that it had named, and that didn't help when they were added.
+    """
 
     verdict: Verdict
     effects: tuple[str, ...] = ()
     tests: str
+    in_vain: tuple[InVain, ...] = ()
 
 
 class LawFile(Part):
