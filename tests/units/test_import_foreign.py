@@ -385,3 +385,56 @@ def test_a_slow_channel_joins_the_one_test_and_stands_still_beyond_its_ends():
     found = mapped_tables(SourceFile(Path("a.mf4"), "MDF", (*parts, slow, event)), (), None, ask=False)
     assert isinstance(found, MappedFile)
     assert [(one.length, len(one.channels)) for one, _ in found.tables] == [(test.length, 5)]
+
+
+def tdms_of(path, groups, root=None):
+    """Write a TDMS file: groups of channels by name, with the group's properties."""
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(str(path)) as writer:
+        for name, properties, channels in groups:
+            held = [
+                nptdms.ChannelObject(
+                    name, channel, np.asarray(values), properties={"unit_string": unit} if unit else {}
+                )
+                for channel, unit, values in channels
+            ]
+            writer.write_segment(
+                [nptdms.RootObject(properties=root or {}), nptdms.GroupObject(name, properties), *held]
+            )
+
+
+def test_properties_of_a_tdms_file_state_what_its_records_dont_show(tmp_path):
+    runs = [loop(0.5), loop(0.3)]
+    groups = [
+        (
+            f"Run {number}",
+            {"Temperatur [K]": 293.15 + number, "Amplitude [mm]": 99.0, "Frequency [Hz]": 2500.0, "Temp": 7.0},
+            [("Zeit", "s", run.time), ("Weg", "mm", run.y), ("Kraft", "N", run.force)],
+        )
+        for number, run in enumerate(runs)
+    ]
+    tdms_of(tmp_path / "day.tdms", groups, root={"Prüfling Nr": "A-17", "Temperature [°C]": "-9999"})
+    found = pc.import_files([tmp_path / "day.tdms"], tmp_path / "campaign")
+    assert any("specimen" in note and "temperature_C" in note for note in found.notes)
+    read = pc.read_campaign(tmp_path / "campaign").tests.campaign.runs
+    assert [(run.specimen, run.temperature_C) for run in read] == [("A-17", 20.0), ("A-17", 21.0)]
+    assert [run.amplitude_mm for run in read] == pytest.approx([0.5, 0.3], rel=1e-2)
+    # what a pattern states counts more
+    pc.import_files([tmp_path / "day.tdms"], tmp_path / "stated", pattern="Run_{specimen}")
+    read = pc.read_campaign(tmp_path / "stated").tests.campaign.runs
+    assert [run.specimen for run in read] == ["0", "1"]
+
+
+def test_a_channel_of_texts_in_a_tdms_file_names_its_runs(tmp_path):
+    runs = [loop(0.5), loop(0.3)]
+    time = np.concatenate([runs[0].time, runs[1].time + runs[0].time[-1] + 1.0])
+    texts = np.repeat(["slow", "small"], [len(run.time) for run in runs])
+    channels = [
+        ("Zeit", "s", time),
+        ("Weg", "mm", np.concatenate([run.y for run in runs])),
+        ("Kraft", "N", np.concatenate([run.force for run in runs])),
+        ("Versuch", "", texts),
+    ]
+    tdms_of(tmp_path / "day.tdms", [("Data", {}, channels)])
+    found = pc.import_files([tmp_path / "day.tdms"], tmp_path / "campaign")
+    assert [run["run"] for run in found.to_dict()["runs"]] == ["slow", "small"]

@@ -340,4 +340,12 @@ def test_an_absolute_position_is_told_from_a_mean_displacement(tmp_path, offsets
     records = [run.record for run in pc.read_campaign(tmp_path / "c").tests.campaign.runs]
     assert [np.mean(one.displacement_mm) for one in records] == pytest.approx(left, abs=1e-3)
     assert any("is taken off, for no mean force answers it" in note for note in found.notes) == (left != offsets)
-    assert all(bool(run["done"]) == (left != offsets) for run in found.to_dict()["runs"])
+
+
+def test_a_zero_that_was_set_between_two_imports_is_taken_off_the_runs_before(tmp_path):
+    for place, (run, offset) in enumerate(((loop(0.5), 250.0), (loop(0.3), 0.0))):
+        (tmp_path / f"{place}.csv").write_text(text(replace(run, y=run.y + offset)))
+        found = pc.import_files([tmp_path / f"{place}.csv"], tmp_path / "c")
+    assert any("a mean of 250 mm is taken off in 1 of 2 runs" in note for note in found.notes)
+    records = [run.record for run in pc.read_campaign(tmp_path / "c").tests.campaign.runs]
+    assert [np.mean(one.displacement_mm) for one in records] == pytest.approx([0.0, 0.0], abs=1e-3)

@@ -12,6 +12,7 @@ from exports import assert_same_campaign, loop, ten_runs, text, write_texts
 
 import pipeclamp as pc
 from pipeclamp_identification.importing.reading import read_file
+from pipeclamp_identification.importing.texts.decoding import decoded
 
 
 def clock(t: float) -> str:
@@ -48,8 +49,43 @@ DIALECTS = {
         "scales": (1, 1, 1), "digits": (6, 6, 4),
     },
     "stamps of the clock": {"stamp": clock, "names": "Zeitstempel [s];Weg [mm];Kraft [kN]"},
+    "Chinese, GB18030, wide brackets": {
+        "encoding": "gb18030", "names": "时间（s）;位移（mm）;力（kN）", "scales": (1, 1, 1e-3), "digits": (6, 6, 7),
+        "header": "试验名称;管夹往复试验\n试验日期;2024-05-17\n\n",
+    },
+    "Japanese, Shift-JIS": {
+        "encoding": "cp932", "names": "経過時間[秒];変位[mm];試験力[kN]", "scales": (1, 1, 1e-3), "digits": (6, 6, 7),
+    },
+    "Korean": {"encoding": "cp949", "names": "시간(s);변위(mm);하중(N)", "scales": (1, 1, 1), "digits": (6, 6, 4)},
+    "Russian, Windows": {
+        "encoding": "cp1251", "names": "Время, с;Перемещение, мм;Сила, кН", "scales": (1, 1, 1e-3), "digits": (6, 6, 7),
+        "header": "Испытание;хомут\n\n",
+    },
     "CRLF and a footer": {"newline": "\r\n", "footer": "\nEnd of file;;\n"},
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        (
+            "Prüfkörper;Rohrschelle Ø 60,3 mm\nPrüfgeschwindigkeit;5 mm/s\nZeit [s];Weg [µm];Größe [mm²];T [°C]",
+            "cp1252",
+        ),
+        ("Temps (s);Déplacement (mm);Numéro d'éprouvette;Fréquence;Préréglé;Côté à 20 °C", "cp1252"),
+        ("Rörklämma;Förskjutning;Mätning;Över;Åldring;Längd", "cp1252"),
+        # each pair of bytes is a Korean letter, too
+        ("\t".join(f"T{place} °C" for place in range(9)), "cp1252"),
+        ("时间(s)\t位移(mm)\t力(kN)", "gb18030"),
+        ("時間(s),位移(mm),荷重(kN)\n試驗名稱,管夾", "big5"),
+        ("時間,変位,荷重", "cp932"),
+        ("ﾃﾞｰﾀ番号,時間(sec),ｽﾄﾛｰｸ(mm),荷重(N)", "cp932"),
+        ("Испытание;хомут\nВремя;Ход;Усилие", "cp1251"),
+    ],
+)
+def test_a_code_page_is_that_of_the_language(text, encoding):
+    rows = "".join(f"\n{row};{row / 7:.6f};-{row / 3:.5f}" for row in range(3000))
+    assert decoded((text + rows).encode(encoding))[0] == text + rows
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)
@@ -220,3 +256,24 @@ def test_names_of_runs_part_and_name_them(tmp_path, ending):
     assert not any("no run here is called" in note for note in found.notes)
     with pytest.raises(pc.UserError, match="'Valve' holds no numbers"):
         pc.import_files(other, tmp_path / "d", dry_run=True, columns="force=Valve [N]")
+
+
+@pytest.mark.parametrize(
+    ("headers", "names"),
+    [
+        (("Test;A05_f2\nOperator;N. N.\n", "Test;A03_f2\nOperator;N. N.\n"), ("A05_f2", "A03_f2")),
+        # a file's own header stands above the first one's
+        (("Machine 7;100 kN\n\nRun 1;timed\n", "Run 2;timed\n"), ("Run_1", "Run_2")),
+        (("# sweep at 20 °C\n", "# sweep at 60 °C\n"), ("sweep_at_20_C", "sweep_at_60_C")),
+        # when they were written isn't what they are
+        (("Date;01.02.2024 12:00\n", "Date;01.02.2024 12:10\n"), ("block_1", "block_2")),
+        (("Test;A\n", "Test;A\n"), ("block_1", "block_2")),
+        (("Test;A\n", ""), ("block_1", "block_2")),
+    ],
+)
+def test_blocks_of_a_file_are_called_by_the_titles_above_them(tmp_path, headers, names):
+    runs = (loop(0.5), loop(0.3))
+    content = "\n\n".join(text(run, header=header) for run, header in zip(runs, headers, strict=True))
+    (tmp_path / "day.csv").write_text(content, encoding="utf-8")
+    found = pc.import_files([tmp_path / "day.csv"], tmp_path / "campaign")
+    assert [run["run"] for run in found.to_dict()["runs"]] == [f"day_{name}" for name in names]

@@ -144,6 +144,36 @@ def test_a_zero_that_drifts_from_run_to_run_is_told(tmp_path):
     assert fault.size == pytest.approx(120.0, rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("zeros", "shown"),
+    [
+        ((250.0, 250.0, 250.0, 250.0), "a mean of 250 mm is taken off, for"),
+        ((250.0, 290.0, 330.0, 370.0), "a mean of 250 to 370 mm, each run's own, is taken off, for"),
+        # it was set between the runs
+        ((250.0, 250.0, 0.0, 0.0), "a mean of 250 mm is taken off in 2 of 4 runs, for"),
+        # some runs may be held off their rest on purpose
+        ((1.0, 1.0, 0.0, 0.0), ""),
+    ],
+)
+def test_a_displacement_from_far_off_is_read_as_from_where_the_clamp_rests(tmp_path, zeros, shown):
+    """A crosshead's position, in a campaign that was written by hand."""
+    as_it_is = read_campaign(bundled_campaign("clamp_a")).runs[:4]
+    _faulty(
+        bundled_campaign("clamp_a"), tmp_path / "far",
+        lambda place, share, y, force: (y + zeros[place], force - np.mean(force)), np.arange(4),
+    )  # fmt: skip
+    campaign = read_campaign(tmp_path / "far")
+    if not shown:
+        assert campaign.remarks == ()
+        return
+    (told,) = campaign.remarks
+    assert told == f"the displacement's zero is not where the clamp rests: {shown} no mean force answers it"
+    for run, before in zip(campaign.runs, as_it_is, strict=True):
+        off = np.mean(run.record.displacement_mm) - np.mean(before.record.displacement_mm)
+        assert off == pytest.approx(0.0, abs=2e-2)
+        assert run.cycles.count == before.cycles.count
+
+
 def test_a_gain_that_drifts_from_run_to_run_is_told(tmp_path):
     (fault,) = _over_runs(tmp_path, lambda at, y, force: (y, force * (1 - 0.1 * at)))
     assert (fault.channel, fault.fault, fault.over, fault.done) == ("force", "gain_drift", "campaign", "kept")

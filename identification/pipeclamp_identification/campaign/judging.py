@@ -66,7 +66,8 @@ def judge(
     left_out = {row.run: one for row in rows if isinstance(one := seen[row.run], LeftOut)}
     shown = {run: one.shown for run, (_, one) in sines.items()} | {run: one.shown for run, one in free.items()}
     left_out |= {run: LeftOut(run, why) for run, why in implausible(shown).items()}
-    sensors = sensors_of([_observed(row, one) for run, (row, one) in sines.items() if run not in left_out])
+    observed = [_observed(row, one) for run, (row, one) in sines.items() if run not in left_out]
+    sensors = sensors_of(observed, sines_alone=not free)
     left_out |= {run: LeftOut(run, str(failure), failure) for run, failure in sensors.failed.items()}
     lost = tuple(left_out[row.run] for row in rows if row.run in left_out)
     if lost and (strict or len(lost) == len(rows)):
@@ -87,6 +88,7 @@ def judge(
         doubts=doubts,
         remarks=(
             *doubts,
+            *sensors.told,
             *(fault.words for fault in sensors.faults if fault.done != "left out"),
             *contradicted,
             *_moving_from_the_start(moving),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,11 +15,21 @@ from pipeclamp_identification.campaign.plausibility import SURE
 from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
+from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
 
 DEAD_BELOW = 0.1
 """A force that the motion doesn't show in, and that stays below this share of what other runs show, is no clamp's."""
 FEWEST_OTHERS = 3
+FAR = 2.0
+"""A mean displacement lies far off where it exceeds so many of the largest amplitudes: clamps are held within them."""
+FAR_ALONE = 20.0
+"""And where others of the campaign don't, so many: tests may hold a clamp off its rest in some runs, but not so far."""
+UNANSWERED = 0.1
+"""Share of stiffness times mean displacement that a mean force reaches where the displacement is real: a stiffness that
+softens with the power -0.4 of the amplitude still answers with a third of it at fifteen amplitudes."""
+MEAN_ALONE = np.array([1.0, 0.0])
+"""What a zero changes of mean and fundamental."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +61,14 @@ class Sensors:
         failed: why runs are left out, by name.
         drifts: channels whose zero's drift inside the record is to be taken off, by name of the run.
         shifts: by how much the zeros of channels are off all through the record, by name of the run.
+        told: what is to be said of them beside faults.
     """
 
     faults: tuple[SensorFault, ...]
     failed: Mapping[str, SensorFailure]
     drifts: Mapping[str, Sequence[Channel]] = field(default_factory=dict)
     shifts: Mapping[str, Sequence[tuple[Channel, float]]] = field(default_factory=dict)
+    told: tuple[str, ...] = ()
 
     def repaired(self, run: str, record: Record, seen: SeenSine) -> Record:
         """Give the record of a run that is kept, repaired where that can be done."""
@@ -73,14 +85,20 @@ class Sensors:
         return frozenset(run.run for fault in drifted for run in fault.runs)
 
 
-def sensors_of(runs: Sequence[Observed]) -> Sensors:
-    """Ask the sensors of runs whose records can be used one by one; the order is that of runs.csv."""
+def sensors_of(runs: Sequence[Observed], *, sines_alone: bool = True) -> Sensors:
+    """Ask the sensors of runs whose records can be used one by one.
+
+    Args:
+        runs: of sines, in runs.csv's order.
+        sines_alone: whether the campaign holds no other motion, whose zero nobody knows.
+    """
     failed = {**_at_the_end_of_their_range(runs), **_dead(runs)}
     faults = list(faults_of_failures(list(failed.items())))
     runs = [run for run in runs if run.name not in failed]
     if not runs:
         return Sensors(tuple(faults), failed)
-    watched = _watched(runs)
+    zeros = zeros_elsewhere([run.seen for run in runs]) if sines_alone else None
+    watched = _watched(runs, np.zeros(len(runs)) if zeros is None else zeros)
     drifts = drifting(watched)
     taken_off: dict[str, list[Channel]] = {run.name: [] for run in runs}
     for fault in drifts:
@@ -92,11 +110,52 @@ def sensors_of(runs: Sequence[Observed]) -> Sensors:
     left = [one for one in watched if one.name not in failed]
     over_runs = drifting_over_runs(left) if left else ()
     shifts: dict[str, list[tuple[Channel, float]]] = {one.name: [] for one in left}
+    if zeros is not None:
+        for run, zero in zip(runs, zeros.tolist(), strict=True):
+            shifts.setdefault(run.name, []).append(("displacement", zero))
     for fault in over_runs:
         if fault.done == "corrected":
             for name, shift in zip(shifts, shifts_over_runs(left, fault), strict=True):
                 shifts[name].append((fault.channel, shift))
-    return Sensors((*faults, *drifts, *over_runs), failed, taken_off, shifts)
+    told = () if zeros is None else (zero_words(zeros),)
+    return Sensors((*faults, *drifts, *over_runs), failed, taken_off, shifts, told)
+
+
+def zeros_elsewhere(runs: Sequence[SeenSine]) -> Array | None:
+    """Give what is to be taken off each run's displacement, mm, shape (n,); None where its zero may be the clamp's.
+
+    An absolute position, or a sensor that wasn't set to zero: a law takes a mean displacement for a real one. A spring
+    that was moved so far would answer with a mean force; where no run has one, it wasn't moved. Nothing is taken off
+    runs that don't lie far off where others do, very far: the sensor was set between them.
+
+    It is one for all where their means lie within the largest amplitude of each other: those differences may be real.
+    Else the sensor was set anew, and it is each run's own mean.
+    """
+    mean = np.array([float(np.mean(one.by_cycle.displacement[:, 0].real)) for one in runs])
+    force = np.array([float(np.mean(one.by_cycle.force[:, 0].real)) for one in runs])
+    stiffness = np.array([one.shown.stiffness.real for one in runs])
+    largest = max(one.shown.amplitude_mm for one in runs)
+    far = np.abs(mean) > FAR * largest
+    if not np.all(far):
+        far = np.abs(mean) > FAR_ALONE * largest
+    answered = np.abs(force) >= UNANSWERED * stiffness * np.abs(mean)
+    if not np.any(far) or np.any(answered[far]):
+        return None
+    common = float(np.median(mean[far]))
+    own = common if np.all(np.abs(mean[far] - common) <= largest) else mean
+    return np.where(far, own, 0.0)
+
+
+def zero_words(zeros: Array) -> str:
+    """Say that zeros are taken off."""
+    off = zeros[zeros != 0.0]
+    least, most = float(np.min(off)), float(np.max(off))
+    shown = f"{least:.5g} mm" if least == most else f"{least:.5g} to {most:.5g} mm, each run's own,"
+    where = "" if len(off) == len(zeros) else f" in {len(off)} of {len(zeros)} runs"
+    return (
+        f"the displacement's zero is not where the clamp rests: a mean of {shown} is taken off{where}, for no mean "
+        "force answers it"
+    )
 
 
 def _at_the_end_of_their_range(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
@@ -127,8 +186,8 @@ def _dead(runs: Sequence[Observed]) -> dict[str, SensorFailure]:
     }  # fmt: skip
 
 
-def _watched(runs: Sequence[Observed]) -> list[Watched]:
-    """Give the runs as they are watched for drifts, their conditions by level."""
+def _watched(runs: Sequence[Observed], zeros: Array) -> list[Watched]:
+    """Give the runs as they are watched for drifts, their conditions by level, zeros taken off their displacement."""
     kelvin = [np.nan if run.temperature_C is None else run.temperature_C + CELSIUS for run in runs]
     numbers = {
         "amplitude_mm": number_levels(np.array([run.seen.shown.amplitude_mm for run in runs]), relative=SAME_SHARE),
@@ -149,7 +208,7 @@ def _watched(runs: Sequence[Observed]) -> list[Watched]:
             end_s=run.seen.end_s,
             nominal_mm=run.nominal_mm,
             conditions={name: own[row] for name, own in (labels | texts).items()},
-            by_cycle=run.seen.by_cycle,
+            by_cycle=replace(run.seen.by_cycle, displacement=run.seen.by_cycle.displacement - zeros[row] * MEAN_ALONE),
         )
         for row, run in enumerate(runs)
     ]

@@ -9,19 +9,26 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from pipeclamp_identification.campaign.runs_table import NUMBER_COLUMNS, meant_column
-from pipeclamp_identification.importing.naming import setting_called
-from pipeclamp_identification.importing.raw import Damaged
+from pipeclamp_identification.importing.naming import names_specimen, setting_called
+from pipeclamp_identification.importing.raw import Damaged, without_controls
 from pipeclamp_identification.importing.texts.decoding import decoded
 from pipeclamp_identification.units.stated import SETTINGS, Conversion, conversion, further_quantity, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError
+from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.range import rounded
 
 Settings = dict[str, float | str]
 """Columns of runs.csv and what they hold."""
 
+NOT_SHOWN = {"temperature": -CELSIUS, "density": 0.0}
+"""Settings that no record's motion shows, and what they exceed: a file's word on them is taken. "Frequency" may be that
+of sampling."""
+LONGEST_SPECIMEN = 60
+"""Characters of a specimen's name; what is longer is a remark."""
 NUMBER = r"[-+]?\d+(?:[.,p]\d+)?"
 """A number in a file's name: 0.5, 0,5 or, where points aren't wanted, 0p5."""
 FIELD = re.compile(r"\{([A-Za-z_]\w*)\}")
@@ -173,6 +180,25 @@ def _stated(field: str, texts: Sequence[str]) -> tuple[str, list[float]]:
     """Give the column of runs.csv that a field fills, and what numbers in names of files state there."""
     column, factor, offset = _column_of(field)
     return column, [factor * (_number_in(text) or 0.0) + offset for text in texts]
+
+
+def of_properties(properties: Mapping[str, object]) -> Settings:
+    """Give what a file's own properties state of its runs: the specimen; temperature and density, where with a unit."""
+    found: Settings = {}
+    for name, value in properties.items():
+        plain, unit = unit_in_name(name)
+        quantity, text = setting_called(plain), without_controls(str(value))
+        if names_specimen(plain) and 0 < len(text) <= LONGEST_SPECIMEN:
+            found["specimen"] = text
+        elif quantity in NOT_SHOWN and unit:
+            column = next(one for one in NUMBER_COLUMNS if one.startswith(quantity))
+            # a property is a remark: what can't be read of it isn't asked
+            with suppress(UserError, ValueError):
+                turned = conversion(quantity, unit, SETTINGS[quantity])
+                number = turned.factor * float(text.replace(",", ".")) + turned.offset
+                if NOT_SHOWN[quantity] < number < math.inf:
+                    found[column] = rounded(number)
+    return found
 
 
 def read_conditions(path: Path) -> dict[str, Settings]:

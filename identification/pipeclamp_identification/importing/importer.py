@@ -12,20 +12,18 @@ from pathlib import Path
 
 from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART, reversed_sign
-from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.campaign.seen import SeenSine, seen_sine
-from pipeclamp_identification.campaign.writing import Format, encoded
+from pipeclamp_identification.campaign.seen import SeenSine
+from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.columns import Mapped, Stated, listed, unused_words
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in
 from pipeclamp_identification.importing.mapping import Open
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
-from pipeclamp_identification.importing.reading import stem_of, without_controls
-from pipeclamp_identification.importing.samples.zero import zero_words, zeros_elsewhere
+from pipeclamp_identification.importing.raw import without_controls
+from pipeclamp_identification.importing.reading import stem_of
 from pipeclamp_identification.importing.taking import Draft, KnownFile, Over, TakenFile, TakenTable, Way, take_file
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
-from pipeclamp_models.base.tables import pl
 
 STEADY_TEMPERATURE = 5.0
 """K by which a temperature may move within a run before that is said."""
@@ -88,7 +86,7 @@ def plan_import(
             the pattern; no run can be used.
     """
     known = known or {}
-    planner = _Planner(options, set(taken), format)
+    planner = _Planner(options, set(taken))
     names = {digest: name for name, digest in known.items()}
     new: dict[str, str] = {}
     again: list[str] = []
@@ -190,8 +188,8 @@ def _taken_files(
 class _Planner:
     """Takes drafts file after file, names them, and gives the plan."""
 
-    def __init__(self, options: Options, taken: set[str], format: Format) -> None:
-        self.options, self.taken, self.format = options, taken, format
+    def __init__(self, options: Options, taken: set[str]) -> None:
+        self.options, self.taken = options, taken
         self.files: list[ImportedFile] = []
         self.runs: list[PlannedRun] = []
         self.cut: list[ImportedCut] = []
@@ -228,6 +226,8 @@ class _Planner:
                 self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
             for words in table.joined:
                 self.joined.setdefault(words, []).append(path.name)
+            if table.stated:
+                self.note(f"{path.name}: {listed(sorted(table.stated))} of its runs as its own properties state them")
             for unread in table.unread:
                 self.note(f"{path.name}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))
@@ -285,7 +285,7 @@ class _Planner:
                 self.reversed.append(table.mapped)
         else:
             measured["motion"] = "free"
-        row: dict[str, float | str | None] = dict(measured)
+        row: dict[str, float | str | None] = {**table.stated, **measured}
         known_as = name_in(self.options.conditions, (name, draft.label, own, path.name, path.stem))
         self.known_as[name] = known_as
         stated = settings | self.options.conditions.get(known_as, {})
@@ -348,11 +348,6 @@ class _Planner:
             if headings:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
-        if (zeros := zeros_elsewhere([run.seen for run in self.runs])) is not None:
-            self.note(zero_words(zeros))
-            self.runs = [
-                _with_zero(run, zero, self.format) for run, zero in zip(self.runs, zeros.tolist(), strict=True)
-            ]
         stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
         guess = guessed_pattern(stems, self._contradicted)
         return Plan(
@@ -387,19 +382,6 @@ class _Planner:
 def _twice(amplitude: float, stated: float) -> bool:
     """Tell whether an amplitude is that of a stroke from peak to peak that was stated."""
     return PEAK_TO_PEAK[0] * stated < amplitude < PEAK_TO_PEAK[1] * stated
-
-
-def _with_zero(run: PlannedRun, zero: float, format: Format) -> PlannedRun:
-    """Give a run of a sine with a zero, in mm, taken off its displacement; its record is written anew."""
-    if not isinstance(run.seen, SeenSine):
-        return run
-    content = run.record.read_bytes()
-    table = pl.read_parquet(content) if format == "parquet" else pl.read_csv(content)
-    table = table.with_columns(pl.col("displacement_mm") - zero)
-    run.record.write_bytes(encoded(table, format))
-    record = Record(**{name: table[name].to_numpy() for name in table.columns})
-    done = (*run.source.done, f"displacement's zero taken off: {zero:.5g} mm, a mean that no mean force answers")
-    return replace(run, seen=seen_sine(record, run.seen.cycles), source=run.source.model_copy(update={"done": done}))
 
 
 def _names(own: str, stem: str, single: bool) -> Iterator[str]:

@@ -38,12 +38,11 @@ WORDS: Mapping[Quantity, tuple[str, ...]] = {
     SEGMENT: ("segment", "block", "sequence", "sequenz", "abschnitt", "schritt", "teilversuch", "step", "run", "lauf"),
 }  # fmt: skip
 """Words that name a quantity, folded; a compound may end with one that is long enough (Kolbenweg, Axialkraft)."""
-LABELS = frozenset(
-    (
-        *("specimen", "probe", "probekoerper", "pruefkoerper", "pruefling", "eprouvette", "provino", "probeta"),
-        *("test", "versuch", "pruefung", "experiment", "essai", "prova", "ensayo"),
-    )
+SPECIMENS = frozenset(
+    ("specimen", "probe", "probekoerper", "pruefkoerper", "pruefling", "eprouvette", "provino", "probeta")
 )
+"""Words that name what is tested."""
+LABELS = SPECIMENS | frozenset(("test", "versuch", "pruefung", "experiment", "essai", "prova", "ensayo"))
 """Words that name a column of texts which tells one run from the next, alone or beside those of a name."""
 LABELLED = frozenset(("name", "id", "label", "no", "nr", "number", "nummer", "bezeichnung", "nom", "nome", "nombre"))
 ENDINGS = 3
@@ -161,6 +160,12 @@ def setting_called(name: str) -> str:
     """Give the condition of a run that a name means: amplitude, frequency, temperature or density; "" for others."""
     words = _words(name)
     return next((quantity for quantity, known in SETTINGS_CALLED.items() if len(words) == 1 and words[0] in known), "")
+
+
+def names_specimen(name: str) -> bool:
+    """Tell whether a name is that of what is tested: "Specimen", "Prüfling Nr"."""
+    words = set(_words(name))
+    return bool(words & SPECIMENS) and words <= SPECIMENS | LABELLED
 
 
 def is_known(column: str) -> bool:

@@ -48,7 +48,7 @@ def joined_rates(tables: Sequence[RawTable], base: RawTable | None = None) -> Ra
     moved = [repr(channel.heading) for channel in channels[len(chosen.channels) :]]
     told = f"put on the times of the {'test' if whole else 'fastest channel'} by straight lines: {listed(moved)}"
     joined = (*chosen.joined, told)
-    return RawTable("", tuple(channels), chosen.first_row, chosen.told, chosen.unread, joined=joined)
+    return replace(chosen, name="", channels=tuple(channels), labels=(), titles=(), joined=joined)
 
 
 def by_own_times(table: RawTable) -> list[RawTable]:

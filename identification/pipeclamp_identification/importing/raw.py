@@ -93,6 +93,7 @@ class RawTable:
         titles: what stands above the channels' names, "" where nothing does; none where a format has no such thing.
         joined: what was done to put channels of other rates on one time, for people.
         labels: columns that hold nothing but text: they may tell runs apart, and name them.
+        properties: that the file states of the table beside its channels, by name.
     """
 
     name: str
@@ -103,6 +104,7 @@ class RawTable:
     labels: tuple[LabelColumn, ...] = ()
     titles: tuple[str, ...] = ()
     joined: tuple[str, ...] = ()
+    properties: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def length(self) -> int:
@@ -133,6 +135,11 @@ class Format:
     module: str = ""
     package: str = ""
     notes: Mapping[str, str] = field(default_factory=dict)
+
+
+def without_controls(text: str) -> str:
+    """Give a text without control characters, which a terminal would obey."""
+    return "".join(one if one.isprintable() else " " for one in text).strip()
 
 
 def refuse_size(what: str, count: float, holds: int, times: float = 1.0) -> None:

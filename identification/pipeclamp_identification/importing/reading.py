@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from pipeclamp_identification.importing import formats
-from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, side_by_side
+from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, side_by_side, without_controls
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.quiet import quietly
@@ -170,11 +170,6 @@ def _told_apart(table: RawTable) -> RawTable:
         not in seen
     )
     return replace(table, name=plain(table.name), channels=tuple(channels), unread=unread, labels=labels)
-
-
-def without_controls(text: str) -> str:
-    """Give a text without control characters, which a terminal would obey."""
-    return "".join(one if one.isprintable() else " " for one in text).strip()
 
 
 def _format_of(path: Path, head: bytes) -> Format:

@@ -19,6 +19,7 @@ from pipeclamp_identification.campaign.records import Record, UnusableRecord, ch
 from pipeclamp_identification.campaign.seen import SeenRecord, seen_free, seen_sine
 from pipeclamp_identification.campaign.writing import Format, encoded
 from pipeclamp_identification.importing.columns import Column, Mapped, Stated
+from pipeclamp_identification.importing.conditions import Settings, of_properties
 from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
 from pipeclamp_identification.importing.questions import MOST_FALLS
 from pipeclamp_identification.importing.raw import RawTable, Unread
@@ -120,6 +121,7 @@ class TakenTable:
         unused: headings of the others.
         unread: what isn't numbers in those that are ours.
         joined: what was done to put its channels on one time.
+        stated: of its runs, by the file's properties.
         taken: what became of it.
     """
 
@@ -128,6 +130,7 @@ class TakenTable:
     unused: tuple[str, ...]
     unread: tuple[Unread, ...]
     joined: tuple[str, ...]
+    stated: Settings
     taken: TakenPart
 
 
@@ -202,7 +205,8 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         unused = tuple(one.heading for one in table.channels if one.heading not in headings)
         # a column that is nothing but text serves as the names of runs, as it is
         unread = tuple(one for one in table.unread if one.channel.heading in headings and not one.is_whole)
-        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, taken))
+        stated = of_properties(table.properties)
+        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, stated, taken))
     first, mapped = used.tables[0]
     file = ImportedFile(
         file=source.name,

@@ -37,6 +37,8 @@ SPELLINGS: Mapping[str, str] = {
     "celsius": "degC", "deg c": "degC", "deg. c": "degC", "grad c": "degC", "° c": "degC", "degc": "degC",
     "fahrenheit": "degF", "deg f": "degF", "deg. f": "degF", "° f": "degF", "degf": "degF", "kelvin": "K",
     "°c": "degC", "°f": "degF", "°k": "K", "deg k": "K",
+    "秒": "s", "毫秒": "ms", "毫米": "mm", "牛": "N", "千牛": "kN", "초": "s",
+    "с": "s", "сек": "s", "мс": "ms", "мм": "mm", "мкм": "um", "н": "N", "кн": "kN", "кгс": "kgf",
 }  # fmt: skip
 """How machines spell units that pint knows by another name; in any case."""
 MEANT: Mapping[Quantity, Mapping[str, str]] = {
@@ -52,6 +54,8 @@ BARE: Mapping[str, Quantity] = {
     **dict.fromkeys(("mm", "m", "cm", "um", "µm", "in", "inch", "zoll", "mil", "mils", "ft"), "displacement"),
     **dict.fromkeys(("n", "kn", "mn", "dan", "lbf", "lb", "lbs", "kip", "kips", "kgf", "kp", "kg"), "force"),
     **dict.fromkeys(("c", "k", "f", "degc", "degf", "°c", "°f"), "temperature"),
+    **{"с": "time", "сек": "time", "мс": "time", "мм": "displacement", "мкм": "displacement"},
+    **dict.fromkeys(("н", "кн", "кгс"), "force"),
 }
 """Units that stand at the end of a name without brackets, in lower case, and what they are of."""
 SAME = 2e-3

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.importing.raw import Format, RawTable, refuse_size, table_of
+from pipeclamp_identification.importing.labels import Labels
+from pipeclamp_identification.importing.raw import Format, LabelColumn, RawTable, refuse_size, table_of
+from pipeclamp_models.base.tables import pl
 
 UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit")
 """Properties in which programs state a channel's unit."""
@@ -20,28 +23,43 @@ def read(path: Path) -> Sequence[RawTable]:
     from nptdms import TdmsFile
 
     size = path.stat().st_size
-    tables: list[RawTable] = []
     with TdmsFile.open(path) as file:
-        groups = [(group.name, group.channels()) for group in file.groups()]
-        for name, channels in groups:
-            columns: list[tuple[str, str, object]] = []
-            increments = set()
-            for channel in channels:
-                refuse_size(f"channel {channel.name!r}", len(channel), size)
-                if not len(channel):
-                    continue
-                samples = channel[:]
-                if isinstance(samples, np.ndarray) and samples.dtype.kind == "M":
-                    # stamps of time, in seconds since the first
-                    columns.append((channel.name, "s", (samples - samples[0]) / np.timedelta64(1, "ns") * 1e-9))
-                else:
-                    columns.append((channel.name, _unit(channel), samples))
-                if (increment := _number(channel, "wf_increment")) > 0:
-                    increments.add((len(channel), increment, _number(channel, "wf_start_offset")))
-            for count, increment, start in increments:
-                columns.append(("waveform time", "s", start + increment * np.arange(count)))
-            tables += table_of(name if len(groups) > 1 else "", columns)
-    return tables
+        groups = [(group, dict(file.properties) | dict(group.properties)) for group in file.groups()]
+        return [
+            replace(table, properties=properties)
+            for group, properties in groups
+            for table in _tables(group.name if len(groups) > 1 else "", group.channels(), size)
+        ]
+
+
+def _tables(name: str, channels: Sequence[Any], size: int) -> list[RawTable]:
+    """Give the tables of a group's channels; texts are labels of those that are as long."""
+    columns: list[tuple[str, str, object]] = []
+    labels: list[LabelColumn] = []
+    increments = set()
+    for channel in channels:
+        refuse_size(f"channel {channel.name!r}", len(channel), size)
+        if not len(channel):
+            continue
+        samples = channel[:]
+        kind = samples.dtype.kind if isinstance(samples, np.ndarray) else "O"
+        if kind in "OUS":
+            texts = Labels()
+            texts.add(pl.Series(list(map(str, samples)), dtype=pl.String))
+            labels += filter(None, [texts.column(channel.name, "", len(samples))])
+        elif kind == "M":
+            # stamps of time, in seconds since the first
+            columns.append((channel.name, "s", (samples - samples[0]) / np.timedelta64(1, "ns") * 1e-9))
+        else:
+            columns.append((channel.name, _unit(channel), samples))
+        if (increment := _number(channel, "wf_increment")) > 0:
+            increments.add((len(channel), increment, _number(channel, "wf_start_offset")))
+    for count, increment, start in increments:
+        columns.append(("waveform time", "s", start + increment * np.arange(count)))
+    return [
+        replace(table, labels=tuple(label for label in labels if len(label.values) == table.length))
+        for table in table_of(name, columns)
+    ]
 
 
 def _number(channel: Any, name: str) -> float:

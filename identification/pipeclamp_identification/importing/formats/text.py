@@ -23,10 +23,12 @@ from pipeclamp_identification.importing.texts.sniffing import (
     OTHER_COLUMNS,
     Layout,
     cells_of,
+    is_header,
     is_number,
     is_other_header,
     layout_of,
 )
+from pipeclamp_identification.importing.texts.titles import names_of_blocks
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.tables import pl
 
@@ -67,8 +69,8 @@ def read(path: Path) -> Sequence[RawTable]:
         lines = text.split("\n")
         layout = layout_of(lines)
         header = sum(len(line) + 1 for line in lines[: layout.first])
+        columns = _Columns(layout, lines[: layout.first])
         del lines
-        columns = _Columns(layout)
         columns.add(text[header:])
         for text, own in texts:
             columns.add(text)
@@ -102,8 +104,8 @@ class _Texts:
 class _Columns:
     """The numbers of a text's columns, taken block after block."""
 
-    def __init__(self, layout: Layout) -> None:
-        self.layout = layout
+    def __init__(self, layout: Layout, header: Sequence[str]) -> None:
+        self.layout, self._header = layout, header
         self.length = 0
         self._values: list[list[Array]] = [[] for _ in range(layout.width)]
         self._present: list[npt.NDArray[np.uint16]] = []
@@ -232,7 +234,7 @@ class _Columns:
         ]
         return [
             RawTable(
-                f"block {number}" if len(blocks) > 1 else "",
+                name,
                 tuple(Channel(layout.names[place], units[place], values[place][first:last]) for place in numeric),
                 layout.first + first + 1,
                 (told,),
@@ -240,8 +242,23 @@ class _Columns:
                 tuple(replace(column, values=column.values[first:last]) for column in labels),
                 tuple(layout.titles[place] for place in numeric),
             )
-            for number, (first, last) in enumerate(blocks, 1)
+            for name, (first, last) in zip(self._names(blocks), blocks, strict=True)
         ]
+
+    def _names(self, blocks: Sequence[tuple[int, int]]) -> list[str]:
+        """Give the blocks' names, "" for a single one."""
+        if len(blocks) == 1:
+            return [""]
+        layout = self.layout
+        between = [
+            [self._between.get(row, "") for row in range(before, after)]
+            for (_, before), (after, _) in itertools.pairwise(blocks)
+        ]
+        above = [
+            [line for line in lines if line.strip() and not is_header(cells_of(line, layout.delimiter), layout.names)]
+            for lines in (self._header, *between)
+        ]
+        return names_of_blocks(above, layout.delimiter)
 
     def _refuse_other_order(self, blocks: Sequence[tuple[int, int]]) -> None:
         """Refuse a later block whose names or units are others, or in another order: its numbers would go for them.

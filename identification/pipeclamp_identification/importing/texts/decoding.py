@@ -1,9 +1,10 @@
-"""Bytes to text: UTF-8, UTF-16 and UTF-32 by their marks or zeros, else the Windows code page, as machines write it."""
+"""Bytes to text: UTF-8, UTF-16 and UTF-32 by their marks or zeros, else a Windows code page, as machines write it."""
 
 from __future__ import annotations
 
 import codecs
 import io
+import re
 from collections.abc import Iterator
 from typing import BinaryIO
 
@@ -20,6 +21,15 @@ MARKS = (
 LOOKED_AT = 4096
 ZEROS = 0.3
 """Share of the bytes at even, or at odd places that are zero in UTF-16 text of numbers."""
+CODE_PAGES = ("gb18030", "big5hkscs", "cp932", "cp949", "cp1251", "cp1252")
+"""Of Windows in Chinese, Japanese, Korean, Cyrillic and western languages; the last where none is surely the text's."""
+FEWEST_DIFFERENT = 8
+"""Bytes beyond ASCII, different ones, that tell a language: units alone (°, µ, ²) are fewer."""
+BEYOND_ASCII = re.compile(rb"[^\n]*[\x80-\xff][^\n]*")
+"""A line with such a byte; lines of numbers tell nothing, and are most of a file."""
+ASCII = frozenset(range(128))
+ASKED = 1 << 20
+"""Bytes of a text that are asked for its language: its header's, and some thousand lines."""
 
 
 def decoded(content: bytes) -> tuple[str, str]:
@@ -34,8 +44,9 @@ def decoded(content: bytes) -> tuple[str, str]:
 def text_blocks(stream: BinaryIO, size: int, most: int) -> Iterator[tuple[str, str]]:
     """Give a file's text in blocks of whole lines, with line ends of one kind, and the name of its encoding.
 
-    Without a byte order mark it is UTF-8 where it can be; other bytes are of the Windows code page 1252, which holds
-    Latin-1's letters. That decides about names alone: numbers are the same in all of these.
+    Without a byte order mark it is UTF-8 where it can be; other bytes are of the Windows code page of their language
+    or, where too few tell it, of page 1252, which holds Latin-1's letters. That decides about names alone: numbers are
+    the same in all of these.
 
     Args:
         stream: of the file.
@@ -73,7 +84,7 @@ class _Decoder:
 
     def __init__(self, head: bytes) -> None:
         encoding = _encoding(head)
-        self._others = ["cp1252", "latin-1"] if encoding == "utf-8" else []
+        self._others = [CODE_PAGES[-1], "latin-1"] if encoding == "utf-8" else []
         self._read = 0
         self._begin(encoding)
 
@@ -95,6 +106,8 @@ class _Decoder:
             if not self._others:
                 place = self._read + error.start
                 raise Damaged(f"is no whole text in {self.encoding} (byte {place})") from error
+            if self.encoding == "utf-8" and (own := _code_page(pending + content)) not in self._others:
+                self._others.insert(0, own)
             self._begin(self._others.pop(0))
             return self.text(pending + content, final=final)
         self._read += len(content)
@@ -113,3 +126,15 @@ def _encoding(content: bytes) -> str:
         if even > ZEROS > 2 * odd:
             return "utf-16-be"
     return "utf-8"
+
+
+def _code_page(content: bytes) -> str:
+    """Give the Windows code page of a text's language."""
+    # most texts do without
+    from chardet import detect
+
+    telling = b"\n".join(BEYOND_ASCII.findall(content[:ASKED]))
+    if len(set(telling) - ASCII) < FEWEST_DIFFERENT:
+        return CODE_PAGES[-1]
+    found = detect(telling, include_encodings=CODE_PAGES, compat_names=False)["encoding"]
+    return found if found in CODE_PAGES else CODE_PAGES[-1]

@@ -337,6 +337,11 @@ def _are_ours(row: Sequence[str]) -> bool:
     return len({quantity_of_unit(cell) for cell in plain if cell and _is_plain_unit(cell)} & NEEDED) > 1
 
 
+def is_header(row: Sequence[str], names: Sequence[str]) -> bool:
+    """Tell whether a row is one of a table's names, or of units."""
+    return len(set(row) & set(names)) >= FEWEST_COLUMNS or _are_units(row)
+
+
 def is_other_header(row: Sequence[str], names: Sequence[str], units: Sequence[str]) -> bool:
     """Tell whether a row below a table's header is one of names or units that stand in another order, or are others."""
     cells = [_bare(cell) for cell in row]
