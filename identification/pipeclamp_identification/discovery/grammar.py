@@ -31,6 +31,8 @@ FAST = {
     "lower": "0.01 * A_typical * f_typical",
     "upper": "100 * A_highest * f_highest",
 }
+NARROWEST = 0.03
+"""Share of a clearance that is never closed: a pole is cut off there, beyond the tests' range."""
 MOST_PARAMETERS = 4
 MOST_STARTS = 8
 LONGEST_ID = 40
@@ -94,6 +96,12 @@ def _exponent(meaning: str, *starts: float, lower: float = 0.0, upper: float = 9
     return {"symbol": "p_x", "unit": "-", "meaning": meaning, "start": starts, "lower": lower, "upper": upper}
 
 
+def _clearance() -> Entry:
+    starts = tuple(f"{share} * A_highest" for share in (1.2, 1.6, 3.0))
+    meaning = "displacement at which the clearance is closed"
+    return {**LONG, "meaning": meaning, "start": starts, "lower": "1.05 * A_highest", "upper": "10 * A_highest"}
+
+
 def _springs() -> Iterator[_Shape]:
     power = _exponent("exponent of the displacement", 0.5, 2.0, 5.0, 7.0, lower=0.1)
     yield _Shape(
@@ -125,10 +133,28 @@ def _springs() -> Iterator[_Shape]:
         "growing_spring", "(exp(y / y_x) - exp(-y / y_x)) / 2", "a spring whose force grows exponentially",
         (_length("displacement by which it grows e times", 0.15, 0.3, 1.0),), signed=True,
     )  # fmt: skip
-    yield _Shape(
-        "growing_one_way", "exp(y / y_x) - 1", "a spring that stiffens to one side and softens to the other",
-        (_length("displacement by which it grows e times", 0.3, 1.0),), signed=True,
-    )  # fmt: skip
+    growth = _length("displacement by which it grows e times", 0.3, 1.0)
+    for side, way in (("positive", "y"), ("negative", "-y")):
+        yield _Shape(
+            f"growing_{side}", f"exp({way} / y_x) - 1",
+            f"a force that grows exponentially to the {side} side and levels off to the other", (growth,), signed=True,
+        )  # fmt: skip
+    for side, closed in CLOSING.items():
+        force = f"y / (y_x * {closed})" if side == "both" else f"1 / {closed} - 1"
+        yield _Shape(
+            f"closing_spring_{side}", force,
+            f"a spring whose force grows without bound towards a displacement on {SIDES[side]}", (_clearance(),),
+            signed=True,
+        )  # fmt: skip
+
+
+CLOSING = {
+    "positive": f"max(1 - y / y_x, {NARROWEST})",
+    "negative": f"max(1 + y / y_x, {NARROWEST})",
+    "both": f"max(1 - (y / y_x)**2, {NARROWEST})",
+}
+"""Share of a clearance that is left, by the side on which it closes."""
+SIDES = {"positive": "the positive side", "negative": "the negative side", "both": "both sides"}
 
 
 PLACES = (
@@ -150,6 +176,8 @@ PLACES = (
      (_length("displacement by which it rises fourfold", 0.8, 2.0),)),
     ("_outside", "(y / y_x)**2 / (1 + (y / y_x)**2)", ", pinched about the middle and level farther out",
      (_length("displacement at which half of it acts", 0.1, 0.4),)),
+    *((f"_closing_{side}", f"1 / {closed}**2", f", growing without bound towards a displacement on {SIDES[side]}",
+       (_clearance(),)) for side, closed in CLOSING.items()),
 )  # fmt: skip
 """Where a damper or a slip force acts: name, factor >= 0 of y, words, parameters."""
 
@@ -272,6 +300,9 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
         ("beyond", f"max({plain} - l_x, 0) / {size}", "changes beyond a level of", (level,)),
         ("levelling", f"{plain} / (abs({plain}) + abs(l_x))", "changes and levels off with", (level,)),
     ]
+    if signal in ("A", "f"):
+        peak = f"2 * {plain} * l_x / ({plain}**2 + l_x**2)"
+        forms.append(("peak", peak, "has a peak, or a trough, at a level of", (level,)))
     for form, exponent, words, parameters in forms:
         yield _term(
             "factor", f"{role}_{form}_{plain}", f"{ROLES[role]} that {words} the {name}",
