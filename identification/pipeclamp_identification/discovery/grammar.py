@@ -127,6 +127,10 @@ def _springs() -> Iterator[_Shape]:
     reach = _length("displacement by which it changes", 0.1, 0.3, 1.0)
     yield _Shape("saturating_spring", "tanh(y / y_x)", "a spring whose force levels off", (reach,), signed=True)
     yield _Shape(
+        "softening_spring", f"y / ({SIZE_Y} + y_x)", "a spring that softens slowly, its force levelling off in the end",
+        (reach,), signed=True,
+    )  # fmt: skip
+    yield _Shape(
         "local_spring", "(y / y_x) * exp(-(y / y_x)**2)", "a spring about the middle only", (reach,), signed=True
     )
     yield _Shape(
@@ -191,6 +195,8 @@ def _dampers() -> Iterator[_Shape]:
         ("damping", f"{SIGN_V} * ({SIZE_V} / v_0)**p_x", "damping by a power of the velocity",
          (_exponent("exponent of the velocity", 0.2, 1.0, 2.0, 3.0, upper=5.0),)),
         ("saturating_damping", "tanh(v / v_x)", "damping that levels off with velocity", (_velocity(speed, 0.3, 2.0),)),
+        ("thinning_damping", f"v / ({SIZE_V} + v_x)", "damping that thins with velocity, levelling off in the end",
+         (_velocity(speed, 0.3, 2.0),)),
         ("relief_damping", f"{SIGN_V} * max({SIZE_V} - v_x, 0) / v_0", "damping that begins beyond a velocity",
          (_velocity("velocity from which it acts", 1.0, 4.0),)),
         ("forward_damping", "max(v, 0) / v_0", "damping while the displacement rises only", ()),
