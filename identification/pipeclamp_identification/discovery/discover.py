@@ -47,6 +47,8 @@ MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
 KEPT_BACK = 5
 """Of so many groups of A and f one is kept back from the search."""
+MOST_SHORTENED = 5
+"""Terms, best first, that are also fitted without their scaling: from few starts the longer is screened better."""
 MOST_HEARD = 3
 """Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
 MOST_GONE = 4
@@ -214,23 +216,29 @@ def _asked(
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:
         return "no term of the grammar explains more than chance would at its best"
-    by_id = {columns[place].term.declaration.id: place for place in places}
-    contenders = [_contender(law, scanned, place) for place in places]
-    judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
-    refitted = [each for one in judged for each in _refitted(one, columns[by_id[one.effects[0]]].term, evaluation)]
+    known = {term.declaration.id: term for term in every}
+
+    def together(contenders: Sequence[Contender]) -> list[Refitted]:
+        judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
+        return [each for one in judged for each in _refitted(one, known[one.effects[0]], evaluation)]
+
+    refitted = together([_contender(law, scanned, place) for place in places])
+    refitted += together(_shortened(law, refitted, known))
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
     progress("ask the conditions that were kept back")
     hearing = _Hearing(evaluation, columns, refitted, bar, basis.gone)
     # what does nothing at its fitted values has only let the law itself be fitted better
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > hearing.by_chance] or refitted
+    # of each term the start that was screened best
+    place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
     heard: list[Found] = []
     while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = _best(left)
         heard.append(hearing.of(best, rivals))
         # what acts as a term that failed would fail too; asked before they are fitted, for then all act much the same
-        alike = scanned.alike(by_id[best.term.declaration.id])
-        left = [one for one in left if one is not best and not alike[by_id[one.term.declaration.id]]]
+        alike = scanned.alike(place_of[best.term.declaration.id])
+        left = [one for one in left if one is not best and not alike[place_of[one.term.declaration.id]]]
     return heard[-1] if heard[-1].passed else heard[0]
 
 
@@ -357,6 +365,19 @@ def _contender(law: Judged, scanned: Screened, place: int) -> Contender:
     symbol = RATE if term.family == "factor" else STRENGTH
     start = {**law.result.law.values, **column.values, symbol: scanned.strength(place) / scanned.lengths[place]}
     return Contender((term.declaration.id,), larger, [start])
+
+
+def _shortened(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
+    """Give the best terms without their scaling, from where they were fitted, where these weren't fitted yet."""
+    best = sorted(refitted, key=lambda one: one.squares)[:MOST_SHORTENED]
+    fitted = {one.term.declaration.id for one in refitted}
+    starts = {one.term.shorter: one.judged.result.law.values for one in reversed(best)}
+    structure = law.result.law.structure
+    contenders = []
+    for name in sorted(set(starts) & set(known) - fitted):
+        larger = with_effect(structure.with_declared([known[name].declaration]), name)
+        contenders.append(Contender((name,), larger, [larger.own(starts[name])]))
+    return contenders
 
 
 def _refitted(judged: Judged, term: Term, evaluation: Evaluation) -> list[Refitted]:

@@ -12,7 +12,7 @@ import itertools
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from pipeclamp_models.law.declaration import Declaration
@@ -47,11 +47,13 @@ class Term:
         family: which kind it is.
         declaration: the term, its strength the first parameter.
         acts_like: what it does, in a test engineer's words.
+        shorter: id of the same term without its scaling; empty where it has none.
     """
 
     family: Family
     declaration: Declaration
     acts_like: str
+    shorter: str = ""
 
 
 @dataclass(frozen=True)
@@ -269,12 +271,13 @@ def _force_term(family: Family, shape: _Shape, scale: str | None, conditions: Ma
     if not shape.signed:
         strength = {**strength, "lower": 0.0}
     scaled = f"{STRENGTH} * {factor}" if factor else STRENGTH
-    return _term(
+    term = _term(
         family, f"{shape.name}{f'_by_{_named(scale)}' if scale else ''}", f"{shape.acts_like}{words}",
         parameters=(strength, *shape.parameters, *further), force=f"{scaled} * ({shape.expression})",
         states=(shape.state,) if shape.state else (), energy=shape.energy.replace(STRENGTH, scaled),
         conditions=(scale,) if scale in conditions else (),
     )  # fmt: skip
+    return replace(term, shorter=_id(shape.name) if scale else "")
 
 
 LEVELS = {
