@@ -48,7 +48,7 @@ MOST_REFITTED = 30
 KEPT_BACK = 5
 """Of so many groups of A and f one is kept back from the search."""
 MOST_SHORTENED = 5
-"""Terms, best first, that are also fitted without their scaling: from few starts the longer is screened better."""
+"""Terms, best first, of which shorter ones are also fitted: from few starts longer ones are screened better."""
 MOST_HEARD = 3
 """Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
 MOST_GONE = 4
@@ -156,7 +156,7 @@ def search(
         heard += [other] if isinstance(other, Found) and other.passed else []
     if not heard:
         return Search(found, None, len(every), own if isinstance(own, str) else "")
-    result = _chosen(heard)
+    result = best_heard(heard)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
 
@@ -216,7 +216,7 @@ def _asked(
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:
         return "no term of the grammar explains more than chance would at its best"
-    known = {term.declaration.id: term for term in every}
+    known = {column.term.declaration.id: column.term for column in columns}
 
     def together(contenders: Sequence[Contender]) -> list[Refitted]:
         judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
@@ -242,7 +242,7 @@ def _asked(
     return heard[-1] if heard[-1].passed else heard[0]
 
 
-def _chosen(heard: Sequence[Found]) -> Found:
+def best_heard(heard: Sequence[Found]) -> Found:
     """Give what foretells best of terms beside a law's effects and in their place; of equals that of the shortest law.
 
     The first is the law's own, which counts only where it passed or no other did.
@@ -368,10 +368,10 @@ def _contender(law: Judged, scanned: Screened, place: int) -> Contender:
 
 
 def _shortened(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
-    """Give the best terms without their scaling, from where they were fitted, where these weren't fitted yet."""
+    """Give what is left of the best terms without their scaling or place, where it wasn't fitted yet."""
     best = sorted(refitted, key=lambda one: one.squares)[:MOST_SHORTENED]
     fitted = {one.term.declaration.id for one in refitted}
-    starts = {one.term.shorter: one.judged.result.law.values for one in reversed(best)}
+    starts = {name: one.judged.result.law.values for one in reversed(best) for name in one.term.shorter}
     structure = law.result.law.structure
     contenders = []
     for name in sorted(set(starts) & set(known) - fitted):

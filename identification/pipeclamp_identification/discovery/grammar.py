@@ -47,18 +47,21 @@ class Term:
         family: which kind it is.
         declaration: the term, its strength the first parameter.
         acts_like: what it does, in a test engineer's words.
-        shorter: id of the same term without its scaling; empty where it has none.
+        shorter: ids of the same term without its scaling, without what says where it acts, and without both.
     """
 
     family: Family
     declaration: Declaration
     acts_like: str
-    shorter: str = ""
+    shorter: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Shape:
-    """A force without its strength: an expression, its parameters, words, and the state that it needs."""
+    """A force without its strength: an expression, its parameters, words, and the state that it needs.
+
+    `plain` is the name of the same one that acts everywhere; empty where this one does.
+    """
 
     name: str
     expression: str
@@ -67,6 +70,7 @@ class _Shape:
     state: Entry | None = None
     energy: str = ""
     signed: bool = False
+    plain: str = ""
 
 
 def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Term]:
@@ -207,7 +211,8 @@ def _dampers() -> Iterator[_Shape]:
         ("backward_square", "-(max(-v, 0) / v_0)**2", "square damping while the displacement falls only", ()),
     )  # fmt: skip
     for (name, rate, words, own), (place, factor, where, further) in itertools.product(rates, PLACES):
-        yield _Shape(f"{name}{place}", f"{factor} * {rate}" if place else rate, f"{words}{where}", (*own, *further))
+        yield _Shape(f"{name}{place}", f"{factor} * {rate}" if place else rate, f"{words}{where}", (*own, *further),
+                     plain=name if place else "")  # fmt: skip
 
 
 def _velocity(meaning: str, *shares: float) -> Entry:
@@ -228,7 +233,7 @@ def _elements() -> Iterator[_Shape]:
         own = tuple({**one, "symbol": "q_x"} if one["symbol"] == "y_x" else one for one in further)
         yield _Shape(
             f"slip{place}", "z_x", f"dry friction{where or ' of one strength'}", (way, *own),
-            state(f"min(max({trial}, -({limit})), {limit})"), stored,
+            state(f"min(max({trial}, -({limit})), {limit})"), stored, plain="slip" if place else "",
         )  # fmt: skip
     for power, words in ((0.5, "softens"), (2, "stiffens"), (3, "stiffens much")):
         yield _Shape(
@@ -272,12 +277,19 @@ def _force_term(family: Family, shape: _Shape, scale: str | None, conditions: Ma
         strength = {**strength, "lower": 0.0}
     scaled = f"{STRENGTH} * {factor}" if factor else STRENGTH
     term = _term(
-        family, f"{shape.name}{f'_by_{_named(scale)}' if scale else ''}", f"{shape.acts_like}{words}",
+        family, _name(shape.name, scale), f"{shape.acts_like}{words}",
         parameters=(strength, *shape.parameters, *further), force=f"{scaled} * ({shape.expression})",
         states=(shape.state,) if shape.state else (), energy=shape.energy.replace(STRENGTH, scaled),
         conditions=(scale,) if scale in conditions else (),
     )  # fmt: skip
-    return replace(term, shorter=_id(shape.name) if scale else "")
+    names = {shape.name, shape.plain} - {""}
+    shorter = {_name(one, each) for one in names for each in {scale, None}} - {_name(shape.name, scale)}
+    return replace(term, shorter=tuple(sorted(map(_id, shorter))))
+
+
+def _name(shape: str, scale: str | None) -> str:
+    """Give the name of a term that adds a force."""
+    return f"{shape}{f'_by_{_named(scale)}' if scale else ''}"
 
 
 LEVELS = {
