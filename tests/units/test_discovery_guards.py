@@ -76,7 +76,7 @@ def test_a_term_that_does_as_well_as_the_best_comes_back(behind, alike, passes):
     ("objection", "told"), [((), "instead"), (("k ran into its bound (9)",), "ran into its bound")]
 )
 def test_what_the_catalogue_does_as_well_is_told_with_what_speaks_against_it(objection, told):
-    """No diagnosis names an effect whose parameter ran into a bound; the user had been sent to `add` it all the same."""
+    """No diagnosis names an effect whose parameter ran into a bound; users had been sent to `add` it all the same."""
     squares = np.full(12, 100.0)
     effect = SimpleNamespace(effects=("oil_damper",), objections=objection, score=SimpleNamespace(squares=squares))
     found = SimpleNamespace(score=SimpleNamespace(squares=squares + 1.0))
