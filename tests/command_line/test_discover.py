@@ -21,6 +21,18 @@ HIDDEN = Declaration.model_validate(
         "parameters": [{"symbol": "c_h", "unit": "N s/mm", "meaning": "its size", "start": 1.0, "lower": 0}],
     }
 )
+SPRING = Declaration.model_validate(
+    {
+        "id": "hidden",
+        "title": "a spring that softens for ever",
+        "looks_like": "a loop that is steeper in the middle",
+        "force": "F_h * y / sqrt(y**2 + y_r**2) * log(1 + sqrt(y**2 + y_r**2) / l_h)",
+        "parameters": [
+            {"symbol": "F_h", "unit": "N", "meaning": "its size", "start": 50.0, "lower": 0},
+            {"symbol": "l_h", "unit": "mm", "meaning": "displacement by which it softens", "start": 0.2, "lower": 0.01},
+        ],
+    }
+)
 BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
     "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
@@ -35,6 +47,8 @@ def campaigns(tmp_path_factory):
     for name, size in (("with", 3.0), ("without", 0.0)):
         law = Law(Structure("power", ("hidden",), declared=(HIDDEN,)), {**BASE, "c_h": size}, 0.0126, 0.002)
         write_campaign(folder / name, rig.virtual_runs(law, PLAN), name=name, notes="")
+    law = Law(Structure("power", ("hidden",), declared=(SPRING,)), {**BASE, "F_h": 60.0, "l_h": 0.2}, 0.0126, 0.002)
+    write_campaign(folder / "spring", rig.virtual_runs(law, PLAN), name="spring", notes="")
     return folder
 
 
@@ -89,6 +103,28 @@ def test_a_part_that_stood_for_the_term_goes(campaigns, pipeclamp, tmp_path):
     found = pc.open_law(law2)
     assert found.effects == (answer["effect"],)
     assert pc.compare(found, tests).nrmse < 1.1 * answer["noise_nrmse"]
+
+
+def test_a_term_takes_the_place_of_the_parts_that_stood_for_it(campaigns):
+    """Beside parts, which leave another form over, a term isn't what is hidden; in their place it is."""
+    tests = campaigns / "spring"
+    law = pc.identify(tests, effects=["self_centring", "hardening"])
+    answer = pc.discover(law, tests)
+    assert answer.proposed, answer.reason
+    told = answer.to_dict()
+    assert set(told["spare"]) == {"self_centring", "hardening"}
+    assert told["family"] == "spring"
+    assert answer.law.effects == (told["effect"],)
+    assert told["heldout_after"] < 1.1 * told["noise_nrmse"]
+    y = np.linspace(-0.9, 0.9, 19)
+    without = pc.identify(tests)
+    before, after = (one.force(y, np.zeros(19), A=0.9, f=3.0, T=20.0) for one in (without, answer.law))
+    odd = np.stack([y, y**3]).T
+    added, hidden = (
+        force - odd @ np.linalg.lstsq(odd, force, rcond=None)[0]
+        for force in (after - before, np.sign(y) * np.log1p(np.abs(y) / 0.2))
+    )
+    assert np.corrcoef(added, hidden)[0, 1] > 0.99
 
 
 def test_nothing_is_proposed_where_nothing_is_missing(campaigns, pipeclamp, tmp_path):

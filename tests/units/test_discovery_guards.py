@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.discover import best_heard
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.guards import comes_back, highest, passive
+from pipeclamp_identification.discovery.guards import comes_back, highest, not_in_the_catalogue, passive
 from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -69,6 +70,39 @@ def test_a_term_that_does_as_well_as_the_best_comes_back(behind, alike, passes):
     guard = comes_back([found, other], np.array([True, alike]), groups)
     assert guard.passed == passes
     assert "in 100%" in guard.words if passes else "in 0%" in guard.words
+
+
+@pytest.mark.parametrize(
+    ("objection", "told"), [((), "instead"), (("k ran into its bound (9)",), "ran into its bound")]
+)
+def test_what_the_catalogue_does_as_well_is_told_with_what_speaks_against_it(objection, told):
+    """No diagnosis names an effect whose parameter ran into a bound; users had been sent to `add` it all the same."""
+    squares = np.full(12, 100.0)
+    effect = SimpleNamespace(effects=("oil_damper",), objections=objection, score=SimpleNamespace(squares=squares))
+    found = SimpleNamespace(score=SimpleNamespace(squares=squares + 1.0))
+    guard = not_in_the_catalogue(found, [effect], SimpleNamespace(groups=np.repeat(np.arange(6), 2)))
+    assert not guard.passed
+    assert told in guard.words
+
+
+@pytest.mark.parametrize(
+    ("beside", "instead", "taken"),
+    [
+        ((100.0, 14, True), (105.0, 12, True), "instead"),  # as good and shorter
+        ((100.0, 14, True), (150.0, 12, True), "beside"),  # worse
+        ((100.0, 14, False), (150.0, 12, True), "instead"),  # the other didn't pass
+        ((100.0, 14, False), None, "beside"),  # what came nearest
+    ],
+)
+def test_of_terms_beside_effects_and_in_their_place_the_best_that_passed_is_taken(beside, instead, taken):
+    heard = [
+        SimpleNamespace(
+            name=name, passed=each[2],
+            judged=SimpleNamespace(squares=each[0], result=SimpleNamespace(law=SimpleNamespace(values=range(each[1])))),
+        )
+        for name, each in (("beside", beside), ("instead", instead)) if each
+    ]  # fmt: skip
+    assert best_heard(heard).name == taken
 
 
 def test_the_simplest_stands_for_terms_that_act_as_one():

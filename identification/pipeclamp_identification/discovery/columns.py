@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -141,12 +141,12 @@ class Evaluation:
             return None
         rate = sp.Symbol(RATE, real=True)
         slope = sp.diff(sp.log(factor), rate).subs(rate, 0)
-        function = _function(slope, effect)
+        function = _function(slope)
         rows = len(self.motion.y)
         return lambda values: direction * np.broadcast_to(function(**self.known, **values), (rows, 1))
 
     def _force(self, effect: Effect) -> Callable[[Mapping[str, float]], Array]:
-        force = _function(effect.force.subs(sp.Symbol(STRENGTH, real=True), 1), effect)
+        force = _function(effect.force.subs(sp.Symbol(STRENGTH, real=True), 1))
 
         def change(values: Mapping[str, float]) -> Array:
             states = self._states(effect, values)
@@ -161,7 +161,7 @@ class Evaluation:
             return {}
         (state,) = effect.states
         name = str(state.symbol)
-        update = _function(state.update, effect)
+        update = _function(state.update)
         moving = {key: value for key, value in self.known.items() if np.ndim(value) == 2 and value.shape[1] > 1}
         still = {
             key: value[:, 0] if np.ndim(value) == 2 else value for key, value in self.known.items() if key not in moving
@@ -176,7 +176,8 @@ class Evaluation:
         return {name: trajectory}
 
 
-def _function(expression: sp.Expr, effect: Effect) -> Callable[..., Any]:
+@lru_cache(maxsize=4096)
+def _function(expression: sp.Expr) -> Callable[..., Any]:
     """Give an expression as a function of everything by name."""
     free = sorted(expression.free_symbols, key=str)
     compiled = sp.lambdify(free, expression, modules="numpy", printer=ArrayPrinter)

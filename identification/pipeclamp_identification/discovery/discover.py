@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -47,8 +47,12 @@ MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
 KEPT_BACK = 5
 """Of so many groups of A and f one is kept back from the search."""
+MOST_SHORTENED = 5
+"""Terms, best first, of which shorter ones are also fitted: from few starts longer ones are screened better."""
 MOST_HEARD = 3
 """Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
+MOST_GONE = 4
+"""Effects, the last ones of a law, in whose place a term is tried, at most: each number of them is a search more."""
 LISTED = 3
 """Effects of the catalogue, best first, that a term must better."""
 
@@ -64,6 +68,7 @@ class Found:
         rivals: other terms that do as well, best first.
         next_test: the sine on which the term and its first rival differ most, in words; empty where there is none.
         guards: what was asked of it.
+        gone: effects of the law in whose place it stands.
     """
 
     term: Term
@@ -72,6 +77,7 @@ class Found:
     rivals: tuple[Term, ...]
     next_test: str
     guards: tuple[Guard, ...]
+    gone: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -134,42 +140,117 @@ def search(
         )
     kept = groups % KEPT_BACK == KEPT_BACK // 2
     structure = structure_of(file).with_declared(declared)
-    seen = _rows(loops, ~kept)
-    problem, law = _weighed(structure, seen, law_of(file).values)
-    evaluation = Evaluation(problem, law)
+    problem, law = _weighed(structure, _rows(loops, ~kept), law_of(file).values)
     present = {declaration.id for declaration in structure.declared}
     every = [term for term in terms(*_varied(problem)) if term.declaration.id not in present]
+    listed = [
+        judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
+        for each in found.diagnosis.candidates[:LISTED]
+    ]
+    bar = _Bar(law, listed, _rows(loops, kept), groups[kept])
+    own = _asked(_Basis(law), problem, every, bar, jobs, progress)
+    heard = [own] if isinstance(own, Found) else []
+    for basis in _without_last_effects(law, problem):
+        progress(f"a term in the place of {' and '.join(basis.gone)}")
+        other = _asked(basis, problem, every, bar, jobs, progress)
+        heard += [other] if isinstance(other, Found) and other.passed else []
+    if not heard:
+        return Search(found, None, len(every), own if isinstance(own, str) else "")
+    result = best_heard(heard)
+    failed = next((guard for guard in result.guards if not guard.passed), None)
+    return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+
+
+@dataclass(frozen=True)
+class _Basis:
+    """A law that a term is put into.
+
+    Attributes:
+        law: fitted.
+        gone: effects of the law as it is that this one hasn't got: what they stand for may be a term.
+    """
+
+    law: Judged
+    gone: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Bar:
+    """What a term must better.
+
+    Attributes:
+        law: the law as it is.
+        listed: the catalogue's best effects in it, on the same tests.
+        unseen, groups: the tests that were kept back, and the group of each.
+    """
+
+    law: Judged
+    listed: Sequence[Judged]
+    unseen: Loops
+    groups: npt.NDArray[np.intp]
+
+
+def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
+    """Give the law without the last effect that it was given, without the last two, and so on."""
+    structure = law.result.law.structure
+    for count in range(1, min(len(structure.effects), MOST_GONE) + 1):
+        stays, gone = structure.effects[:-count], structure.effects[-count:]
+        without = replace(structure, effects=stays)
+        try:
+            judged = judge((), without, [without.own(law.result.law.values)], problem)
+        except UserError:  # another effect modifies what only this one has
+            continue
+        yield _Basis(judged, gone)
+
+
+def _asked(
+    basis: _Basis, problem: Problem, every: Sequence[Term], bar: _Bar, jobs: int, progress: Progress
+) -> Found | str:
+    """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at."""
+    law = basis.law
+    evaluation = Evaluation(problem, law)
     columns = all_columns(evaluation, every, progress)
     progress("what chance would explain")
     scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
     chance, explained = scanned.by_chance(), scanned.explained()
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:
-        return Search(found, None, len(every), "no term of the grammar explains more than chance would at its best")
-    by_id = {columns[place].term.declaration.id: place for place in places}
-    contenders = [_contender(structure, law, scanned, place) for place in places]
-    judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
-    refitted = [each for one in judged for each in _refitted(one, columns[by_id[one.effects[0]]].term, evaluation)]
+        return "no term of the grammar explains more than chance would at its best"
+    known = {column.term.declaration.id: column.term for column in columns}
+
+    def together(contenders: Sequence[Contender]) -> list[Refitted]:
+        judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
+        return [each for one in judged for each in _refitted(one, known[one.effects[0]], evaluation)]
+
+    refitted = together([_contender(law, scanned, place) for place in places])
+    refitted += together(_shortened(law, refitted, known))
     if not refitted:
-        return Search(found, None, len(every), "no term of the grammar could be fitted together with the law")
-    listed = [
-        judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
-        for each in found.diagnosis.candidates[:LISTED]
-    ]
+        return "no term of the grammar could be fitted together with the law"
     progress("ask the conditions that were kept back")
-    hearing = _Hearing(evaluation, columns, refitted, listed, _rows(loops, kept), groups[kept])
-    heard: list[Found] = []
+    hearing = _Hearing(evaluation, columns, refitted, bar, basis.gone)
     # what does nothing at its fitted values has only let the law itself be fitted better
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > hearing.by_chance] or refitted
-    while left and len(heard) < MOST_HEARD and not (heard and heard[-1].passed):
+    # of each term the start that was screened best
+    place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
+    heard: list[Found] = []
+    while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = _best(left)
         heard.append(hearing.of(best, rivals))
         # what acts as a term that failed would fail too; asked before they are fitted, for then all act much the same
-        alike = scanned.alike(by_id[best.term.declaration.id])
-        left = [one for one in left if one is not best and not alike[by_id[one.term.declaration.id]]]
-    result = heard[-1] if heard[-1].passed else heard[0]
-    failed = next((guard for guard in result.guards if not guard.passed), None)
-    return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+        alike = scanned.alike(place_of[best.term.declaration.id])
+        left = [one for one in left if one is not best and not alike[place_of[one.term.declaration.id]]]
+    return heard[-1] if heard[-1].passed else heard[0]
+
+
+def best_heard(heard: Sequence[Found]) -> Found:
+    """Give what foretells best of terms beside a law's effects and in their place; of equals that of the shortest law.
+
+    The first is the law's own, which counts only where it passed or no other did.
+    """
+    passed = [one for one in heard if one.passed] or heard
+    least = min(one.judged.squares for one in passed)
+    near = [one for one in passed if one.judged.squares <= least + RIVAL_LIKELIHOOD]
+    return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,19 +283,18 @@ class _Hearing:
     """What terms are asked with.
 
     Attributes:
-        evaluation: the law on the tests that the search saw.
+        evaluation: the law that the terms are put into, on the tests that the search saw.
         columns: all that was screened.
         refitted: the terms that were fitted together with the law.
-        listed: the catalogue's best effects, on the same tests.
-        unseen, groups: the tests that were kept back, and the group of each.
+        bar: what they must better.
+        gone: the effects in whose place they stand.
     """
 
     evaluation: Evaluation
     columns: Sequence[Column]
     refitted: Sequence[Refitted]
-    listed: Sequence[Judged]
-    unseen: Loops
-    groups: npt.NDArray[np.intp]
+    bar: _Bar
+    gone: tuple[str, ...] = ()
 
     @cached_property
     def screened(self) -> Screened:
@@ -241,17 +321,18 @@ class _Hearing:
 
     def of(self, best: Refitted, rivals: Sequence[Refitted]) -> Found:
         """Ask a term, at its fitted values, among all the others."""
-        law, problem = self.evaluation.law, self.evaluation.problem
+        law, problem = self.bar.law, self.evaluation.problem
         found, place = best.judged, self.refitted.index(best)
+        replaced = [replace(law, effects=self.gone)] if self.gone else []
         guards = (
             beyond_chance(float(self.explained[place]), self.by_chance),
             comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
             beyond_the_tests(law, found, problem),
-            confirmed(law.result.law, found.result.law, self.unseen, self.groups),
-            not_in_the_catalogue(found, self.listed, problem),
+            confirmed(law.result.law, found.result.law, self.bar.unseen, self.bar.groups),
+            not_in_the_catalogue(found, [*replaced, *self.bar.listed], problem),
         )
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
-        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards)
+        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone)
 
 
 def _rows(loops: Loops, chosen: npt.NDArray[np.bool_]) -> Loops:
@@ -277,13 +358,26 @@ def _varied(problem: Problem) -> tuple[Sequence[str], Mapping[str, float]]:
     return names, conditions
 
 
-def _contender(structure: Structure, law: Judged, scanned: Screened, place: int) -> Contender:
+def _contender(law: Judged, scanned: Screened, place: int) -> Contender:
     column = scanned.columns[place]
     term = column.term
-    larger = with_effect(structure.with_declared([term.declaration]), term.declaration.id)
+    larger = with_effect(law.result.law.structure.with_declared([term.declaration]), term.declaration.id)
     symbol = RATE if term.family == "factor" else STRENGTH
     start = {**law.result.law.values, **column.values, symbol: scanned.strength(place) / scanned.lengths[place]}
     return Contender((term.declaration.id,), larger, [start])
+
+
+def _shortened(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
+    """Give what is left of the best terms without their scaling or place, where it wasn't fitted yet."""
+    best = sorted(refitted, key=lambda one: one.squares)[:MOST_SHORTENED]
+    fitted = {one.term.declaration.id for one in refitted}
+    starts = {name: one.judged.result.law.values for one in reversed(best) for name in one.term.shorter}
+    structure = law.result.law.structure
+    contenders = []
+    for name in sorted(set(starts) & set(known) - fitted):
+        larger = with_effect(structure.with_declared([known[name].declaration]), name)
+        contenders.append(Contender((name,), larger, [larger.own(starts[name])]))
+    return contenders
 
 
 def _refitted(judged: Judged, term: Term, evaluation: Evaluation) -> list[Refitted]:

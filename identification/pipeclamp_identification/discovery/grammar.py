@@ -12,7 +12,7 @@ import itertools
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from pipeclamp_models.law.declaration import Declaration
@@ -47,16 +47,21 @@ class Term:
         family: which kind it is.
         declaration: the term, its strength the first parameter.
         acts_like: what it does, in a test engineer's words.
+        shorter: ids of the same term without its scaling, without what says where it acts, and without both.
     """
 
     family: Family
     declaration: Declaration
     acts_like: str
+    shorter: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Shape:
-    """A force without its strength: an expression, its parameters, words, and the state that it needs."""
+    """A force without its strength: an expression, its parameters, words, and the state that it needs.
+
+    `plain` is the name of the same one that acts everywhere; empty where this one does.
+    """
 
     name: str
     expression: str
@@ -65,6 +70,7 @@ class _Shape:
     state: Entry | None = None
     energy: str = ""
     signed: bool = False
+    plain: str = ""
 
 
 def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Term]:
@@ -126,6 +132,10 @@ def _springs() -> Iterator[_Shape]:
             )  # fmt: skip
     reach = _length("displacement by which it changes", 0.1, 0.3, 1.0)
     yield _Shape("saturating_spring", "tanh(y / y_x)", "a spring whose force levels off", (reach,), signed=True)
+    yield _Shape(
+        "softening_spring", f"y / ({SIZE_Y} + y_x)", "a spring that softens slowly, its force levelling off in the end",
+        (reach,), signed=True,
+    )  # fmt: skip
     yield _Shape(
         "local_spring", "(y / y_x) * exp(-(y / y_x)**2)", "a spring about the middle only", (reach,), signed=True
     )
@@ -191,6 +201,8 @@ def _dampers() -> Iterator[_Shape]:
         ("damping", f"{SIGN_V} * ({SIZE_V} / v_0)**p_x", "damping by a power of the velocity",
          (_exponent("exponent of the velocity", 0.2, 1.0, 2.0, 3.0, upper=5.0),)),
         ("saturating_damping", "tanh(v / v_x)", "damping that levels off with velocity", (_velocity(speed, 0.3, 2.0),)),
+        ("thinning_damping", f"v / ({SIZE_V} + v_x)", "damping that thins with velocity, levelling off in the end",
+         (_velocity(speed, 0.3, 2.0),)),
         ("relief_damping", f"{SIGN_V} * max({SIZE_V} - v_x, 0) / v_0", "damping that begins beyond a velocity",
          (_velocity("velocity from which it acts", 1.0, 4.0),)),
         ("forward_damping", "max(v, 0) / v_0", "damping while the displacement rises only", ()),
@@ -199,7 +211,8 @@ def _dampers() -> Iterator[_Shape]:
         ("backward_square", "-(max(-v, 0) / v_0)**2", "square damping while the displacement falls only", ()),
     )  # fmt: skip
     for (name, rate, words, own), (place, factor, where, further) in itertools.product(rates, PLACES):
-        yield _Shape(f"{name}{place}", f"{factor} * {rate}" if place else rate, f"{words}{where}", (*own, *further))
+        yield _Shape(f"{name}{place}", f"{factor} * {rate}" if place else rate, f"{words}{where}", (*own, *further),
+                     plain=name if place else "")  # fmt: skip
 
 
 def _velocity(meaning: str, *shares: float) -> Entry:
@@ -220,7 +233,7 @@ def _elements() -> Iterator[_Shape]:
         own = tuple({**one, "symbol": "q_x"} if one["symbol"] == "y_x" else one for one in further)
         yield _Shape(
             f"slip{place}", "z_x", f"dry friction{where or ' of one strength'}", (way, *own),
-            state(f"min(max({trial}, -({limit})), {limit})"), stored,
+            state(f"min(max({trial}, -({limit})), {limit})"), stored, plain="slip" if place else "",
         )  # fmt: skip
     for power, words in ((0.5, "softens"), (2, "stiffens"), (3, "stiffens much")):
         yield _Shape(
@@ -263,12 +276,20 @@ def _force_term(family: Family, shape: _Shape, scale: str | None, conditions: Ma
     if not shape.signed:
         strength = {**strength, "lower": 0.0}
     scaled = f"{STRENGTH} * {factor}" if factor else STRENGTH
-    return _term(
-        family, f"{shape.name}{f'_by_{_named(scale)}' if scale else ''}", f"{shape.acts_like}{words}",
+    term = _term(
+        family, _name(shape.name, scale), f"{shape.acts_like}{words}",
         parameters=(strength, *shape.parameters, *further), force=f"{scaled} * ({shape.expression})",
         states=(shape.state,) if shape.state else (), energy=shape.energy.replace(STRENGTH, scaled),
         conditions=(scale,) if scale in conditions else (),
     )  # fmt: skip
+    names = {shape.name, shape.plain} - {""}
+    shorter = {_name(one, each) for one in names for each in {scale, None}} - {_name(shape.name, scale)}
+    return replace(term, shorter=tuple(sorted(map(_id, shorter))))
+
+
+def _name(shape: str, scale: str | None) -> str:
+    """Give the name of a term that adds a force."""
+    return f"{shape}{f'_by_{_named(scale)}' if scale else ''}"
 
 
 LEVELS = {

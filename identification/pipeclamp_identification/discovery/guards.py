@@ -155,7 +155,13 @@ def not_in_the_catalogue(found: Judged, listed: Sequence[Judged], problem: Probl
         gained = effect.score.squares - found.score.squares
         gain = np.bincount(problem.groups, weights=gained).astype(np.float64)
         if not (gain.sum() > 0 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE):
-            words = f"{effect.effects[0]} of the catalogue does as well; `add` it instead"
+            name = " and ".join(effect.effects)
+            words = f"{name} of the catalogue does as well; `add` it instead"
+            if effect.objections:
+                words = (
+                    f"{name} of the catalogue does as well, though {effect.objections[0]}, for which no diagnosis "
+                    "names it; `add` it and see which of its parameters the tests determine"
+                )
             return Guard("beyond the catalogue", False, words)
     return Guard("beyond the catalogue", True, "no effect of the catalogue does as well")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from pipeclamp_identification.workflow.tests import Tests, silent
@@ -46,6 +46,7 @@ def add_effect(
     date: str | None,
     declared: Iterable[Declaration] = (),
     start: Mapping[str, float] | None = None,
+    instead: Collection[str] = (),
     progress: Progress = silent,
 ) -> Addition:
     """Add an effect to a law and refit everything to tests.
@@ -58,13 +59,16 @@ def add_effect(
         command: the command that makes the new file again.
         date: when it is made; None leaves the line out.
         start: values to begin at, by name, where they are known better than from the law.
+        instead: effects of the law that go for it.
         progress: is told what is being done.
 
     Raises:
         UserError: the effect isn't known or is there already, or the data can't serve it.
     """
-    new = with_effect(structure_of(file).with_declared(declared), effect)
-    return _changed(file, new, f"+ {effect}", tests, command=command, date=date, start=start, progress=progress)
+    old = structure_of(file).with_declared(declared)
+    new = with_effect(replace(old, effects=tuple(name for name in old.effects if name not in instead)), effect)
+    step = f"{' and '.join(instead)} -> {effect}" if instead else f"+ {effect}"
+    return _changed(file, new, step, tests, command=command, date=date, start=start, progress=progress)
 
 
 def remove_effect(

@@ -57,7 +57,8 @@ def discover(
     own = {new.symbol: values.pop(old.symbol) for old, new in zip(asked.parameters, term.parameters, strict=True)}
     added = add_effect(
         file, term.id, tests,
-        command=command, date=file.date, declared=(*declared, term), start={**values, **own}, progress=progress,
+        command=command, date=file.date, declared=(*declared, term), start={**values, **own}, instead=found.found.gone,
+        progress=progress,
     )  # fmt: skip
     before, after = added.heldout
     whole = Guard("on all tests", after < before, f"on left-out conditions of all tests {before:.2%} -> {after:.2%}")
@@ -73,5 +74,5 @@ def discover(
     others = tuple(one for one in law.declared if one.id != term.id)
     law = law.model_copy(update={"declared": (*others, declaration)})
     heldout = (before, steps[-1].heldout[1])
-    gone = tuple(change.effect.removeprefix("- ") for change in steps[1:])
+    gone = (*found.found.gone, *(change.effect.removeprefix("- ") for change in steps[1:]))
     return Proposal(found, file, law, heldout, noise, declaration, (*guards, whole, energy), "", gone)

@@ -21,7 +21,7 @@ MOST_SECONDS = 30
 """That SymPy may take for a declaration; one of a person's size takes less than a second."""
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=1024)
 def effect_of(declaration: Declaration) -> Effect:
     """Make the effect that a declaration states.
 
