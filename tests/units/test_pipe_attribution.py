@@ -19,7 +19,7 @@ from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.compared import Compared
 from pipeclamp_identification.attribution.misstated import warmth_words
 from pipeclamp_identification.attribution.next_test import propose
-from pipeclamp_identification.attribution.noise import noise_of
+from pipeclamp_identification.attribution.noise import likeliest_noise, noise_of
 from pipeclamp_identification.attribution.refit import as_stated, changed
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.verdict import Attribution, Candidate, _judged, attribute
@@ -189,9 +189,13 @@ def test_a_rival_that_the_best_does_not_rule_out_is_named_though_it_is_not_beyon
     judged = _judged(compared, task, [best, rival, *others], everything, lambda what: None)
     assert judged.verdict == "ambiguous"
     assert judged.named == (best, rival)
-    ruled_out = replace(rival, heldout=stated.squared - 2.0)
+    ruled_out = leaving(singles[1], 0.9, 10.0)
     judged = _judged(compared, task, [best, ruled_out, *others], everything, lambda what: None)
     assert (judged.verdict, judged.kind) == ("wrong", "cause")
+    # A second parameter that a part of the sines alone tells is far off where that part is left out.
+    badly_left_out = leaving(singles[1], 0.65, -1e3)
+    judged = _judged(compared, task, [best, badly_left_out, *others], everything, lambda what: None)
+    assert judged.named == (best, badly_left_out)
 
 
 def test_a_proposed_test_may_have_fewer_probes_than_the_measurement(bench, found):
@@ -215,6 +219,23 @@ def test_roughness_tells_the_noise_whatever_the_misfit(comparison):
     found = noise_of(replace(comparison.measurement, steady=measured), smooth / 1.1)
     assert found is not None and found.shape == response.shape
     assert float(np.median(found / np.abs(smooth))) == pytest.approx(0.02, rel=0.35)
+
+
+def test_what_a_true_model_leaves_tells_the_noise_better_than_its_roughness(comparison):
+    measurement, computed = comparison.measurement, comparison.prediction.response
+    rng = np.random.default_rng(4)
+    ratios = []
+    for _ in range(40):
+        error = rng.standard_normal(computed.shape) + 1j * rng.standard_normal(computed.shape)
+        noisy = computed + 0.02 * np.abs(computed) * error
+        drawn = replace(measurement, steady=replace(measurement.steady, response=noisy))
+        size = 0.02 * np.abs(noisy)
+        ratios.append(
+            [np.median(noise_of(drawn, computed) / size), np.median(likeliest_noise(drawn, computed, 0) / size)]
+        )
+    (_, likeliest), (rough_spread, spread) = np.mean(ratios, axis=0), np.std(ratios, axis=0)
+    assert likeliest == pytest.approx(1.0, abs=0.05)
+    assert spread < 0.8 * rough_spread
 
 
 def test_too_few_values_are_not_asked(bench):
