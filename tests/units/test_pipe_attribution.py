@@ -21,6 +21,7 @@ from pipeclamp_identification.attribution.misstated import warmth_words
 from pipeclamp_identification.attribution.next_test import propose
 from pipeclamp_identification.attribution.noise import likeliest_noise, noise_of
 from pipeclamp_identification.attribution.refit import as_stated, changed
+from pipeclamp_identification.attribution.repeats import repeats
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.verdict import Attribution, Candidate, _judged, attribute
 from pipeclamp_identification.on_pipe.prediction import predict
@@ -219,6 +220,22 @@ def test_roughness_tells_the_noise_whatever_the_misfit(comparison):
     found = noise_of(replace(comparison.measurement, steady=measured), smooth / 1.1)
     assert found is not None and found.shape == response.shape
     assert float(np.median(found / np.abs(smooth))) == pytest.approx(0.02, rel=0.35)
+
+
+def test_how_many_repeats_would_tell_follows_from_how_far_apart_the_explanations_are(found):
+    best = found.named[0]
+    there = best.refit.residual / best.overdispersion**0.5
+
+    def beside(apart: float) -> Attribution:
+        one = replace(best, refit=replace(best.refit, residual=there))
+        away = there + apart * np.eye(there.size)[0]
+        return replace(found, named=(one, replace(one, refit=replace(one.refit, residual=away))))
+
+    twice, often = repeats(beside(4.0)), repeats(beside(2.0))
+    assert twice is not None and often is not None
+    assert (twice.times, often.times) == (2, 7)  # 5.2 standard deviations are asked for
+    assert "Measure the same 7 times, or with 2.6 times less noise" in often.words()
+    assert repeats(beside(0.4)) is None
 
 
 def test_what_a_true_model_leaves_tells_the_noise_better_than_its_roughness(comparison):
