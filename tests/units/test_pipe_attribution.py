@@ -26,6 +26,7 @@ from pipeclamp_identification.attribution.suspects import suspects_of, with_moun
 from pipeclamp_identification.attribution.verdict import Attribution, Candidate, _judged, attribute
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
+from pipeclamp_models.pipe.description import Excitation
 
 PIPE = """
 name = "symmetric"
@@ -128,6 +129,21 @@ def test_suspects_change_nothing_at_zero_and_something_elsewhere(comparison):
     nearly_rigid = changed(model, (suspects[0],), (1e-6,))
     response = predict(nearly_rigid, comparison.measurement, stated).response
     assert response == pytest.approx(stated.response, rel=1e-3)
+
+
+def test_where_a_force_acts_is_a_suspect_and_moves_the_force_alone(comparison):
+    model = comparison.model
+    assert not any(one.id == "excitation.position" for one in suspects_of(model, comparison.measurement.description))
+    forced = replace(model, pipe=model.pipe.model_copy(update={"excitation": Excitation(kind="force", position_m=1.5)}))
+    (suspect,) = (
+        one for one in suspects_of(forced, comparison.measurement.description) if one.id == "excitation.position"
+    )
+    moved = changed(forced, (suspect,), (0.2,)).pipe
+    assert moved.excitation.position_m == pytest.approx(1.7)
+    assert moved.model_copy(update={"excitation": forced.pipe.excitation}) == forced.pipe
+    assert suspect.lower == (-1.5,)
+    assert "1.7" in suspect.told((0.2,), (0.01,))
+    assert "instead of 1.5 m" in suspect.told((0.2,), (0.01,))
 
 
 def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(compared, found):

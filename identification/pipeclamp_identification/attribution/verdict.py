@@ -321,8 +321,8 @@ def _better(one: Candidate, other: Candidate) -> bool:
 
 
 def _rules_out(one: Candidate, other: Candidate) -> bool:
-    """Tell whether a candidate is so much likelier that it isn't the other one."""
-    return other.unlikelihood - one.unlikelihood > RULED_OUT_SQUARES * one.overdispersion
+    """Tell whether a candidate is so much likelier that it isn't the other one, by the noise that it leaves itself."""
+    return other.unlikelihood - one.unlikelihood > RULED_OUT_SQUARES * one.refit.rms**2
 
 
 def _may_help(one: Candidate, other: Candidate) -> bool:
