@@ -19,12 +19,14 @@ from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.compared import Compared
 from pipeclamp_identification.attribution.misstated import warmth_words
 from pipeclamp_identification.attribution.next_test import propose
-from pipeclamp_identification.attribution.noise import noise_of
+from pipeclamp_identification.attribution.noise import likeliest_noise, noise_of
 from pipeclamp_identification.attribution.refit import as_stated, changed
+from pipeclamp_identification.attribution.repeats import repeats
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.verdict import Attribution, Candidate, _judged, attribute
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
+from pipeclamp_models.pipe.description import Excitation
 
 PIPE = """
 name = "symmetric"
@@ -129,6 +131,21 @@ def test_suspects_change_nothing_at_zero_and_something_elsewhere(comparison):
     assert response == pytest.approx(stated.response, rel=1e-3)
 
 
+def test_where_a_force_acts_is_a_suspect_and_moves_the_force_alone(comparison):
+    model = comparison.model
+    assert not any(one.id == "excitation.position" for one in suspects_of(model, comparison.measurement.description))
+    forced = replace(model, pipe=model.pipe.model_copy(update={"excitation": Excitation(kind="force", position_m=1.5)}))
+    (suspect,) = (
+        one for one in suspects_of(forced, comparison.measurement.description) if one.id == "excitation.position"
+    )
+    moved = changed(forced, (suspect,), (0.2,)).pipe
+    assert moved.excitation.position_m == pytest.approx(1.7)
+    assert moved.model_copy(update={"excitation": forced.pipe.excitation}) == forced.pipe
+    assert suspect.lower == (-1.5,)
+    assert "1.7" in suspect.told((0.2,), (0.01,))
+    assert "instead of 1.5 m" in suspect.told((0.2,), (0.01,))
+
+
 def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(compared, found):
     assert found.verdict == "ambiguous"
     named = {suspect.id for suspect in found.suspects}
@@ -189,9 +206,13 @@ def test_a_rival_that_the_best_does_not_rule_out_is_named_though_it_is_not_beyon
     judged = _judged(compared, task, [best, rival, *others], everything, lambda what: None)
     assert judged.verdict == "ambiguous"
     assert judged.named == (best, rival)
-    ruled_out = replace(rival, heldout=stated.squared - 2.0)
+    ruled_out = leaving(singles[1], 0.9, 10.0)
     judged = _judged(compared, task, [best, ruled_out, *others], everything, lambda what: None)
     assert (judged.verdict, judged.kind) == ("wrong", "cause")
+    # A second parameter that a part of the sines alone tells is far off where that part is left out.
+    badly_left_out = leaving(singles[1], 0.65, -1e3)
+    judged = _judged(compared, task, [best, badly_left_out, *others], everything, lambda what: None)
+    assert judged.named == (best, badly_left_out)
 
 
 def test_a_proposed_test_may_have_fewer_probes_than_the_measurement(bench, found):
@@ -215,6 +236,39 @@ def test_roughness_tells_the_noise_whatever_the_misfit(comparison):
     found = noise_of(replace(comparison.measurement, steady=measured), smooth / 1.1)
     assert found is not None and found.shape == response.shape
     assert float(np.median(found / np.abs(smooth))) == pytest.approx(0.02, rel=0.35)
+
+
+def test_how_many_repeats_would_tell_follows_from_how_far_apart_the_explanations_are(found):
+    best = found.named[0]
+    there = best.refit.residual / best.overdispersion**0.5
+
+    def beside(apart: float) -> Attribution:
+        one = replace(best, refit=replace(best.refit, residual=there))
+        away = there + apart * np.eye(there.size)[0]
+        return replace(found, named=(one, replace(one, refit=replace(one.refit, residual=away))))
+
+    twice, often = repeats(beside(4.0)), repeats(beside(2.0))
+    assert twice is not None and often is not None
+    assert (twice.times, often.times) == (2, 7)  # 5.2 standard deviations are asked for
+    assert "Measure the same 7 times, or with 2.6 times less noise" in often.words()
+    assert repeats(beside(0.4)) is None
+
+
+def test_what_a_true_model_leaves_tells_the_noise_better_than_its_roughness(comparison):
+    measurement, computed = comparison.measurement, comparison.prediction.response
+    rng = np.random.default_rng(4)
+    ratios = []
+    for _ in range(40):
+        error = rng.standard_normal(computed.shape) + 1j * rng.standard_normal(computed.shape)
+        noisy = computed + 0.02 * np.abs(computed) * error
+        drawn = replace(measurement, steady=replace(measurement.steady, response=noisy))
+        size = 0.02 * np.abs(noisy)
+        ratios.append(
+            [np.median(noise_of(drawn, computed) / size), np.median(likeliest_noise(drawn, computed, 0) / size)]
+        )
+    (_, likeliest), (rough_spread, spread) = np.mean(ratios, axis=0), np.std(ratios, axis=0)
+    assert likeliest == pytest.approx(1.0, abs=0.05)
+    assert spread < 0.8 * rough_spread
 
 
 def test_too_few_values_are_not_asked(bench):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
-from itertools import repeat
+from itertools import groupby, repeat
 from pathlib import Path
 
 import numpy as np
@@ -100,8 +100,8 @@ class FrequencyResponse:
                 f"{name} {peak:.3g} mm at {frequency:.3g} Hz"  # the highest of the states that were found, no more
                 for name, (peak, frequency) in zip(self.points, peaks, strict=True)
             )
-            unstable = [state.frequency for state in curve.states if not state.stable]
-            branch = f"; unstable from {min(unstable):.4g} to {max(unstable):.4g} Hz" if unstable else ""
+            stretches = [_span(low, high) for low, high in unstable_stretches(curve.pieces)]
+            branch = f"; unstable {', '.join(stretches)}" if stretches else ""
             broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
             apart = "".join(f"; {_about_detached(piece)}" for piece in curve.detached)
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
@@ -128,8 +128,7 @@ class FrequencyResponse:
         more = "the force steps there, or more can't be balanced; co-simulate there"
         if self.stated_harmonics:
             more = "leave harmonics out of [response], so that they follow the motion"
-        where = f"at {low:.4g} Hz" if f"{low:.4g}" == f"{high:.4g}" else f"from {low:.4g} to {high:.4g} Hz"
-        return [doubt(f"{line}; more than {DOUBTFUL:.0%} {where}: {more}")]
+        return [doubt(f"{line}; more than {DOUBTFUL:.0%} {_span(low, high)}: {more}")]
 
     def about_ranges(self) -> list[str]:
         """Say where a clamp's law is used beyond the range of its data."""
@@ -190,11 +189,33 @@ def _places(dots: Sequence[Dot]) -> str:
     return "; ".join(f"{label(dot.temperature, dot.level)}, {dot.frequency:.4g} Hz" for dot in dots)
 
 
+def unstable_stretches(pieces: Iterable[Sequence[SteadyState]]) -> list[tuple[float, float]]:
+    """Give least and largest frequency (Hz) of each unstable stretch of a curve; those that overlap are one."""
+    found: list[tuple[float, float]] = []
+    for piece in pieces:
+        for stable, states in groupby(piece, key=lambda state: state.stable):
+            if not stable:
+                frequencies = [state.frequency for state in states]
+                found.append((min(frequencies), max(frequencies)))
+    apart: list[tuple[float, float]] = []
+    for low, high in sorted(found):
+        if apart and low <= apart[-1][1]:
+            apart[-1] = apart[-1][0], max(high, apart[-1][1])
+        else:
+            apart.append((low, high))
+    return apart
+
+
+def _span(low: float, high: float) -> str:
+    """Say a range of frequencies, Hz."""
+    return f"at {low:.4g} Hz" if f"{low:.4g}" == f"{high:.4g}" else f"from {low:.4g} to {high:.4g} Hz"
+
+
 def _about_detached(branch: Sequence[SteadyState]) -> str:
     """Say where a branch lies that nothing joins to the others."""
     frequencies = [state.frequency for state in branch]
     stable = "" if any(state.stable for state in branch) else " (all of it unstable)"
-    return f"a branch apart from {min(frequencies):.4g} to {max(frequencies):.4g} Hz{stable}"
+    return f"a branch apart {_span(min(frequencies), max(frequencies))}{stable}"
 
 
 def label(temperature: float | None, level: float) -> str:

@@ -9,7 +9,7 @@ from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.attribution.answer import system_comparison_answer
 from pipeclamp_identification.attribution.attributed import Attributed
-from pipeclamp_identification.attribution.next_test import Proposal
+from pipeclamp_identification.attribution.repeats import NextMeasurement
 from pipeclamp_identification.attribution.verdict import FEWEST, Attribution, Candidate
 from pipeclamp_identification.diagnosis.kinds import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
@@ -18,7 +18,7 @@ from pipeclamp_identification.on_pipe.where import how_much, where_words
 CANDIDATES_PRINTED = 8
 
 
-def attribution_words(found: Attribution | None, proposal: Proposal | None) -> list[str]:
+def attribution_words(found: Attribution | None, proposal: NextMeasurement | None) -> list[str]:
     """Say what is wrong; the first sentence is the verdict. None: too little was measured to ask."""
     if found is None:
         return [f"Which parameter may be wrong is asked of {FEWEST} measured values at least."]
@@ -47,7 +47,7 @@ def attribution_words(found: Attribution | None, proposal: Proposal | None) -> l
     if proposal is not None:
         words.append(proposal.words())
     elif found.verdict == "ambiguous":
-        words.append("No other level, frequency or probe was found that would tell them apart.")
+        words.append("No other level, frequency or probe, nor many repeats, would tell them apart.")
     return words
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from pipeclamp_identification.attribution.attributed import Attributed
-from pipeclamp_identification.attribution.next_test import Proposal
+from pipeclamp_identification.attribution.repeats import NextMeasurement
 from pipeclamp_identification.attribution.verdict import Attribution, Verdict
 from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.on_pipe.answer import (
@@ -60,7 +60,7 @@ class SystemComparisonAnswer(OnPipeAnswer):
     attribution: AttributionAnswer | None = Field(description="None where too little was measured to ask")
 
 
-def attribution_answer(found: Attribution, proposal: Proposal | None) -> AttributionAnswer:
+def attribution_answer(found: Attribution, proposal: NextMeasurement | None) -> AttributionAnswer:
     """Give what was found to be wrong, and the test that would tell more."""
     return AttributionAnswer(
         verdict=found.verdict,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pipeclamp_identification.attribution.compared import Compared
-from pipeclamp_identification.attribution.next_test import Proposal, propose
+from pipeclamp_identification.attribution.next_test import propose
+from pipeclamp_identification.attribution.repeats import NextMeasurement, repeats
 from pipeclamp_identification.attribution.verdict import Attribution, attribute
 from pipeclamp_identification.on_pipe.bands import PipeBands
 from pipeclamp_models.base.progress import Progress
@@ -24,7 +25,7 @@ class Attributed:
 
     compared: Compared
     attribution: Attribution | None
-    proposal: Proposal | None
+    proposal: NextMeasurement | None
     bands: PipeBands | None = None
 
 
@@ -34,4 +35,4 @@ def attributed(compared: Compared, progress: Progress) -> Attributed:
     if found is None or found.verdict != "ambiguous":
         return Attributed(compared, found, None)
     progress("look for a test that would tell")
-    return Attributed(compared, found, propose(found, compared))
+    return Attributed(compared, found, propose(found, compared) or repeats(found))

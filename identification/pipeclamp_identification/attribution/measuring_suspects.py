@@ -1,4 +1,4 @@
-"""What of a measurement may be wrong: sensors' gain, sign, phase, delay and position, excitation, frequency axis."""
+"""What of a measurement may be wrong: sensors (gain, sign, phase, delay, position), excitation, frequency axis."""
 
 from __future__ import annotations
 
@@ -57,6 +57,14 @@ def measuring_suspects(model: CoupledModel, measurement: MeasurementDescription)
         yield _gain("sensors", "all sensors", partial(_on_sensors, names), {})
     yield _gain("excitation", "the excitation", _on_excitation, {})
     yield from _late("excitation", "the excitation", _on_excitation)
+    at = model.pipe.excitation.position_m
+    if at is not None:
+        search = moves(at, length)
+        yield Suspect(
+            id="excitation.position", side=SIDE, kind="the excitation's position", words="where the excitation acts",
+            change=_acting_elsewhere, told=partial(place_words, at), starts=search.starts, lower=search.lower,
+            upper=search.upper,
+        )  # fmt: skip
     yield Suspect(
         id="frequency_axis", side=SIDE, kind="the frequency axis", words="the frequency axis (the sampling rate)",
         change=_stretched, told=_rate_words, starts=RATES, lower=(-MOST_RATE,), upper=(MOST_RATE,),
@@ -134,3 +142,11 @@ def _moved_probe(name: str, model: CoupledModel, values: Values) -> CoupledModel
         return model
     probes = tuple(moved(probe, values[0]) if probe.name == name else probe for probe in model.pipe.probes)
     return replace(model, pipe=model.pipe.model_copy(update={"probes": probes}))
+
+
+def _acting_elsewhere(model: CoupledModel, values: Values) -> CoupledModel:
+    stated = model.pipe.excitation
+    if values[0] == 0 or stated.position_m is None:
+        return model
+    excitation = stated.model_copy(update={"position_m": stated.position_m + values[0]})
+    return replace(model, pipe=model.pipe.model_copy(update={"excitation": excitation}))

@@ -42,10 +42,8 @@ def noise_of(measurement: PipeMeasurement, computed: Complex) -> Array | None:
         measurement: the sines.
         computed: response of a model that comes near, (P, probes).
     """
-    scatter = scatter_of(measurement)
-    least = _noise(measurement, FLOOR, MODEL_ERROR)
-    if np.isfinite(scatter).all():
-        return np.hypot(scatter, least)
+    if np.isfinite(scatter_of(measurement)).all():
+        return _beside_scatter(measurement, 0.0, 0.0)
     roughness = _roughness(measurement, computed)
     if len(roughness) < ENOUGH:
         return None
@@ -54,8 +52,37 @@ def noise_of(measurement: PipeMeasurement, computed: Complex) -> Array | None:
         floor, share = _shares(squares, highest, sizes)
         inside = squares <= OUTLIER * ((floor * highest) ** 2 + (share * sizes) ** 2)
         squares, highest, sizes = squares[inside], highest[inside], sizes[inside]
-    found = np.hypot(_noise(measurement, floor, share), least)
-    return np.asarray(np.where(np.isfinite(scatter), np.hypot(np.nan_to_num(scatter), least), found))
+    return _beside_scatter(measurement, floor, share)
+
+
+def likeliest_noise(measurement: PipeMeasurement, computed: Complex, parameters: int) -> Array:
+    """Give the likeliest standard deviation where a model leaves nothing but noise, (P, probes).
+
+    All that it leaves tells the noise then, twice as much as its roughness does: of variance floor^2 +
+    (share response)^2, over the degrees of freedom.
+
+    Args:
+        measurement: the sines.
+        computed: the model's response, (P, probes).
+        parameters: how many were fitted.
+    """
+    steady = measurement.steady
+    size = np.abs(steady.response)
+    highest = _noise(measurement, 1.0, 0.0)
+    parts = np.where(steady.phased, 2, 1)
+    squares = np.abs(turned_error(measurement, computed)) ** 2 / parts
+    known = np.isfinite(squares)
+    floor, share = _shares(squares[known], highest[known], size[known])
+    values = float(np.sum(parts[known]))
+    freed = np.sqrt(values / max(1.0, values - parameters))
+    return _beside_scatter(measurement, freed * floor, freed * share)
+
+
+def _beside_scatter(measurement: PipeMeasurement, floor: float, share: float) -> Array:
+    """Give the noise of repeats where there are any, else that of these shares; with the model's own error."""
+    scatter = scatter_of(measurement)
+    noise = np.where(np.isfinite(scatter), scatter, _noise(measurement, floor, share))
+    return np.asarray(np.hypot(noise, _noise(measurement, FLOOR, MODEL_ERROR)))
 
 
 def _noise(measurement: PipeMeasurement, floor: float, share: float) -> Array:

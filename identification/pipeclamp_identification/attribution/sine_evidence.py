@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.attribution.noise import first_guess, noise_of
+from pipeclamp_identification.attribution.noise import first_guess, likeliest_noise, noise_of
 from pipeclamp_identification.on_pipe.measurement import PipeMeasurement
 from pipeclamp_identification.on_pipe.prediction import Prediction
 from pipeclamp_identification.on_pipe.series import series_of
@@ -41,6 +41,10 @@ class SineEvidence:
         """Give it with the noise that a model that comes near shows; None where nothing tells the noise."""
         noise = noise_of(self.measurement, near.response)
         return None if noise is None else replace(self, noise=noise)
+
+    def explained(self, near: Prediction, parameters: int) -> SineEvidence:
+        """Give it with the noise of which all is that a model leaves, so many parameters of which were fitted."""
+        return replace(self, noise=likeliest_noise(self.measurement, near.response, parameters))
 
     def scaled(self, factor: float) -> SineEvidence:
         """Give it with another noise."""

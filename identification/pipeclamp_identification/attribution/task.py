@@ -99,6 +99,16 @@ class Task:
         records = tuple(evidence.renewed(one) for evidence, one in zip(self.records, near.records, strict=True))
         return replace(self, sines=sines, records=records)
 
+    def explained(self, by: Computed, parameters: int) -> Task:
+        """Give the task with the noise of its sines of which all is that a model leaves.
+
+        Args:
+            by: what it says.
+            parameters: how many of it were fitted.
+        """
+        explained = self.sines and by.sines and self.sines.explained(by.sines, parameters)
+        return replace(self, sines=explained) if explained else self
+
     def computed(self, families: Sequence[Family]) -> list[list[Computed | None]]:
         """Give what models say; None where one can't be built, or has no motion."""
         sines = [self._sines(family) for family in families]

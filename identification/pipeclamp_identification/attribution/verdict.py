@@ -1,9 +1,9 @@
 """Which parameter of a coupled model is wrong: the pipe's or the clamp's, or can't these measurements tell?
 
-Each suspect is refitted alone, and all of them together, to sines, to records of any motion, or to both. A suspect is
-judged by what it leaves over on frequencies that it was not fitted to, in units of the noise; one is named only if
-every other one leaves clearly more. Where a second one beside a first promises clearly more than the best one alone,
-or all together do, pairs are refitted, and named likewise.
+Each suspect is refitted alone, and all of them together, to sines, to records of any motion, or to both. That anything
+is wrong is judged by what the best one leaves over on frequencies that it was not fitted to, in units of the noise;
+which one it is, by the likelihood: one is named only if it rules every other one out. Where a second one beside a first
+promises clearly more than the best one alone, or all together do, pairs are refitted, and named likewise.
 """
 
 from __future__ import annotations
@@ -43,7 +43,13 @@ FEWEST = 20
 BLOCKS = 10
 """Parts of neighbouring frequencies that are left out in turn."""
 CLEARLY_MORE_SQUARES = 15.0
-"""Squares over the noise's; half of it is the log of the likelihood ratio at which one suspect rules another out."""
+"""Squares over the noise's that a suspect must take away where it wasn't fitted, so that something is wrong: the best
+of some 40 does so by chance in less than one of 100 measurements."""
+RULED_OUT_SQUARES = 10.0
+"""Twice the log of the likelihood ratio at which one suspect rules another out: that it rules out the true one has a
+chance of 8e-4 at most, of sqrt(10) standard deviations, whatever the two are."""
+PARAMETER_SQUARES = 2.0
+"""By Akaike: squares that a further parameter takes away for nothing, there and where it wasn't fitted."""
 WORTH_RMS_SHARE = 0.97
 """A suspect that leaves more than this share of the rms isn't worth a name."""
 NEEDLESS_CHANCE = 1e-5
@@ -98,6 +104,11 @@ class Candidate:
         """Mean square of what is left, in units of the noise's; 1 at least."""
         return max(1.0, self.refit.squared / self.refit.freedoms)
 
+    @property
+    def unlikelihood(self) -> float:
+        """Squares that are left, with what its parameters take away for nothing."""
+        return self.refit.squared + PARAMETER_SQUARES * len(self.refit.values)
+
     def told(self) -> str:
         """Say the refitted values."""
         parts = []
@@ -149,7 +160,7 @@ def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribu
         compared: the model with what was measured.
         tell: told what is being done.
     """
-    task = _task(compared)
+    task = stated_task(compared)
     if as_stated(task).residual.size < FEWEST:
         return None
     suspects = suspects_of(compared.model, compared.description)
@@ -163,12 +174,16 @@ def attribute(compared: Compared, tell: Progress = lambda what: None) -> Attribu
     (together,) = refit(task, [_all_from(suspects, best)])
     task = task.renewed(together.computed, together.rms)
     tell("refit with the noise that was found")
-    together, *refits = refit(task, [_from(one) for one in (together, *refits)], _limits(task, (together, *refits)))
+    together, *refits = _again(task, (together, *refits))
+    alone = min((as_stated(task), *refits), key=lambda one: one.squared)
+    if alone.rms <= NOISE_ONLY_RMS and not _needs_more(alone, together):
+        task = task.explained(alone.computed, len(alone.values))
+        together, *refits = _again(task, (together, *refits))
     singles = [_candidate(compared, task, one) for one in refits]
-    return _judged(compared, task, sorted(singles, key=lambda one: one.heldout), together, tell)
+    return _judged(compared, task, singles, together, tell)
 
 
-def _task(compared: Compared) -> Task:
+def stated_task(compared: Compared) -> Task:
     """Give what is fitted to, with mounts on the clamps and a first guess of the noise."""
     model = with_mounts(compared.model)
     sines = None
@@ -196,6 +211,11 @@ def _on_the_nearest_branches(task: Task, refits: Sequence[Refit], comparison: Pi
         if float(residual @ residual) < MUCH_LESS_RMS_SHARE**2 * one.squared:
             (found[index],) = refit(task, [Start(one.suspects, one.values, computed)])
     return found
+
+
+def _again(task: Task, refits: Sequence[Refit]) -> list[Refit]:
+    """Refit with another noise, from where refits ended."""
+    return refit(task, [_from(one) for one in refits], _limits(task, refits))
 
 
 def _from(one: Refit) -> Start:
@@ -252,27 +272,26 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
         left = (candidates[0] if verdict != "complete" else stated).refit.rms
         return Attribution(verdict, tuple(named), tuple(candidates), stated, everything, left, task, kind)
 
-    best = singles[0]
-    if not _better(best, stated):
-        enough = stated.refit.rms <= NOISE_ONLY_RMS and not _needs_more(stated, everything)
+    singles = sorted(singles, key=lambda one: one.unlikelihood)
+    most_general = min(singles, key=lambda one: one.heldout)
+    if not _better(most_general, stated):
+        enough = stated.refit.rms <= NOISE_ONLY_RMS and not _needs_more(stated.refit, together)
         return found("complete" if enough else "unknown", (), singles)
     pairs = _pairs(compared, task, singles, everything, tell)
-    singles = sorted([*singles, *pairs], key=lambda one: one.heldout)
-    if pairs and _better(pairs[0], best):
-        best = pairs[0]
-    needs_more = _needs_more(best, everything)
+    of_size = pairs if pairs and _better(min(pairs, key=lambda one: one.heldout), most_general) else singles
+    candidates = sorted([*singles, *pairs], key=lambda one: one.unlikelihood)
+    best = of_size[0]
+    needs_more = _needs_more(best.refit, together)
     explained = (stated.refit.squared - best.refit.squared) / (stated.refit.squared - best.refit.residual.size)
     noise_only = best.refit.rms <= NOISE_ONLY_RMS and not needs_more
     if not noise_only and explained < (PLAIN_SQUARES_SHARE if needs_more else EXPLAINED_SQUARES_SHARE):
-        return found("unknown", (), singles)
+        return found("unknown", (), candidates)
     if _hangs_on_a_branch(task, stated, best):
-        return replace(found("unknown", (), singles), branch_unknown=True)
-    same_size = [one for one in singles if len(one.suspects) == len(best.suspects)]
-    rivals = [one for one in same_size if one.heldout - best.heldout < CLEARLY_MORE_SQUARES * best.overdispersion]
+        return replace(found("unknown", (), candidates), branch_unknown=True)
     # A rival needn't be beyond doubt by itself: it is enough that the best one doesn't rule it out.
-    rivals = [one for one in rivals if one is best or _may_help(one, stated)]
+    rivals = [one for one in of_size if one is best or (not _rules_out(best, one) and _may_help(one, stated))]
     verdict: Verdict = "wrong" if len(rivals) == 1 else "ambiguous"
-    return found(verdict, rivals, singles, "cause" if noise_only else "part")
+    return found(verdict, rivals, candidates, "cause" if noise_only else "part")
 
 
 def _pairs(
@@ -281,11 +300,11 @@ def _pairs(
     """Give refitted pairs, best first; none where no second suspect promises clearly more than the best one alone."""
     best, reach = singles[0], CLEARLY_MORE_SQUARES * everything.overdispersion
     promised = promised_pairs(task, [one.refit for one in singles])
-    if promised[0].squared > best.refit.squared - reach and not _needs_more(best, everything):
+    if promised[0].squared > best.refit.squared - reach and not _needs_more(best.refit, everything.refit):
         return []
     tell("refit pairs")
     pairs = [_candidate(compared, task, one) for one in refitted_pairs(task, promised, reach)]
-    return sorted(pairs, key=lambda one: one.heldout)
+    return sorted(pairs, key=lambda one: one.unlikelihood)
 
 
 def _hangs_on_a_branch(task: Task, stated: Candidate, best: Candidate) -> bool:
@@ -296,21 +315,27 @@ def _hangs_on_a_branch(task: Task, stated: Candidate, best: Candidate) -> bool:
 
 
 def _better(one: Candidate, other: Candidate) -> bool:
-    """Tell whether a candidate leaves clearly less than another one, and less by an amount that matters."""
+    """Tell whether a candidate leaves clearly less than another one where it wasn't fitted, and less by enough."""
     clearly = other.heldout - one.heldout > CLEARLY_MORE_SQUARES * one.overdispersion
-    return clearly and _may_help(one, other)
+    return clearly and _worth(one, other)
+
+
+def _rules_out(one: Candidate, other: Candidate) -> bool:
+    """Tell whether a candidate is so much likelier that it isn't the other one, by the noise that it leaves itself."""
+    return other.unlikelihood - one.unlikelihood > RULED_OUT_SQUARES * one.refit.rms**2
 
 
 def _may_help(one: Candidate, other: Candidate) -> bool:
-    """Tell whether a candidate leaves less than another one, by an amount that matters."""
-    return one.heldout < other.heldout and one.refit.squared < WORTH_RMS_SHARE**2 * other.refit.squared
+    """Tell whether a candidate is likelier than another one, and leaves less by an amount that matters."""
+    return one.unlikelihood < other.unlikelihood and _worth(one, other)
 
 
-def _needs_more(one: Candidate, everything: Candidate) -> bool:
+def _worth(one: Candidate, other: Candidate) -> bool:
+    return one.refit.squared < WORTH_RMS_SHARE**2 * other.refit.squared
+
+
+def _needs_more(one: Refit, everything: Refit) -> bool:
     """Tell whether all suspects together leave so much less that one alone (or one pair) can't be all."""
-    freedoms = len(everything.refit.values) - len(one.refit.values)
-    gained = (one.refit.squared - everything.refit.squared) / everything.overdispersion
-    return (
-        gained > chi2.isf(NEEDLESS_CHANCE, freedoms)
-        and everything.refit.squared < MUCH_LESS_RMS_SHARE**2 * one.refit.squared
-    )
+    freedoms = len(everything.values) - len(one.values)
+    gained = (one.squared - everything.squared) / max(1.0, everything.squared / everything.freedoms)
+    return gained > chi2.isf(NEEDLESS_CHANCE, freedoms) and everything.squared < MUCH_LESS_RMS_SHARE**2 * one.squared

@@ -1,0 +1,27 @@
+"""Where a response is unstable is said stretch by stretch: what lies between two of them is stable."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeclamp_system.steady.response import Curve, FrequencyResponse, unstable_stretches
+from pipeclamp_system.steady.states import FollowedResponse, SteadyState
+
+
+def states(*frequencies_and_growths):
+    still = np.zeros((1, 4), dtype=complex)
+    return tuple(
+        SteadyState(frequency, still, still, still, np.ones((1, 2)), growth, 0.0, ({},))
+        for frequency, growth in frequencies_and_growths
+    )
+
+
+BENT = states((5.0, -1), (7.0, 1), (6.5, 1), (6.0, 1), (8.0, -1), (9.0, -1), (10.0, 1), (11.0, 1), (12.0, -1))
+
+
+def test_a_stable_stretch_between_two_unstable_ones_is_no_part_of_either():
+    assert unstable_stretches([BENT]) == [(6.0, 7.0), (10.0, 11.0)]
+    assert unstable_stretches([BENT, states((6.8, 1), (7.4, 1))]) == [(6.0, 7.4), (10.0, 11.0)]
+    curve = Curve(None, 1.0, FollowedResponse((BENT,), whole=True))
+    said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
+    assert "; unstable from 6 to 7 Hz, from 10 to 11 Hz" in said
