@@ -11,7 +11,7 @@ from pipeclamp_identification.attribution.answer import system_comparison_answer
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.repeats import NextMeasurement
 from pipeclamp_identification.attribution.verdict import FEWEST, Attribution, Candidate
-from pipeclamp_identification.diagnosis.kinds import NO_PROOF
+from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
 from pipeclamp_identification.on_pipe.where import how_much, where_words
 

@@ -7,7 +7,7 @@ from pydantic import Field
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.repeats import NextMeasurement
 from pipeclamp_identification.attribution.verdict import Attribution, Verdict
-from pipeclamp_identification.diagnosis.kinds import Kind
+from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.on_pipe.answer import (
     BandsOnPipeAnswer,
     OnPipeAnswer,

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-from pipeclamp_identification.diagnosis.kinds import Kind
+from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis

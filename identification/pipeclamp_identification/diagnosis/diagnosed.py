@@ -9,11 +9,10 @@ from typing import Self
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
-from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.named import NO_PROOF, Kind, tried_in_vain
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
-from pipeclamp_identification.diagnosis.remembered import tried_in_vain
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups

@@ -15,8 +15,8 @@ from pipeclamp_identification.diagnosis.candidates import (
     likeliest,
     ranked,
 )
-from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
+from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.problem import (
     CLOSELY,
     Judged,

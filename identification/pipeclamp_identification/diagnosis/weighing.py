@@ -10,7 +10,7 @@ import numpy as np
 from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, pairs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import Foretold, foretold
-from pipeclamp_identification.diagnosis.kinds import Kind
+from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.repeats import Unstated
 from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains

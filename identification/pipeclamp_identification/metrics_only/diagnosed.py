@@ -6,10 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
-from pipeclamp_identification.diagnosis.kinds import NO_PROOF, Kind
 from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.named import NO_PROOF, Kind, tried_in_vain
 from pipeclamp_identification.diagnosis.next_test import NoTest
-from pipeclamp_identification.diagnosis.remembered import tried_in_vain
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from pipeclamp_identification.diagnosis.answer import HeldoutErrors, LawErrors, RemainsAnswer, RungAnswer
-from pipeclamp_identification.diagnosis.kinds import Kind
+from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.metrics_only.comparison_answer import MEASURE
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import MetricJudged

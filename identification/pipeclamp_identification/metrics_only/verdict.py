@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
-from pipeclamp_identification.diagnosis.kinds import Kind
+from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations

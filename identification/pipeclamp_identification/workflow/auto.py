@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from pipeclamp_identification.diagnosis.kinds import Kind
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.diagnosis.remembered import in_vain_words, no_help
+from pipeclamp_identification.diagnosis.named import Kind, in_vain_words, no_help
 from pipeclamp_identification.workflow.change import (
     Addition,
     add_effect,

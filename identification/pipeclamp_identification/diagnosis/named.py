@@ -1,12 +1,18 @@
-"""What a law's file tells of effects that were tried on the same tests in vain."""
+"""What a diagnosis names: how it is meant, and what of it was tried on the same tests in vain."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import Literal
 
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, LawFile
 
+Kind = Literal["cause", "part"]
+"""A cause explains what is missing, and its form fits; a part takes so much of it, and something that acts alike may
+stand behind it."""
+
+NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 FURTHER_TESTS = "tests at further conditions would tell whether it is real"
 
 
