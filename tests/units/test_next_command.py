@@ -52,6 +52,11 @@ def test_after_a_search_that_the_catalogue_made_needless_its_effect_is_added():
     assert line == "pipeclamp compare law.json tests --report compare.html"
 
 
+def test_a_term_that_stands_in_the_place_of_effects_is_not_added_beside_them():
+    line = after_discovery(True, Found("unknown"), "law.json", "tests", "term.toml", None, instead=True)
+    assert line == "pipeclamp discover law.json tests -o term.toml --auto law_2.json"
+
+
 def test_a_test_that_is_run_is_joined_to_those_so_far():
     line = next_command(Found("ambiguous", proposal="a sine"), "law.json", "a/tests", driven=True)
     assert line == "pipeclamp join a/tests next_test -o tests_and_next_test"

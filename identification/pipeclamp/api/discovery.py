@@ -76,8 +76,9 @@ class Discovery(Shown):
     @cached_property
     def _next(self) -> str:
         return after_discovery(
-            self.proposed, self._found.search.diagnosed, self.before.origin, self.tests.origin, "effect.toml", None
-        )
+            self.proposed, self._found.search.diagnosed, self.before.origin, self.tests.origin, "effect.toml", None,
+            instead=bool(self._found.gone),
+        )  # fmt: skip
 
     def view(self) -> View:
         """Give what `pipeclamp discover` tells."""

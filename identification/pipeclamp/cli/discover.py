@@ -62,8 +62,9 @@ def discover(
         )  # fmt: skip
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = after_discovery(
-        found.proposed, found.search.diagnosed, law, str(campaign), str(output), str(auto) if auto else None, paths
-    )
+        found.proposed, found.search.diagnosed, law, str(campaign), str(output), str(auto) if auto else None, paths,
+        instead=bool(found.gone),
+    )  # fmt: skip
     if report:
         from pipeclamp.pages.discovery import discovery_page
         from pipeclamp.pages.page import write_report

@@ -73,6 +73,8 @@ def after_discovery(
     effect: str,
     following: str | None,
     declared: Mapping[str, str] | None = None,
+    *,
+    instead: bool = False,
 ) -> str:
     """Give the shell line to run after a discovery.
 
@@ -82,6 +84,7 @@ def after_discovery(
         law, tests, declared: as for `next_command`.
         effect: the declaration's file.
         following: the law with the term, where it was written.
+        instead: whether effects of the law go for the term, which `add` would leave there.
     """
     if not proposed and found.verdict != "unknown":
         return next_command(found, law, tests, declared)
@@ -89,6 +92,8 @@ def after_discovery(
         return _line("compare", law, tests, "--report", "compare.html")
     if following:
         return _line("diagnose", following, tests)
+    if instead:
+        return _line("discover", law, tests, "-o", effect, "--auto", _following(law))
     return _line("add", law, effect, tests, "-o", _following(law))
 
 
