@@ -77,7 +77,7 @@ class Discovery(Shown):
     def _next(self) -> str:
         return after_discovery(
             self.proposed, self._found.search.diagnosed, self.before.origin, self.tests.origin, "effect.toml", None,
-            instead=bool(self._found.gone),
+            instead=bool(self._found.spare),
         )  # fmt: skip
 
     def view(self) -> View:

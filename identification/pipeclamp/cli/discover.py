@@ -63,7 +63,7 @@ def discover(
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = after_discovery(
         found.proposed, found.search.diagnosed, law, str(campaign), str(output), str(auto) if auto else None, paths,
-        instead=bool(found.gone),
+        instead=bool(found.spare),
     )  # fmt: skip
     if report:
         from pipeclamp.pages.discovery import discovery_page
