@@ -71,6 +71,16 @@ def test_sheets_of_a_workbook_name_runs_and_state_what_was_set(pipeclamp, tmp_pa
     }
 
 
+def test_names_that_state_no_temperature_hinder_no_next_step(pipeclamp, tmp_path):
+    folder = write_texts(tmp_path / "e", ten_runs()[:4])
+    for number, file in enumerate(sorted(folder.iterdir()), 1):
+        file.rename(folder / f"bush_{number:02}_A{number}_f2{file.suffix}")
+    told = pipeclamp("import", folder, "-o", tmp_path / "c").stdout.replace("\n", "")
+    assert "no temperature is known" in told
+    assert "{current_A}" not in told, "the A of 01_A1 is no unit of the 01"
+    assert f"Next: pipeclamp identify {tmp_path / 'c'} -o law.json" in told
+
+
 def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports, tmp_path):
     campaign = tmp_path / "clamp_7"
     pipeclamp("import", exports, "-o", campaign)

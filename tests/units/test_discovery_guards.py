@@ -10,10 +10,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pipeclamp_identification.discovery import guards
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.discover import best_heard
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.guards import comes_back, highest, not_in_the_catalogue, passive
+from pipeclamp_identification.discovery.guards import comes_back, confirmed, highest, not_in_the_catalogue, passive
 from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -141,3 +142,14 @@ def test_a_law_may_hold_several_discovered_terms():
         with_effect(structure.with_declared([candidate]), candidate.id).equations  # noqa: B018
     names = set(structure.equations.names)
     assert {"F_1", "w_1", "r_1", "F_2", "w_2", "t_2", "s_2", "s_1", "l_1"} <= names
+
+
+@pytest.mark.parametrize(("gains", "passed"), [([5.0, 4.0, 6.0], True), ([5.0, 4.0, -6.0], False)])
+def test_an_error_that_falls_too_rarely_says_so(gains, passed, monkeypatch):
+    """A mean that falls, and nothing else, would read as if the term had been confirmed."""
+    errors = {"before": np.full(3, 20.0), "after": 20.0 - np.array(gains)}
+    monkeypatch.setattr(guards, "squared_errors", lambda law, loops: errors[law])
+    unseen = SimpleNamespace(samples=np.full(3, 100), force_rms_N=np.full(3, 10.0))
+    guard = confirmed("before", "after", unseen, np.arange(3))
+    assert guard.passed == passed
+    assert ("of draws of them only, not in more than 97.5%" in guard.words) != passed

@@ -50,3 +50,40 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form():
     law.lack = SimpleNamespace(p_value=0.0, share=1.7, sure_share=1.6)
     found = weigh(law.result.law.structure, None, law, [hardening, gap], Tolerance(0.1, 0.1, 0.75), 1, print)
     assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("gap",))
+
+
+def weighed_part(monkeypatch, *, same):
+    """Give the reason for which the better of two effects is a part, where the other comes near."""
+    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: list(others)[1:])
+    monkeypatch.setattr(weighing, "_same_part", lambda other, best, promises, scales: same)
+    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: True)
+    best, other, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 65.0, 90.0), ("", 100.0, 100.0)))
+    best.reservations = ()
+    law.lack = SimpleNamespace(share=9.0)
+    scales = Scales(law.result.law.structure, None, law, [best, other], Tolerance(0.1, 0.1, 0.75), 1, print)
+    return weighing._part([best, other], [], None, scales)
+
+
+def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):
+    """The table beside the words shows 40 % and 35 %: "no rival comes near" would be false."""
+    apart = weighed_part(monkeypatch, same=False)
+    assert (apart.verdict, apart.effects) == ("missing", ("viscous",))
+    assert "no rival comes near" not in apart.reasons[0]
+    assert "memory comes near: it takes another part" in apart.reasons[0]
+    assert weighed_part(monkeypatch, same=True).verdict == "ambiguous"
+
+
+@pytest.mark.parametrize(("left", "told"), [(8.0, True), (70.0, False)])
+def test_what_two_would_take_together_is_told_where_none_is_named(left, told, monkeypatch):
+    alone, pair, law = candidate("viscous", 95.0, 90.0), candidate("viscous", left, 50.0), candidate("", 100.0, 100.0)
+    pair.effects = ("viscous", "offset")
+    for each, share in ((alone, 8.0), (pair, 3.6), (law, 9.0)):
+        each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share, rms=4.7 * share)
+        each.heldout_by = {"A, f": share}
+    monkeypatch.setattr(weighing, "screened", lambda *of: [])
+    monkeypatch.setattr(weighing, "pairs", lambda *of: [pair])
+    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: False)
+    found = weigh(law.result.law.structure, None, law, [alone], Tolerance(0.1, 0.1, 0.75), 1, print)
+    assert (found.verdict, found.effects) == ("unknown", ())
+    words = "viscous and offset together would take 92% of it, but leave 16.9 N (3.6 times the force noise)"
+    assert any(words in reason for reason in found.reasons) == told

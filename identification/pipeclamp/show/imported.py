@@ -90,7 +90,7 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
             f"no temperature is known of {_counted_of(len(unknown), len(answer.runs))}: state it in runs.csv, or by "
             "--pattern or --conditions when importing"
         )
-    known_by_name = answer.pattern and unknown
+    known_by_name = "{temperature" in answer.pattern and unknown
     if found.written and not known_by_name and any(run.cycles for run in answer.runs):
         lines.append(f"Next: {after_import(str(found.folder))}")
     return lines

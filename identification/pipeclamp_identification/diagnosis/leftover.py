@@ -243,10 +243,11 @@ def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tupl
     """Find forces at halves of the drive's frequency, in all runs together: subharmonics of the motion.
 
     Over an even number of cycles the motion's own harmonics and halves are orthogonal to all other multiples of the
-    record's length, whose power says what noise makes.
+    record's length, whose power says what noise makes. Each half is held against those beside it in its own run, a few
+    where cycles are few, and the runs' chances are put together by Fisher's method: a mean of such ratios would exceed
+    one without any line, and the more surely the more runs there are.
     """
-    halves = np.zeros((0, len(HALVES)))
-    noise = np.zeros((0, len(HALVES)))
+    chances = np.zeros((0, len(HALVES)))
     for run, misfit in zip(campaign.runs, misfits, strict=True):
         count = run.cycles.count - run.cycles.count % 2
         if count < FEWEST_CYCLES:
@@ -260,11 +261,8 @@ def fractional_lines(campaign: Campaign, misfits: tuple[RunMisfit, ...]) -> tupl
 
         between = np.arange(1, count // 2) / count
         beside = np.array([power(np.concatenate([half - between, half + between])).mean() for half in HALVES])
-        level = float(np.mean(beside))
-        halves = np.vstack([halves, power(HALVES) / level])
-        noise = np.vstack([noise, beside / level])
-    if len(halves) < FEWEST_RUNS_WITH_LINES:
+        chances = np.vstack([chances, stats.f.sf(power(HALVES) / beside, 2, 4 * len(between))])
+    if len(chances) < FEWEST_RUNS_WITH_LINES:
         return ()
-    ratio = halves.sum(axis=0) / noise.sum(axis=0)
-    chance = stats.f.sf(ratio, 2 * len(halves), 4 * len(halves))
-    return tuple(float(half) for half, one in zip(HALVES, chance, strict=True) if one < HALVES_CHANCE)
+    together = stats.combine_pvalues(chances, method="fisher", axis=0).pvalue
+    return tuple(float(half) for half, one in zip(HALVES, together, strict=True) if one < HALVES_CHANCE)

@@ -182,7 +182,8 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         return _nothing("complete", _form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
-    return _nothing("unknown", _immaterial_words(usable[0], law, problem), pair)
+    none = _nothing("unknown", _immaterial_words(usable[0], law, problem), pair)
+    return replace(none, reasons=(*none.reasons, *_pair_words(pair, law)))
 
 
 def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
@@ -291,7 +292,9 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
     if not able:
         return None
     near = _near(able[0], able, scales.problem)
-    alike = _without_general([able[0], *(each for each in near if _same_part(each, able[0], promises, scales))])
+    same = [each for each in near if _same_part(each, able[0], promises, scales)]
+    other_part = [each.effects[0] for each in near if not any(each is one for one in same)]
+    alike = _without_general([able[0], *same])
     best = _likeliest_of(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
     takes = (
@@ -306,7 +309,8 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
     unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
     most = f"beyond doubt; {_immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
-    but = most or "and no rival comes near"
+    nearest = f"but {other_part[0]} comes near: it takes another part, which is asked next" if other_part else ""
+    but = most or nearest or "and no rival comes near"
     return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form))
 
 
@@ -442,6 +446,15 @@ def _hidden_words(lack: LackOfFit, problem: Problem) -> str:
         f"catalogue takes half of it; scatter from run to run may hide up to {lack.most_share:.2g} times, and these "
         f"{len(problem.loops.run)} runs are too few to tell; repeat some of them three times each"
     )
+
+
+def _pair_words(pair: Judged | None, law: Judged) -> tuple[str, ...]:
+    """Say what two effects would take together, and that they leave too much to be named; nothing of less than half."""
+    if pair is None or (takes := explained_share(pair, law)) < HALF_TAKEN_SHARE:
+        return ()
+    names = " and ".join(pair.effects)
+    left = f"{pair.lack.rms:.3g} N ({pair.lack.share:.2g} times the force noise)"
+    return (f"{names} together would take {takes:.0%} of it, but leave {left}: too much for them to be named",)
 
 
 def _immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:

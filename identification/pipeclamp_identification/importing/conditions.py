@@ -43,6 +43,8 @@ LETTERS = {
     "temp": "temperature_C",
 }  # fmt: skip
 """Letters before numbers in names of files."""
+BEGINS_A_NUMBER = re.compile(r"[ _]+[A-Za-z]+")
+"""What stands between two numbers and belongs to the second: the A of 01_A0.5 is no unit of 01."""
 
 
 class Pattern:
@@ -144,7 +146,9 @@ def guessed_pattern(
     pieces = re.split(NUMBER, stems[0])
     fields: list[str] = []
     for place, texts in enumerate(numbers):
-        field = _meant(pieces[place], texts, pieces[place + 1])
+        after = pieces[place + 1]
+        begins_the_next = place + 1 < len(numbers) and BEGINS_A_NUMBER.fullmatch(after)
+        field = _meant(pieces[place], texts, "" if begins_the_next else after)
         known = field and field not in fields
         fields.append(field if known and not contradicted(*_stated(field, texts)) else "")
     opaque = [place for place, texts in enumerate(numbers) if not fields[place] and len(set(texts)) > 1]
