@@ -182,7 +182,8 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         return _nothing("complete", _form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
-    none = _nothing("unknown", _immaterial_words(usable[0], law, problem), pair)
+    most = max(usable, key=lambda each: explained_share(each, law))
+    none = _nothing("unknown", _immaterial_words(most, law, problem), pair)
     return replace(none, reasons=(*none.reasons, *_pair_words(pair, law)))
 
 
@@ -462,7 +463,7 @@ def _immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
     takes = explained_share(best, law)
     if takes < NEXT_TO_NOTHING:
         named = best.effects[0]
-        return f"the best of the catalogue, {named}, takes less than 1% of what is missing on left-out A and f"
+        return f"of what nothing speaks against {named} takes most, less than 1% of what is missing on left-out A and f"
     worse = [
         f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
         for name, error in best.heldout_by.items()
