@@ -119,7 +119,7 @@ def test_the_record_says_where_everything_comes_from(record, uncertain):
     assert record["data"]["fingerprint"] == uncertain.data.fingerprint
     assert record["coefficients"]["k10"]["evidence"] == "measured"
     assert record["coefficients"]["alpha0"]["evidence"] == "given"
-    assert record["diagnosis"] == {"verdict": "missing", "effects": ["gap"], "tests": "bench"}
+    assert record["diagnosis"] == {"verdict": "missing", "effects": ["gap"], "tests": "bench", "in_vain": []}
     assert record["cautions"] == []
 
 
