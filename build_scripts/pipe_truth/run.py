@@ -25,9 +25,16 @@ from pipeclamp_identification.attribution.verdict import Attribution, attribute
 from pipeclamp_identification.on_pipe.measurement import FILE_NAME
 
 
-def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:
-    """Make a trial's test where it isn't there yet; give the stated system and the measurement."""
-    design, own = DESIGNS_AND_LINES[trial.design], folder / f"{number:02d}"
+def measured(number: int, trial: Trial, own: Path, exact: Path) -> tuple[Path, Path]:
+    """Make a trial's test where it isn't there yet; give the stated system and the measurement.
+
+    Args:
+        number: of the trial; the noise hangs on it.
+        trial: what is hidden.
+        own: folder of the test.
+        exact: folder in which motions are kept that several tests share.
+    """
+    design = DESIGNS_AND_LINES[trial.design]
     stated = design.write(own, {}, {})
     test = own / "measured"
     if not (test / FILE_NAME).is_file():
@@ -38,7 +45,7 @@ def measured(number: int, trial: Trial, folder: Path) -> tuple[Path, Path]:
         true = design.write(own / "true", trial.fields, trial.laws)
         files = ""
         if "sines" in trial.measured:
-            files += measure(true, sensors, design.sines, test, trial.noise, number, trial.drive, folder / "exact")
+            files += measure(true, sensors, design.sines, test, trial.noise, number, trial.drive, exact)
         motions = tuple(motion for kind in trial.measured for motion in design.motions.get(kind, ()))
         files += measure_motions(true, sensors, motions, test, trial.noise, seed=number)
         describe(test, sensors, files)
@@ -63,7 +70,7 @@ def outcome(trial: Trial, found: Attribution) -> str:
 
 def tried(number: int, trial: Trial, folder: Path) -> str:
     """Make and judge a trial; give its outcome."""
-    system, test = measured(number, trial, folder)
+    system, test = measured(number, trial, folder / f"{number:02d}", folder / "exact")
     begin = time.process_time()
     comparison = compare_measured(system, test)
     found = attribute(comparison)

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 from designs import RECORD_TRIALS, TRIALS, Trial
-from measuring_trials import DESIGNS_AND_LINES, MEASURING_TRIALS
-from pipe_rig import describe, measure
+from measuring_trials import MEASURING_TRIALS
+from run import measured
 from scipy.stats import norm
 
 from pipeclamp_identification.attribution.compared import compare_measured
@@ -49,13 +49,8 @@ class Apart:
 
 def apart(number: int, trial: Trial, folder: Path) -> Apart:
     """Measure a trial without noise, and refit all suspects to it, pairs where two things are hidden."""
-    design, own = DESIGNS_AND_LINES[trial.design], folder / f"exact_{number:02d}"
-    stated = design.write(own, {}, {})
-    true = design.write(own / "true", trial.fields, trial.laws)
-    sensors = tuple(replace(sensor, **trial.sensors.get(sensor.name, {})) for sensor in design.sensors)
-    files = measure(true, sensors, design.sines, own / "measured", 0.0, number, trial.drive, folder / "exact")
-    describe(own / "measured", sensors, files)
-    compared = compare_measured(stated, own / "measured")
+    stated, test = measured(number, replace(trial, noise=0.0), folder / f"exact_{number:02d}", folder / "exact")
+    compared = compare_measured(stated, test)
     task = with_noise(stated_task(compared), trial.noise)
     refits = refit(task, searched(task, suspects_of(compared.model, compared.description)))
     if len(trial.truth) > 1:
