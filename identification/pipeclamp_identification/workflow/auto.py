@@ -145,7 +145,8 @@ def add_until_settled(
         file = ladder[-1].change.after
         for change in without_spares(file, name, tests, command=command, date=file.date, progress=progress):
             ladder.append(Rung(change, "revision", (as_well_without(change, having),)))
-            gone[change.effect.removeprefix("- ")] = _in_vain(change)
+            spare = _in_vain(change)
+            gone[spare.effect] = spare
             file = change.after
 
 
