@@ -15,6 +15,7 @@ from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
+from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
@@ -85,6 +86,20 @@ class Diagnosed:
         return {} if named is None else named.result.law.values
 
     @property
+    def together(self) -> tuple[str, ...]:
+        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
+        named = self.diagnosis.found.named if self.effects else None
+        return () if named is None or len(named.effects) < 2 else named.effects
+
+    @property
+    def other_parts(self) -> Mapping[str, float]:
+        """Effects that take a part too, as `add` takes them, and how much of what what is named first takes."""
+        diagnosis = self.diagnosis
+        most = diagnosis.explained or 1.0
+        others = diagnosis.found.others if self.effects else ()
+        return {each.effects[0]: explained_share(each, diagnosis.law) / most for each in others}
+
+    @property
     def calls_for_a_term(self) -> bool:
         """Whether a term beyond the catalogue is worth a search: nothing is named for what follows the conditions."""
         diagnosis = self.diagnosis
@@ -118,7 +133,8 @@ class Diagnosed:
         """Give the verdict in words."""
         if self.verdict == "complete" and not self.diagnosis.is_adequate(self.diagnosis.law):
             return COMPLETE_BUT_FOR_FORM
-        return HEADLINES[self.verdict, self.kind].format(" or ".join(self.effects))
+        names = " with ".join(self.together) or " or ".join(self.effects)
+        return HEADLINES[self.verdict, self.kind].format(names)
 
     def words(self) -> tuple[str, ...]:
         """Say why, and what is left over."""
@@ -142,7 +158,8 @@ class Diagnosed:
         explained = self.diagnosis.explained
         if explained is None:
             return ()
-        named = f"{self.effects[0]} takes {explained:.0%} of what was missing (mean square, on left-out conditions)"
+        takes = f"{' with '.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
+        named = f"{takes} (mean square, on left-out conditions)"
         return (named, *(self.left_over() or ("what remains is scatter",))[:1])
 
     def cautions(self) -> tuple[str, ...]:

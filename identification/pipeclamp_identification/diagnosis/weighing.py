@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, pairs
+from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import Foretold, foretold
 from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.repeats import Unstated
 from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains
-from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
+from pipeclamp_identification.diagnosis.screen import Promise, beside, fits, fits_beside, screened
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     BEYOND_DOUBT_DRAWS_SHARE,
@@ -64,7 +64,8 @@ class Weighed:
     """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`.
 
     `named` is the law with what is named first, by which the leftover is told; it stays where a ladder takes its name
-    back. `unstated` is what differs between runs at the same stated conditions.
+    back. `others` are laws with another effect each that takes a part too, and not much the same one. `unstated` is
+    what differs between runs at the same stated conditions.
     """
 
     verdict: Verdict
@@ -73,6 +74,7 @@ class Weighed:
     named: Judged | None
     pair: Judged | None
     reasons: tuple[str, ...]
+    others: tuple[Judged, ...] = ()
     unstated: Unstated | None = None
 
 
@@ -165,12 +167,13 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         promises = screened(structure, problem, law, scales.tell)
         able = [each for each in usable if takes_part(each, law, problem)]
         weighed = None
-        if sound and causes and (not able or able[0].lack.share < NEAR_NOISE_SHARE):
+        if sound and causes:
             scales.tell("two effects together")
-            found = pairs(structure, problem, law, sound, promises, scales.jobs, scales.tell)
+            near = not able or able[0].lack.share < NEAR_NOISE_SHARE
+            found = pairs(structure, problem, law, sound, promises if near else (), scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = _cause_of_two(found, sound, scales)
-        weighed = weighed or _part(able, promises, pair, scales)
+        weighed = weighed or _part(able, promises, pair, scales) or _part_of_two(pair, sound, scales)
         if weighed is not None:
             return weighed
     if scales.form_allowed:
@@ -269,12 +272,11 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
         return None
     pair = found[0]
     together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
+    kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
     firsts = [name for name in _first_of_pairs(found, sound, scales) if _helps_alone(name, sound, scales.law)]
     if not firsts:
-        reason = f"{together}; they cancel each other, and neither helps by itself"
-        return Weighed("unknown", (), None, None, pair, (reason,))
+        return _both(pair, sound, kind, together, scales)
     named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
-    kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
     if len(firsts) > 1:
         reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
@@ -298,21 +300,55 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
     alike = _without_general([able[0], *same])
     best = _likeliest_of(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
-    takes = (
-        f"{best.effects[0]} takes {explained_share(best, scales.law):.0%} of what is missing (mean square, on "
-        "left-out conditions)"
-    )
+    named = {effect_id(name) for name in names}
+    others = tuple(each for each in best_of_each(able) if effect_id(each.effects[0]) not in named)
+    takes = f"{best.effects[0]} takes {_of_what_is_missing(best, scales.law)}"
     form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
     if len(names) > 1:
-        others = " and ".join(names[1:])
-        alike_words = f"{takes}; {others} would take much the same part"
-        return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form))
+        alike_words = f"{takes}; {' and '.join(names[1:])} would take much the same part"
+        return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form), others)
     unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
     most = f"beyond doubt; {_immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
     nearest = f"but {other_part[0]} comes near: it takes another part, which is asked next" if other_part else ""
     but = most or nearest or "and no rival comes near"
-    return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form))
+    return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form), others)
+
+
+def _part_of_two(pair: Judged | None, sound: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name the first of two effects that together take a part, though neither clearly does alone."""
+    law = scales.law
+    if pair is None or not takes_part(pair, law, scales.problem):
+        return None
+    if law.lack.share < scales.tolerance.left and explained_share(pair, law) < HALF_TAKEN_SHARE:
+        return None
+    takes = f"{' and '.join(pair.effects)} together take {_of_what_is_missing(pair, law)}"
+    return _both(pair, sound, "part", takes, scales)
+
+
+def _both(pair: Judged, sound: Sequence[Judged], kind: Kind, does: str, scales: Scales) -> Weighed:
+    """Name the first of two effects that neither helps by itself: a cause only where one scales what the other has.
+
+    Otherwise they may cancel each other, as terms of a series do.
+
+    Args:
+        pair: the two.
+        sound: the effects that may be the cause.
+        kind: how the two would be meant otherwise.
+        does: what they do together, in words.
+        scales: all candidates.
+    """
+    first, second = sorted(pair.effects, key=lambda name: _alone(name, sound))
+    if fits(scales.structure, second):
+        kind, why = "part", "neither clearly helps by itself"
+    else:
+        why = f"{second} scales what only {first} brings, so they come together"
+    named = replace(pair, effects=(first, second))
+    return Weighed("missing", (first,), kind, named, named, (f"{does}; {why}",))
+
+
+def _of_what_is_missing(judged: Judged, law: Judged) -> str:
+    return f"{explained_share(judged, law):.0%} of what is missing (mean square, on left-out conditions)"
 
 
 def _without_general(alike: Sequence[Judged]) -> list[Judged]:

@@ -65,6 +65,16 @@ class MetricDiagnosed:
         return "part" if kind and self.beside_a_part else kind
 
     @property
+    def together(self) -> tuple[str, ...]:
+        """Nothing: metrics name one effect."""
+        return ()
+
+    @property
+    def other_parts(self) -> Mapping[str, float]:
+        """None: what metrics name stands alone, or beside what they can't tell from it."""
+        return {}
+
+    @property
     def calls_for_a_term(self) -> bool:
         """Never: a term acts along a loop, which metrics don't hold."""
         return False

@@ -65,6 +65,14 @@ class Diagnosed(Protocol):
         """Parameters of the law with what is named first, by name, for its fit to begin at; empty where nothing is."""
 
     @property
+    def together(self) -> Sequence[str]:
+        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
+
+    @property
+    def other_parts(self) -> Mapping[str, float]:
+        """Effects that take a part too, as `add` takes them, and how much of what what is named first takes."""
+
+    @property
     def calls_for_a_term(self) -> bool:
         """Whether a term beyond the catalogue is worth a search (`discover`)."""
 
