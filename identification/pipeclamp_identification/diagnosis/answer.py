@@ -110,6 +110,9 @@ class DiagnosisAnswer(AnswerModel):
     explained: float | None = Field(
         description="share of the mean-square lack of fit, on left-out conditions, that what is named first takes"
     )
+    together: tuple[str, ...] = Field(
+        description="what is named first, and the effect without which it clearly takes nothing; empty where it does"
+    )
     remains: RemainsAnswer | None = Field(description="what is left with what is named first")
     candidates: tuple[CandidateAnswer, ...]
     pair: CandidateAnswer | None
@@ -141,6 +144,7 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
         effects=found.effects,
         kind=found.kind,
         explained=diagnosis.explained,
+        together=found.together,
         remains=_remains(diagnosis),
         candidates=tuple(_candidate(candidate, diagnosis) for candidate in diagnosis.candidates),
         pair=_candidate(diagnosis.pair, diagnosis) if diagnosis.pair else None,

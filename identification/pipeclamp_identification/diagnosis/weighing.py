@@ -340,7 +340,7 @@ def _both(pair: Judged, sound: Sequence[Judged], kind: Kind, does: str, scales: 
     """
     first, second = sorted(pair.effects, key=lambda name: _alone(name, sound))
     if fits(scales.structure, second):
-        kind, why = "part", "neither clearly helps by itself"
+        kind, why = "part", "neither clearly helps by itself, so judge when both are added"
     else:
         why = f"{second} scales what only {first} brings, so they come together"
     named = replace(pair, effects=(first, second))
