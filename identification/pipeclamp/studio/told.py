@@ -9,10 +9,10 @@ from pydantic import Field
 
 from pipeclamp.show.diagnosis import against, verdict_lines
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.law.file import LawFile, Verdict
 

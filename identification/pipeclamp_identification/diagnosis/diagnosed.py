@@ -9,13 +9,13 @@ from typing import Self
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, Kind, tried_in_vain
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
-from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
@@ -88,7 +88,7 @@ class Diagnosed:
     @property
     def together(self) -> tuple[str, ...]:
         """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
-        named = self.diagnosis.found.named if self.effects else None
+        named = self.diagnosis.found.named
         return () if named is None or len(named.effects) < 2 else named.effects
 
     @property
@@ -96,8 +96,7 @@ class Diagnosed:
         """Effects that take a part too, as `add` takes them, and how much of what what is named first takes."""
         diagnosis = self.diagnosis
         most = diagnosis.explained or 1.0
-        others = diagnosis.found.others if self.effects else ()
-        return {each.effects[0]: explained_share(each, diagnosis.law) / most for each in others}
+        return {each.effects[0]: explained_share(each, diagnosis.law) / most for each in diagnosis.found.others}
 
     @property
     def calls_for_a_term(self) -> bool:
@@ -126,7 +125,9 @@ class Diagnosed:
 
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""
-        found = replace(self.diagnosis.found, verdict="unknown", effects=(), kind=None, reasons=(reason,))
+        found = replace(
+            self.diagnosis.found, verdict="unknown", effects=(), kind=None, named=None, others=(), reasons=(reason,)
+        )
         return replace(self, diagnosis=replace(self.diagnosis, found=found))
 
     def headline(self) -> str:

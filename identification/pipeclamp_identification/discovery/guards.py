@@ -12,10 +12,10 @@ from pipeclamp_fmu.build import passivity, require_passive
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.diagnosis.left_out import LeftOut
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.resampling import draws, share_of_gains
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.fitting.observations import loop_observations
+from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
