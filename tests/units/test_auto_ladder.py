@@ -4,14 +4,15 @@ from types import SimpleNamespace
 
 import pytest
 
+from pipeclamp_identification.diagnosis.named import by_history
 from pipeclamp_identification.workflow import auto, change, climb
 
 HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "play": 0.12}
 """Error on left-out conditions by the effect that was added last."""
 
 
-def law(*effects):
-    after = SimpleNamespace(effects=effects, date=None)
+def law(*effects, history=()):
+    after = SimpleNamespace(effects=effects, history=history, date=None)
     after.model_copy = lambda update: SimpleNamespace(**update)
     return after
 
@@ -31,11 +32,12 @@ def answering(answers, monkeypatch):
     """Give tests whose diagnosis is told by a law's effects, and what each effect does to the error."""
 
     def add(file, effect, tests, **options):
-        after = law(*file.effects, effect)
+        step = SimpleNamespace(step=f"+ {effect}", kind=options["kind"])
+        after = law(*file.effects, effect, history=(*file.history, step))
         heldout = (HELD_OUT["".join(file.effects[-1:])], HELD_OUT[effect])
         return SimpleNamespace(effect=effect, after=after, heldout=heldout)
 
-    monkeypatch.setattr(climb, "add_effect", add)
+    monkeypatch.setattr(change, "add_effect", add)
     return SimpleNamespace(
         diagnose=lambda file, **options: answers[file.effects],
         superfluous=lambda file, keep, progress: None,
@@ -128,15 +130,20 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
     assert asked == [{"oil_damper"}]
 
 
-def test_beside_a_part_nothing_is_called_the_cause(monkeypatch):
+@pytest.mark.parametrize(
+    ("steps", "kind"),
+    [
+        ([("+ oil_damper", "part")], "part"),
+        ([("+ bouc_wen", "part"), ("bouc_wen -> oil_damper", "part")], "part"),
+        ([("+ oil_damper", "cause")], "cause"),
+        ([("+ bouc_wen", "part"), ("- bouc_wen", None), ("+ oil_damper", None)], "cause"),
+    ],
+)
+def test_beside_a_part_nothing_is_called_the_cause(steps, kind):
     """The part may stand for something else, and what explains the rest beside it for another rest."""
-    answers = {
-        (): found("missing", "part", "oil_damper"),
-        ("oil_damper",): found("missing", "cause", "memory"),
-        ("oil_damper", "memory"): found("complete"),
-    }
-    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
-    assert [rung.kind for rung in settled.ladder] == ["part", "part"]
+    history = [SimpleNamespace(step=step, kind=meant) for step, meant in steps]
+    file = SimpleNamespace(effects=("oil_damper",), history=history, diagnosis=None)
+    assert by_history(found("missing", "cause", "memory"), file, "of the tests").kind == kind
 
 
 def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypatch):
@@ -153,13 +160,13 @@ def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypa
         return SimpleNamespace(effect=f"- {effect}", after=after, heldout=(0.01, 0.01))
 
     monkeypatch.setattr(change, "remove_effect", remove)
-    added, add = [], climb.add_effect
+    added, add = [], change.add_effect
 
     def noted(file, effect, tests, **options):
         added.append(effect)
         return add(file, effect, tests, **options)
 
-    monkeypatch.setattr(climb, "add_effect", noted)
+    monkeypatch.setattr(change, "add_effect", noted)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.file.effects == ("memory",)
     assert added == ["oil_damper", "memory", "bouc_wen"]
@@ -192,7 +199,7 @@ def test_where_the_first_way_ends_without_a_name_another_is_climbed(monkeypatch)
     answers = {
         (): astray,
         ("oil_damper",): found("unknown"),
-        ("slip_spread",): found("missing", "cause", "memory"),
+        ("slip_spread",): found("missing", "part", "memory"),
         ("slip_spread", "memory"): found("complete"),
     }
     monkeypatch.setitem(HELD_OUT, "slip_spread", 0.06)

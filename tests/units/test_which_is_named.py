@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeclamp_identification.diagnosis import weighing
+from pipeclamp_identification.diagnosis import reasons, weighing
 from pipeclamp_identification.diagnosis.weighing import Scales, Tolerance, weigh
 from pipeclamp_models.law.law import Structure
 
@@ -82,7 +82,8 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
         each.heldout_by = {"A, f": share}
     monkeypatch.setattr(weighing, "screened", lambda *of: [])
     monkeypatch.setattr(weighing, "pairs", lambda *of: [pair])
-    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: False)
+    for room in (weighing, reasons):
+        monkeypatch.setattr(room, "takes_part", lambda candidate, law, problem: False)
     found = weigh(law.result.law.structure, None, law, [alone], Tolerance(0.1, 0.1, 0.75), 1, print)
     assert (found.verdict, found.effects) == ("unknown", ())
     words = "viscous and offset together would take 92% of it, but leave 16.9 N (3.6 times the force noise)"

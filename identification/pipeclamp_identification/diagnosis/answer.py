@@ -10,14 +10,13 @@ from pydantic import Field
 from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.groups_answer import GroupsAnswer, groups_answer
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 
 
 class LawErrors(AnswerModel):

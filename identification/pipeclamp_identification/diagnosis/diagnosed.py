@@ -11,7 +11,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.diagnosis.named import NO_PROOF, Kind, tried_in_vain
+from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
@@ -20,7 +20,7 @@ from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, Verdict, law_of, structure_of
+from pipeclamp_models.law.file import Kind, LawFile, Verdict, law_of, structure_of
 
 HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("complete", None): "Complete: what is left is scatter.",
@@ -181,7 +181,7 @@ def diagnosed(
 ) -> Diagnosed:
     """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
 
-    What a ladder that ended on the same tests has tried in vain isn't named again.
+    What the law's file knows of its way counts too; see `named.by_history`.
 
     Args:
         file: the law.
@@ -203,6 +203,4 @@ def diagnosed(
         structure, campaign, comparison.loops, start=law_of(file).values, jobs=jobs, progress=progress,
         prepared=prepared,
     )  # fmt: skip
-    found = Diagnosed(diagnosis, comparison, limits)
-    in_vain = tried_in_vain(found.effects, file, campaign.fingerprint, declared)
-    return found.naming_nothing(in_vain) if in_vain else found
+    return by_history(Diagnosed(diagnosis, comparison, limits), file, campaign.fingerprint, declared)

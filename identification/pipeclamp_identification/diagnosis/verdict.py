@@ -18,7 +18,6 @@ from pipeclamp_identification.diagnosis.candidates import (
 )
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.problem import (
     CLOSELY,
     Judged,
@@ -44,7 +43,7 @@ from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 from pipeclamp_models.law.law import Structure
 
 

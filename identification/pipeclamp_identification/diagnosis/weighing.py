@@ -10,7 +10,6 @@ import numpy as np
 from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold, takes_part
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.reasons import (
     few_runs_words,
@@ -40,7 +39,7 @@ from pipeclamp_identification.fitting.resampling import DRAWS, draws
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 from pipeclamp_models.law.law import Structure, with_effect
 
 BEYOND_COMPARISON = 1e200

@@ -9,10 +9,10 @@ from types import MappingProxyType
 from typing import Literal
 
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.diagnosis.named import NO_PROOF, Kind, in_vain_words, no_help
+from pipeclamp_identification.diagnosis.named import NO_PROOF, in_vain_words, no_help, parts_of
 from pipeclamp_identification.workflow.change import (
     Addition,
-    add_effect,
+    add_effects,
     as_well_without,
     exchange,
     stays_as_good,
@@ -21,7 +21,7 @@ from pipeclamp_identification.workflow.change import (
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import InVain, LastDiagnosis, LawFile
+from pipeclamp_models.law.file import InVain, Kind, LastDiagnosis, LawFile
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.law.range import rounded
 
@@ -131,14 +131,16 @@ class Climber:
         """
         turns: list[Turn] = []
         while True:
-            found = self._diagnosed(file, ladder)
+            found = self.tests.diagnose(
+                file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
+            )
             went = tuple(gone[name] for name in found.effects if name in gone)
             if went and found.effects[0] in gone:
                 found = found.naming_nothing(in_vain_words(went))
-            if len(ladder) >= self.most or not _goes_on(found, ladder):
+            if len(ladder) >= self.most or not _goes_on(found, file):
                 self.seen(found, file)
                 whole = found.verdict == "complete" and len(ladder) < self.most
-                simpler = self._with_something_simpler(file, ladder) if whole else None
+                simpler = self._with_something_simpler(file) if whole else None
                 if simpler is None:
                     return Settled(file, found, ladder), turns
                 ladder, file = (*ladder, simpler), simpler.change.after
@@ -167,26 +169,11 @@ class Climber:
             turn: the turn.
             ended: error on left-out conditions where the way ended that didn't turn there.
         """
-        change = self._added(turn.file, turn.effect)
+        (change,) = self._added(turn.file, [turn.effect], "part")
         words = f"it takes {turn.share:.0%} of what {turn.taken} would, and goes further: that way ended at {ended:.2%}"
         ladder = (*turn.ladder, Rung(change, "part", (words, NO_PROOF)))
         file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
         return self.climb(file, ladder, gone)[0]
-
-    def _diagnosed(self, file: LawFile, ladder: Sequence[Rung]) -> Diagnosed:
-        """Diagnose; beside a part, which may stand for something else, nothing is called the cause."""
-        found = self.tests.diagnose(
-            file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
-        )
-        if found.verdict == "missing" and found.kind == "cause" and (parts := _parts(file, ladder)):
-            return found.naming_a_part(f"{' and '.join(parts)}, a part that the law has, may stand for something else")
-        return found
-
-    def _added(self, file: LawFile, effect: str, start: Mapping[str, float] | None = None) -> Addition:
-        return add_effect(
-            file, effect, self.tests, command=self.command, date=file.date, declared=self.declared, start=start,
-            progress=self.progress,
-        )  # fmt: skip
 
     def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
@@ -198,14 +185,21 @@ class Climber:
         """
         tried: list[list[Addition]] = []
         for name in (name for name in found.effects if name not in gone):
-            first = not tried
-            steps = [self._added(file, name, found.values if first else None)]
-            for beside in found.together[1:] if first else ():
-                steps.append(self._added(steps[-1].after, beside, found.values))
-            tried.append(steps)
-            if _helps(steps):
+            whole = not tried and found.together
+            tried.append(
+                self._added(file, found.together if whole else (name,), _kind(found), None if tried else found.values)
+            )
+            if _helps(tried[-1]):
                 break
         return tried
+
+    def _added(
+        self, file: LawFile, effects: Sequence[str], kind: Kind, start: Mapping[str, float] | None = None
+    ) -> list[Addition]:
+        return add_effects(
+            file, effects, self.tests, command=self.command, date=file.date, declared=self.declared, kind=kind,
+            start=start, progress=self.progress,
+        )  # fmt: skip
 
     def _without_spares(
         self, ladder: tuple[Rung, ...], gone: Gone, keep: str, having: str
@@ -235,12 +229,12 @@ class Climber:
                 return Rung(change, "revision", (words,))
         return None
 
-    def _with_something_simpler(self, file: LawFile, ladder: Sequence[Rung]) -> Rung | None:
+    def _with_something_simpler(self, file: LawFile) -> Rung | None:
         """Put a simpler effect in the place of a part that it acts like; None where none does as well.
 
         A part was taken while more was missing, which may have bent what it was chosen by.
         """
-        parts = _parts(file, ladder)
+        parts = parts_of(file)
         structure = self.tests.simpler_structure(file, parts, self.progress) if parts else None
         if structure is None:
             return None
@@ -262,8 +256,8 @@ def _turns(file: LawFile, ladder: tuple[Rung, ...], gone: Gone, found: Diagnosed
 
 
 def _rungs(found: Diagnosed, tried: Sequence[Sequence[Addition]]) -> list[Rung]:
-    """Give the rungs of what was tried last and helped; the best of several isn't proved by being taken."""
-    kind: Kind = "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
+    """Give the rungs of what was tried last and helped."""
+    kind = _kind(found)
     *before, (first, *beside) = tried
     others = [name for name in found.effects if name not in {_name(steps[0]) for steps in tried}]
     rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
@@ -275,14 +269,13 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[Addition]]) -> list[Rung]:
     ]
 
 
+def _kind(found: Diagnosed) -> Kind:
+    """Say how what is added is meant: the best of several isn't proved by being taken."""
+    return "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
+
+
 def _name(change: Addition) -> str:
     return change.effect.lstrip("+- ")
-
-
-def _parts(file: LawFile, ladder: Sequence[Rung]) -> list[str]:
-    """Give the effects that a law was given as parts, which prove nothing, and has still."""
-    named = [rung.change.effect.removeprefix("+ ") for rung in ladder if rung.kind == "part"]
-    return [name for name in named if name in file.effects]
 
 
 def _in_vain(steps: Sequence[Addition]) -> InVain:
@@ -297,12 +290,12 @@ def _helps(steps: Sequence[Addition]) -> bool:
     return steps[-1].heldout[1] < steps[0].heldout[0]
 
 
-def _goes_on(found: Diagnosed, ladder: Sequence[Rung]) -> bool:
+def _goes_on(found: Diagnosed, file: LawFile) -> bool:
     """Tell whether there is something to do.
 
     A part is no claim, so the best of several that act alike may be taken; and where the law has a part already, which
     may stand for something else, so may the best of several causes, as a part too.
     """
     if found.verdict == "ambiguous":
-        return found.kind == "part" or any(rung.kind == "part" for rung in ladder)
+        return found.kind == "part" or bool(parts_of(file))
     return found.verdict in ("missing", "unknown")

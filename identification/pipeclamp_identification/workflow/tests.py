@@ -10,12 +10,11 @@ if TYPE_CHECKING:
     from pipeclamp_identification.campaign.drive import DrivePlan
     from pipeclamp_identification.campaign.seen import LeftOut
     from pipeclamp_identification.diagnosis.limits import Limits
-    from pipeclamp_identification.diagnosis.named import Kind
     from pipeclamp_identification.fitting.identify import Method
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
     from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.declaration import Declaration
-    from pipeclamp_models.law.file import LawFile, Verdict
+    from pipeclamp_models.law.file import Kind, LawFile, Verdict
     from pipeclamp_models.law.law import Structure
 
 
