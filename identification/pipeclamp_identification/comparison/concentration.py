@@ -197,7 +197,9 @@ def region_sentence(found: Region | None, whole: Breakdown, model: str = "law") 
 
 def hidden_sentence(whole: Breakdown) -> str | None:
     """Say who can tell whether scatter hides an effect; None where more than scatter is left."""
-    return "A diagnosis, which asks all runs at once, tells whether an effect hides in it." if is_scatter(whole) else None
+    return (
+        "A diagnosis, which asks all runs at once, tells whether an effect hides in it." if is_scatter(whole) else None
+    )
 
 
 def harmonic_sentence(harmonics: Breakdown) -> str | None:
