@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeclamp.pages.page import render
+from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
+from pipeclamp.studio.overview import waterfall_of
+from pipeclamp.studio.told import told_of
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -122,8 +124,12 @@ def test_what_is_not_in_the_catalogue_gets_no_name(campaign, tmp_path):
     """Over frequency it rises and falls: relaxation and inertia fit it against each other, and neither alone."""
     (tmp_path / "bump.toml").write_text(BUMP)
     tests = campaign(("bump",), declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
-    diagnosis = diagnose(Structure("power"), tests)
-    assert (diagnosis.verdict, diagnosis.effects) == ("unknown", ())
+    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    answer = diagnosed(file, tests)
+    assert (answer.verdict, answer.effects) == ("unknown", ())
+    on_page = plain(diagnosis_page(file, answer, "")[0].figures[0])["data"]
+    in_studio = json.loads(waterfall_of(file, told_of(answer, file, "")).specification)["data"]
+    assert in_studio == on_page, "the studio promises what the page does, where nothing is named, too"
 
 
 def test_what_no_rig_scatters_is_not_called_complete(campaign):
