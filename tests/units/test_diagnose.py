@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeclamp.pages.page import render
+from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
+from pipeclamp.studio.overview import waterfall_of
+from pipeclamp.studio.told import told_of
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -126,6 +128,10 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     found = diagnosed(file, tests)
     assert (found.verdict, found.kind, found.effects) == ("missing", "part", found.together[:1])
     assert f"Part of what is missing: {' with '.join(found.together)}." == found.headline()
+    for answer in (found, found.naming_nothing("tried in vain")):
+        on_page = plain(diagnosis_page(file, answer, "")[0].figures[0])["data"]
+        in_studio = json.loads(waterfall_of(file, told_of(answer, file, "")).specification)["data"]
+        assert in_studio == on_page, "the studio promises what the page does"
     settled = add_until_settled(file, RecordTests(tests), command="test")
     first, second = settled.ladder
     added = [(rung.change.effect, rung.kind) for rung in (first, second)]

@@ -30,6 +30,14 @@ class ToldCandidate(AnswerModel):
     values: Mapping[str, float] = Field(description="parameters of the law with it")
 
 
+class ToldRung(AnswerModel):
+    """What a step that a page promises would do."""
+
+    label: str
+    heldout_nrmse: float
+    explained: float | None
+
+
 class Told(AnswerModel):
     """A diagnosis as it is shown."""
 
@@ -43,6 +51,7 @@ class Told(AnswerModel):
     lines: tuple[str, ...] = Field(description="as the command prints them")
     heldout_nrmse: float = Field(description="of the law as it is")
     candidates: tuple[ToldCandidate, ...]
+    promised: tuple[ToldRung, ...] = Field((), description="the steps that the page of the diagnosis promises")
     next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
     drive: bool = Field(description="whether there is a drive signal for it")
 
@@ -53,6 +62,10 @@ class Told(AnswerModel):
 
 def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
     """Give a diagnosis as it is shown."""
+    # the server, which only shows what was told, does without
+    from pipeclamp.pages.diagnosis import promised
+    from pipeclamp.pages.waterfall import ESTIMATED
+
     diagnosis = found.diagnosis
     return Told(
         law_command=stamp(file),
@@ -66,6 +79,11 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         heldout_nrmse=diagnosis.law.heldout_nrmse,
         candidates=tuple(
             _candidate(each, diagnosis) for each in diagnosis.candidates if _is_finite(each.result.law.values)
+        ),
+        promised=tuple(
+            ToldRung(label=rung.label, heldout_nrmse=rung.errors[ESTIMATED], explained=rung.explained)
+            for rung in promised(diagnosis)
+            if rung.promised
         ),
         next_test=found.proposal.words() if found.proposal else found.no_test,
         drive=found.proposal is not None,
