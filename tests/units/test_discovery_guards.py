@@ -153,3 +153,42 @@ def test_an_error_that_falls_too_rarely_says_so(gains, passed, monkeypatch):
     guard = confirmed("before", "after", unseen, np.arange(3))
     assert guard.passed == passed
     assert ("of draws of them only, not in more than 97.5%" in guard.words) != passed
+
+
+def test_what_a_term_explains_itself_is_no_chance():
+    """Turned, a large effect would be explained by chance as often as it is large: the threshold rose with it."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f", "T"), {})}
+    random = np.random.default_rng(1)
+    runs, names = 40, sorted(by_id)[:300]
+    # as factors on one coefficient are: each run's share of the same pattern
+    pattern, shares = random.standard_normal(6), random.standard_normal((len(names), runs))
+    columns = [
+        Column(by_id[name], {}, share[:, None] * pattern, True) for name, share in zip(names, shares, strict=True)
+    ]
+    noise = random.standard_normal((runs, 6))
+    groups = np.repeat(np.arange(10), 4)
+
+    def threshold(size, without):
+        found = screened(columns, size * columns[7].change + noise, random.standard_normal((runs, 6, 2)), groups)
+        return (found.without(7) if without else found).by_chance()
+
+    assert threshold(5.0, without=False) > 5 * threshold(0.0, without=False)
+    assert threshold(5.0, without=True) == pytest.approx(threshold(0.0, without=False), rel=0.5)
+
+
+def test_signs_are_turned_in_sums_over_groups():
+    """Of groups whose runs don't stand together; the best strength of the others foretells each group."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+    random = np.random.default_rng(2)
+    change, residual = random.standard_normal((2, 6, 5))
+    groups, signs = np.array([2, 0, 1, 0, 2, 1]), np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+    column = Column(by_id["found_saturating_spring"], {}, change, True)
+    found = screened([column], residual, random.standard_normal((6, 5, 1)), groups)
+    free = found.free[:, 0].reshape(6, 5).astype(float)
+    products = found.by_run[0][:, 0] * signs
+    expected = 0.0
+    for group in range(3):
+        own = groups == group
+        strength = products[~own].sum() / np.sum(free[~own] ** 2)
+        expected += 2 * strength * products[own].sum() - strength**2 * np.sum(free[own] ** 2)
+    assert found.explained(signs)[0] == pytest.approx(expected, rel=1e-5)

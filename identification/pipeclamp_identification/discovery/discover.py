@@ -31,7 +31,7 @@ from pipeclamp_identification.discovery.guards import (
     confirmed,
     not_in_the_catalogue,
 )
-from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.fitting.least_squares import varies
@@ -212,10 +212,10 @@ def _asked(
     columns = all_columns(evaluation, every, progress)
     progress("what chance would explain")
     scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
-    chance, explained = scanned.by_chance(), scanned.explained()
+    chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:
-        return "no term of the grammar explains more than chance would at its best"
+        return "no term of the grammar explains more than the best of them by an even chance"
     known = {column.term.declaration.id: column.term for column in columns}
 
     def together(contenders: Sequence[Contender]) -> list[Refitted]:
@@ -229,7 +229,7 @@ def _asked(
     progress("ask the conditions that were kept back")
     hearing = _Hearing(evaluation, columns, refitted, bar, basis.gone)
     # what does nothing at its fitted values has only let the law itself be fitted better
-    left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > hearing.by_chance] or refitted
+    left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
     heard: list[Found] = []
@@ -303,10 +303,12 @@ class _Hearing:
         columns = [*self.columns, *(one.column for one in self.refitted)]
         return screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
 
-    @cached_property
-    def by_chance(self) -> float:
-        """What the best of all terms explains by chance."""
-        return self.screened.by_chance()
+    def by_chance(self, place: int) -> float:
+        """Give what the best of all terms explains by chance of what one of the refitted leaves.
+
+        What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
+        """
+        return self.screened.without(len(self.columns) + place).by_chance()
 
     @cached_property
     def explained(self) -> Array:
@@ -325,7 +327,7 @@ class _Hearing:
         found, place = best.judged, self.refitted.index(best)
         replaced = [replace(law, effects=self.gone)] if self.gone else []
         guards = (
-            beyond_chance(float(self.explained[place]), self.by_chance),
+            beyond_chance(float(self.explained[place]), self.by_chance(place)),
             comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
             beyond_the_tests(law, found, problem),
             confirmed(law.result.law, found.result.law, self.bar.unseen, self.bar.groups),
