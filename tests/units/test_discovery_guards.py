@@ -12,9 +12,16 @@ import pytest
 
 from pipeclamp_identification.discovery import guards
 from pipeclamp_identification.discovery.columns import Column
-from pipeclamp_identification.discovery.discover import best_heard
+from pipeclamp_identification.discovery.discover import best_heard, to_better
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.guards import comes_back, confirmed, highest, not_in_the_catalogue, passive
+from pipeclamp_identification.discovery.guards import (
+    beyond_the_tests,
+    comes_back,
+    confirmed,
+    highest,
+    not_in_the_catalogue,
+    passive,
+)
 from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -84,6 +91,24 @@ def test_what_the_catalogue_does_as_well_is_told_with_what_speaks_against_it(obj
     guard = not_in_the_catalogue(found, [effect], SimpleNamespace(groups=np.repeat(np.arange(6), 2)))
     assert not guard.passed
     assert told in guard.words
+
+
+def test_what_was_added_in_vain_need_not_be_bettered():
+    """It had been recommended on, though `diagnose --auto` had just refused it on the same tests."""
+    candidates = [SimpleNamespace(effects=(name,)) for name in ("memory:3", "gap", "play", "inertia")]
+    pair = SimpleNamespace(effects=("memory:3", "gap"))
+    asked = to_better([pair, *candidates], {"memory:3", "gap"})
+    assert [one.effects for one in asked] == [("memory:3", "gap"), ("play",), ("inertia",)]
+
+
+@pytest.mark.parametrize(("levels", "hint"), [((0.2, 0.5, 1.0), True), ((0.2, 0.4, 0.6, 1.0), False)])
+def test_of_few_levels_more_are_asked_for(levels, hint, monkeypatch):
+    """Where two amplitudes stay, they may not determine a term that follows the amplitude, whatever it is."""
+    monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, edge: judged)
+    loops = SimpleNamespace(amplitude_mm=np.tile(levels, 4), frequency_Hz=np.full(4 * len(levels), 2.0))
+    guard = beyond_the_tests(1.0, 2.0, SimpleNamespace(loops=loops))
+    assert not guard.passed
+    assert ("tests at more amplitudes would tell more" in guard.words) == hint
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
+from pipeclamp_identification.diagnosis.named import in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
     Contender,
     Judged,
@@ -131,6 +132,7 @@ def search(
             f"groups of amplitude and frequency: {int(groups.max()) + 1}, too few for a new term; expected at least "
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
+    declared = tuple(declared)
     found = diagnosed(file, campaign, loops, declared=declared, jobs=jobs, progress=progress)
     if found.verdict == "complete":
         return Search(found, None, 0, "nothing is missing: what the law leaves over is scatter")
@@ -145,7 +147,7 @@ def search(
     every = [term for term in terms(*_varied(problem)) if term.declaration.id not in present]
     listed = [
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
-        for each in found.diagnosis.candidates[:LISTED]
+        for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
     bar = _Bar(law, listed, _rows(loops, kept), groups[kept])
     own = _asked(_Basis(law), problem, every, bar, jobs, progress)
@@ -159,6 +161,16 @@ def search(
     result = best_heard(heard)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+
+
+def to_better(candidates: Sequence[Judged], in_vain: Collection[str]) -> Sequence[Judged]:
+    """Give the catalogue's best, best first, but for what was added in vain: who gets no term can't add that either.
+
+    Args:
+        candidates: of the diagnosis, best first.
+        in_vain: effects that were tried on the same tests and didn't lower the error.
+    """
+    return [one for one in candidates if len(one.effects) > 1 or one.effects[0] not in in_vain][:LISTED]
 
 
 @dataclass(frozen=True)
