@@ -78,7 +78,7 @@ class Screened:
 
     def _by_group(self, by_run: Array) -> Array:
         """Sum what each run has over the groups, shape (groups, C)."""
-        sums = np.zeros((int(self.groups.max()) + 1, by_run.shape[1]))
+        sums: Array = np.zeros((int(self.groups.max()) + 1, by_run.shape[1]))
         for group, own in zip(self.groups, by_run, strict=True):  # ten times as fast as `np.add.at`
             sums[group] += own
         return sums
