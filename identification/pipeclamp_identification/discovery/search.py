@@ -74,12 +74,12 @@ class Screened:
     def _squares_of_others(self) -> Array:
         """Of each group: those of all the others, shape (groups, C)."""
         squares = self._squares_by_group
-        return np.maximum(np.sum(squares, axis=0) - squares, LEAST)
+        return np.asarray(np.maximum(np.sum(squares, axis=0) - squares, LEAST))
 
     def _by_group(self, by_run: Array) -> Array:
         """Sum what each run has over the groups, shape (groups, C)."""
         sums: Array = np.zeros((int(self.groups.max()) + 1, by_run.shape[1]))
-        for group, own in zip(self.groups, by_run, strict=True):  # ten times as fast as `np.add.at`
+        for group, own in zip(self.groups, by_run, strict=True):  # eight times as fast as `np.add.at`
             sums[group] += own
         return sums
 
