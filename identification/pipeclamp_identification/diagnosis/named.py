@@ -71,14 +71,18 @@ def _tried_in_vain(effects: Sequence[str], file: LawFile, fingerprint: str, decl
         fingerprint: of the tests.
         declared: a user's own effects: their files may have changed since.
     """
-    if file.diagnosis is None or file.data.fingerprint != fingerprint:
-        return ""
-    known = {one.effect: one for one in file.diagnosis.in_vain}
-    for declaration in declared:
-        known.pop(declaration.id, None)
+    known = in_vain_on(file, fingerprint, declared)
     if not effects or not known.keys() >= set(effects):
         return ""
     return in_vain_words([known[name] for name in effects])
+
+
+def in_vain_on(file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()) -> dict[str, InVain]:
+    """Give what was tried in vain on tests, by effect; arguments as for `tried_in_vain`."""
+    if file.diagnosis is None or file.data.fingerprint != fingerprint:
+        return {}
+    own = {declaration.id for declaration in declared}
+    return {one.effect: one for one in file.diagnosis.in_vain if one.effect not in own}
 
 
 def in_vain_words(tried: Sequence[InVain]) -> str:
