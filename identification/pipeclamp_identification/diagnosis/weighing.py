@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs
+from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs, ranked
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
@@ -230,21 +230,23 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     if len(names) > 1:
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
-    if general := _clearly_better_general(best, scales):
-        fits = f"{general.effects[0]}, of which it is a special case, fits these tests clearly better"
+    generals = _generals(best, scales)
+    if better := [each for each in generals if not _near(each, [best], scales.problem)]:
+        fits = f"{better[0].effects[0]}, of which it is a special case, fits these tests clearly better"
         reason = (
             f"{best.effects[0]} leaves little over, but {fits}: which of the two it is, its exact form would decide"
         )
         return Weighed("missing", names, "part", best, None, (reason,))
-    return Weighed("missing", names, "cause", best, None, (f"{best.effects[0]} explains it and no rival comes near",))
+    reason = f"{best.effects[0]} explains it and no rival comes near"
+    if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
+        reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
+    return Weighed("missing", names, "cause", best, None, (reason,))
 
 
-def _clearly_better_general(special: Judged, scales: Scales) -> Judged | None:
-    """Give the best effect that was left aside for a special case of it, and that this one doesn't come near."""
+def _generals(special: Judged, scales: Scales) -> list[Judged]:
+    """Give the effects that were left aside for a special case of them, best first."""
     able = _able(scales.candidates, scales.law)
-    generals = [each for each in able if special in _simpler(each, able) and each.may_be_cause]
-    better = [each for each in generals if not _near(each, [special], scales.problem)]
-    return min(better, key=lambda each: each.squares, default=None)
+    return ranked(each for each in able if special in _simpler(each, able) and each.may_be_cause)
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
