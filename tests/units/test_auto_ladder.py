@@ -12,7 +12,7 @@ HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "pla
 
 
 def law(*effects, history=()):
-    after = SimpleNamespace(effects=effects, history=history, date=None)
+    after = SimpleNamespace(base="power", effects=effects, history=history, date=None)
     after.model_copy = lambda update: SimpleNamespace(**update)
     return after
 
@@ -226,3 +226,19 @@ def test_two_that_help_only_together_that_do_not_were_tried_in_vain(monkeypatch)
     settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
     assert not settled.ladder
     assert [(one.effect, one.refitted_nrmse) for one in settled.in_vain] == [("play", (0.10, 0.18))]
+
+
+def test_a_way_that_comes_to_a_law_of_the_first_one_goes_no_further(monkeypatch):
+    answers = {
+        (): found("missing", "part", "oil_damper", other_parts={"memory": 0.9}),
+        ("oil_damper",): found("missing", "part", "memory"),
+        ("oil_damper", "memory"): found("unknown"),
+        ("memory",): found("missing", "part", "oil_damper"),
+    }
+    monkeypatch.setitem(HELD_OUT, "memory", 0.04)
+    tests, seen = answering(answers, monkeypatch), []
+    diagnose = tests.diagnose
+    tests.diagnose = lambda file, **options: (seen.append(file.effects), diagnose(file, **options))[1]
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert settled.file.effects == ("oil_damper", "memory")
+    assert seen == [(), ("oil_damper",), ("oil_damper", "memory"), ("memory",)]

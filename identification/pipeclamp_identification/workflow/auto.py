@@ -42,7 +42,8 @@ def add_until_settled(
     place. Where the law is complete, simpler effects that act alike are tried in the place of each part.
 
     The part that takes most first may lead astray. Where the ladder ends with something missing that can't be named,
-    it is climbed again from where another effect took nearly as much, with that; the way that ends better is taken.
+    it is climbed again from where another effect took nearly as much, with that, until a law of a former way is met; the
+    way that ends better is taken.
 
     Args:
         file: the law to begin with.
@@ -55,13 +56,16 @@ def add_until_settled(
         UserError: the data can't serve the law.
     """
     climber = Climber(tests, command, declared, limits, jobs, progress, most, seen)
-    first, turns = climber.climb(file)
-    best = first
-    others = _worth_climbing(turns) if first.found.verdict == "unknown" else []
+    way = climber.climb(file)
+    assert way.settled is not None  # no other way came before
+    first = best = way.settled
+    others = _worth_climbing(way.turns) if first.found.verdict == "unknown" else []
+    met = way.met
     for turn in others:
         progress(f"another way: {turn.effect} in place of {turn.taken}")
-        other = climber.climb_from(turn, ended=first.heldout)
-        best = other if _ends_better(other, best) else best
+        way = climber.climb_from(turn, first.heldout, met)
+        met |= way.met
+        best = way.settled if way.settled and _ends_better(way.settled, best) else best
         if best.found.verdict == "complete":
             break
     if others:

@@ -107,6 +107,25 @@ class Turn:
     share: float
 
 
+Made = tuple[str, frozenset[str]]
+"""What a law is made of: base, and effects in whatever order."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way up.
+
+    Attributes:
+        settled: where it ended; None where it came to a law that another way had come by, and so would end like that.
+        turns: where it could have gone another way.
+        met: the laws that it came by.
+    """
+
+    settled: Settled | None
+    turns: tuple[Turn, ...]
+    met: frozenset[Made]
+
+
 @dataclass(frozen=True)
 class Climber:
     """What a ladder is climbed with; see `auto.add_until_settled`."""
@@ -121,16 +140,26 @@ class Climber:
     seen: Callable[[Diagnosed, LawFile], None]
 
     def climb(
-        self, file: LawFile, ladder: tuple[Rung, ...] = (), gone: Gone = MappingProxyType({})
-    ) -> tuple[Settled, list[Turn]]:
-        """Diagnose and add until nothing helps; give where that ends, and where it could have gone another way.
+        self,
+        file: LawFile,
+        ladder: tuple[Rung, ...] = (),
+        gone: Gone = MappingProxyType({}),
+        before: frozenset[Made] = frozenset(),
+    ) -> Way:
+        """Diagnose and add until nothing helps.
 
         Args:
             file: the law to begin with.
             ladder, gone: what was done to it before, and what went.
+            before: laws that other ways came by.
         """
-        turns: list[Turn] = []
+        turns: tuple[Turn, ...] = ()
+        met: frozenset[Made] = frozenset()
         while True:
+            made = file.base, frozenset(file.effects)
+            if made in before:
+                return Way(None, turns, met)
+            met |= {made}
             found = self.tests.diagnose(
                 file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
             )
@@ -142,13 +171,13 @@ class Climber:
                 whole = found.verdict == "complete" and len(ladder) < self.most
                 simpler = self._with_something_simpler(file) if whole else None
                 if simpler is None:
-                    return Settled(file, found, ladder), turns
+                    return Way(Settled(file, found, ladder), turns, met)
                 ladder, file = (*ladder, simpler), simpler.change.after
                 continue
             tried = self._until_one_helps(file, found, gone)
             if tried and _helps(tried[-1]):
                 self.seen(found, file)
-                turns += _turns(file, ladder, gone, found, _name(tried[-1][0]))
+                turns = (*turns, *_turns(file, ladder, gone, found, _name(tried[-1][0])))
                 ladder = (*ladder, *_rungs(found, tried))
                 name = having = tried[-1][-1].effect.removeprefix("+ ")
             else:
@@ -157,23 +186,24 @@ class Climber:
                 self.seen(found, file)
                 rung = self._with_something_exchanged(file)
                 if rung is None:
-                    return Settled(file, found, ladder, in_vain), turns
+                    return Way(Settled(file, found, ladder, in_vain), turns, met)
                 ladder = (*ladder, rung)
                 name, having = rung.change.effect.rpartition(" -> ")[2], rung.change.effect
             file, ladder, gone = self._without_spares(ladder, gone, name, having)
 
-    def climb_from(self, turn: Turn, ended: float) -> Settled:
+    def climb_from(self, turn: Turn, ended: float, before: frozenset[Made]) -> Way:
         """Add the other effect at a turn, and go on from there.
 
         Args:
             turn: the turn.
             ended: error on left-out conditions where the way ended that didn't turn there.
+            before: laws that other ways came by.
         """
         (change,) = self._added(turn.file, [turn.effect], "part")
         words = f"it takes {turn.share:.0%} of what {turn.taken} would, and goes further: that way ended at {ended:.2%}"
         ladder = (*turn.ladder, Rung(change, "part", (words, NO_PROOF)))
         file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
-        return self.climb(file, ladder, gone)[0]
+        return self.climb(file, ladder, gone, before)
 
     def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
         """Add one effect that is named or another, until one lowers the error on left-out conditions.
