@@ -42,8 +42,8 @@ def add_until_settled(
     place. Where the law is complete, simpler effects that act alike are tried in the place of each part.
 
     The part that takes most first may lead astray. Where the ladder ends with something missing that can't be named,
-    it is climbed again from where another effect took nearly as much, with that, until a law of a former way is met; the
-    way that ends better is taken.
+    it is climbed again from where another effect took nearly as much, with that, until a law of a former way is met;
+    the way that ends better is taken.
 
     Args:
         file: the law to begin with.
