@@ -10,13 +10,12 @@ from plotly.subplots import make_subplots
 
 from pipeclamp.pages.error_pictures import bars_of, error_bars
 from pipeclamp.pages.page import MEASURED, MODEL, SERIES, Section, styled
+from pipeclamp.pages.pictures import thinned
 from pipeclamp.show.comparison import parts_table
 from pipeclamp_identification.on_pipe.measurement import QUANTITIES
 from pipeclamp_identification.on_pipe.record_motion import RecordPrediction
 from pipeclamp_identification.on_pipe.records import RecordPair, RecordsComparison, records_words
 
-DRAWN = 4000
-"""Samples of a record that are drawn at most."""
 ROW = 260
 
 
@@ -45,7 +44,6 @@ def record_picture(
         horizontal_spacing=0.08, vertical_spacing=0.3 / len(probes),
         subplot_titles=[title for probe in probes for title in (probe.name, f"{probe.name}, spectrum")],
     )  # fmt: skip
-    stride = max(1, pair.time.size // DRAWN)
     frequency, *_ = pair.spectra
     inside = (frequency > 0) & (frequency <= comparison.edges[-1])
     drawn = [(pair.measured, "measured", MEASURED, 3.0), (pair.computed, "model", MODEL, 1.2)]
@@ -56,7 +54,8 @@ def record_picture(
             shown = values[:, row - 1] / probe.scale
             lines = 2 * np.abs(np.fft.rfft(shown)) / shown.size
             style = {"mode": "lines", "name": name, "legendgroup": name, "line": {"color": colour, "width": width}}
-            over_time = go.Scatter(x=pair.time[::stride], y=shown[::stride], showlegend=row == 1, **style)
+            time, thin = thinned(pair.time, shown)
+            over_time = go.Scatter(x=time, y=thin, showlegend=row == 1, **style)
             figure.add_trace(over_time, row=row, col=1)
             over_frequency = go.Scatter(x=frequency[inside], y=lines[inside], showlegend=False, **style)
             figure.add_trace(over_frequency, row=row, col=2)
