@@ -90,6 +90,10 @@ def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pa
     )
     assert page.evaluate(f"{cut}.length") > 0
     assert page.evaluate(f"{cut}.every((one) => one.classList.contains('more') && one.tabIndex === 0)")
+    faded = "[...document.querySelectorAll('figure.more')].map((one) => [one, one.querySelector('.gtitle')])"
+    room = f"{faded}.map(([one, title]) => one.getBoundingClientRect().right - title.getBoundingClientRect().right)"
+    assert page.evaluate(f"{room}.length") > 0
+    assert page.evaluate(f"{room}.every((left) => left >= 48)"), "titles end where the picture begins to fade"
     page.set_viewport_size({"width": 1300, "height": 900})
     page.wait_for_function("document.querySelector('#section-1 .picture').layout.yaxis.title?.text?.startsWith('RMS')")
 
