@@ -100,7 +100,7 @@ def test_a_run_of_fmus_with_friction_is_right_and_knows_how_far(frequency, tmp_p
 
 
 def test_a_reversal_within_the_clamp_fmu_s_own_step_costs_no_heat(tmp_path, write_law) -> None:
-    """Between communication points the motion is straight: its peak is cut off, slip itself is exact.
+    """The step is walked to where the motion turned round, and back; slip itself is exact.
 
     A Jenkins element of stiffness k that slips at S dissipates 4 S (A - S/k) a cycle of amplitude A.
     """
