@@ -11,7 +11,7 @@ from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
@@ -134,7 +134,7 @@ class Diagnosed:
         """Give the verdict in words."""
         if self.verdict == "complete" and not self.diagnosis.is_adequate(self.diagnosis.law):
             return COMPLETE_BUT_FOR_FORM
-        names = " with ".join(self.together) or " or ".join(self.effects)
+        names = WITH.join(self.together) or " or ".join(self.effects)
         return HEADLINES[self.verdict, self.kind].format(names)
 
     def words(self) -> tuple[str, ...]:
@@ -159,7 +159,7 @@ class Diagnosed:
         explained = self.diagnosis.explained
         if explained is None:
             return ()
-        takes = f"{' with '.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
+        takes = f"{WITH.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
         named = f"{takes} (mean square, on left-out conditions)"
         return (named, *(self.left_over() or ("what remains is scatter",))[:1])
 

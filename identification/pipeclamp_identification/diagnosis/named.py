@@ -9,6 +9,8 @@ from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
 
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
+WITH = " with "
+"""Joins the names of two that help only together."""
 FURTHER_TESTS = "tests at further conditions would tell whether it is real"
 
 
@@ -26,6 +28,10 @@ class Naming(Protocol):
     @property
     def kind(self) -> Kind | None:
         """How it is meant."""
+
+    @property
+    def together(self) -> Sequence[str]:
+        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
 
     def naming_a_part(self: Named, reason: str) -> Named:
         """Give the same with what it names as the cause for a part, for this reason."""
@@ -49,7 +55,8 @@ def by_history(found: Named, file: LawFile, fingerprint: str, declared: Collecti
         fingerprint: of the tests.
         declared: a user's own effects.
     """
-    if in_vain := _tried_in_vain(found.effects, file, fingerprint, declared):
+    named = [WITH.join(found.together)] if found.together else found.effects
+    if in_vain := _tried_in_vain(named, file, fingerprint, declared):
         return found.naming_nothing(in_vain)
     if found.verdict == "missing" and found.kind == "cause" and (parts := parts_of(file)):
         return found.naming_a_part(f"{' and '.join(parts)}, a part that the law has, may stand for something else")

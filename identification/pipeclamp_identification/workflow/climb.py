@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.diagnosis.named import NO_PROOF, in_vain_words, no_help, parts_of
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of
 from pipeclamp_identification.workflow.change import (
     Addition,
     add_effects,
@@ -309,11 +309,11 @@ def _name(change: Addition) -> str:
 
 
 def _in_vain(steps: Sequence[Addition]) -> InVain:
-    """Give what a law was refitted with, or without, and isn't to have; what it needs beside it was there too."""
+    """Give what a law was refitted with, or without, and isn't to have."""
     without, having = rounded(steps[0].heldout[0]), rounded(steps[-1].heldout[1])
     if steps[0].effect.startswith("- "):
         without, having = having, without
-    return InVain(effect=_name(steps[0]), refitted_nrmse=(without, having))
+    return InVain(effect=WITH.join(map(_name, steps)), refitted_nrmse=(without, having))
 
 
 def _helps(steps: Sequence[Addition]) -> bool:

@@ -250,7 +250,7 @@ class HistoryStep(Part):
 
 
 class InVain(Part):
-    """An effect that was tried, and isn't in the law: errors on left-out groups of A and f without it and with it."""
+    """An effect, or two `with` each other, tried and not in the law: errors on left-out groups without and with it."""
 
     effect: str
     refitted_nrmse: tuple[Finite, Finite]
