@@ -151,9 +151,9 @@ def test_a_peak_is_held_against_that_of_its_own_mode():
     comparison = SimpleNamespace(
         compared=np.ones((241, 1), dtype=bool),
         measurement=SimpleNamespace(
-            steady=SimpleNamespace(frequency=frequency, drive=np.ones(241), response=response((5.0, 1.0), (12.0, 1.1)))
+            steady=SimpleNamespace(frequency=frequency, drive=np.ones(241), response=response((5.0, 1.0), (12.0, 1.3)))
         ),
-        prediction=SimpleNamespace(response=response((5.0, 1.1), (11.4, 1.0))),
+        prediction=SimpleNamespace(response=response((5.0, 1.3), (11.4, 1.0))),
     )
     (measured, _), (model, _) = highest_peaks(comparison, np.arange(241), 0)
     assert measured == pytest.approx(12.0, abs=0.1)
