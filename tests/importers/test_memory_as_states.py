@@ -85,7 +85,8 @@ def heated(n):
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_an_integrator_that_completes_no_steps_gives_what_co_simulation_gives(fmus, tmp_path, fmi):
     """At a fixed step too, over reversals, yields and a change of temperature."""
-    stepped = NativeDriver(fmus[fmi], tmp_path / "stepped", "CoSimulation", CONDITIONS)
+    moving = CONDITIONS | {"flange.v": motion(0.0)[1]}
+    stepped = NativeDriver(fmus[fmi], tmp_path / "stepped", "CoSimulation", moving)
     clamp = Integrated(fmus[fmi], tmp_path / "integrated", "ModelExchange", CONDITIONS)
     h = 1 / (F * STEPS)
     x, rows = np.zeros(3), []

@@ -99,8 +99,8 @@ def test_a_run_of_fmus_with_friction_is_right_and_knows_how_far(frequency, tmp_p
     assert result.energy.coupling_share < 0.01
 
 
-def test_what_a_reversal_within_the_clamp_fmu_s_own_step_costs(tmp_path, write_law) -> None:
-    """Between communication points the motion is straight: its peak is cut off, slip itself is exact.
+def test_a_reversal_within_the_clamp_fmu_s_own_step_costs_no_heat(tmp_path, write_law) -> None:
+    """The step is walked to where the motion turned round, and back; slip itself is exact.
 
     A Jenkins element of stiffness k that slips at S dissipates 4 S (A - S/k) a cycle of amplitude A.
     """
@@ -120,4 +120,6 @@ def test_what_a_reversal_within_the_clamp_fmu_s_own_step_costs(tmp_path, write_l
                 clamp.step((index - 1) * h, h)
                 heat.append(clamp.watched()[0])
         errors.append(1 - (heat[-1] - heat[-1 - 2 * parts]) / 2 / exact)
-    assert errors == pytest.approx([0.015, 0.0042, 0.0006], rel=0.1)
+    assert np.abs(errors).max() < 1e-3, (
+        "a way on which it begins to slip; 1.5 % in 25 steps a cycle where it isn't seen"
+    )

@@ -42,7 +42,7 @@ def clamp_module(model: ClampModel) -> str:
             model.source,
         ]
     )
-    slaves = (f"pipeclamp_fmu.slaves.{name}" for name in ("own_motion", "plain", "values_file"))
+    slaves = (f"pipeclamp_fmu.slaves.{name}" for name in ("own_motion", "plain", "values_file", "within_step"))
     parts = {module: source_text(module) for module in (*slaves, "pipeclamp_models.realise.tracker")}
     return with_inlined(source_text("pipeclamp_fmu.slaves.clamp"), {**parts, "pipeclamp_fmu.slaves.stand_in_law": law})
 
@@ -250,7 +250,8 @@ def _sections(model: ClampModel, described: Mapping[str, Quantity], use: Sequenc
                 FOLLOWED,
                 TEMPERATURE,
                 "energyDissipated is the work done on the clamp less the change of what it stores, at the "
-                "coefficients of the step; what a change of A, f or T does to the stored energy is not in it.",
+                "coefficients of the step, with the force in the middle of each way too; "
+                "what a change of A, f or T does to the stored energy is not in it.",
                 *(COUNTING for entry in model.further if entry.counted),
                 "A step with a value that can't be (NaN or infinite; A, f or T not above 0; a step not above 0) is "
                 "discarded with a logged error, the state untouched.",
@@ -285,9 +286,15 @@ COEFFICIENTS = (
     "`pipeclamp set-parameters` puts another law's into the FMU."
 )
 
+BETWEEN = (
+    "From the last communication point to them the motion is the cubic that has displacement and velocity of both "
+    "ends. Where the velocity changes sign it turns round once in the step, and memory with it; otherwise the law's "
+    "step is straight. So flange.v must be the velocity of flange.s: left at 0, a turn within a step isn't seen, and "
+    "its peak is cut off. A master that steps all models in parallel sees the force one step late."
+)
+
 PYTHON_USE = (
-    "flange.s and flange.v are the values at the end of a step; from the last communication point to them the motion "
-    "is straight. A master that steps all models in parallel therefore sees the force one step late.",
+    f"flange.s and flange.v are the values at the end of a step. {BETWEEN}",
     COEFFICIENTS,
     "States are saved, restored and serialised exactly. Standard library of Python only.",
 )

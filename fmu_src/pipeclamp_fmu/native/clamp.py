@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from pipeclamp_fmu.contents.clamp import (
+    BETWEEN,
     COEFFICIENTS,
     clamp_documentation,
     clamp_extras,
@@ -28,7 +29,7 @@ MEMORY = "memory."
 DISSIPATED = "dissipated"
 """Of these, the state that integrates the dissipated energy."""
 
-SOURCES = ("clamp.c", "clamp.h", "own_motion.c")
+SOURCES = ("clamp.c", "clamp.h", "clamp_slopes.c", "own_motion.c", "within_step.c")
 IN_STEPS = ("memory_in_steps.c", "no_states.c")
 AS_STATES = ("memory_as_states.c",)
 """The clamp's C sources, and those of how its memory moves on in model exchange."""
@@ -134,29 +135,26 @@ def _continuous(described: Mapping[str, Quantity], states: Sequence[Entry]) -> t
     return (*listed, *rates)
 
 
-CO_SIMULATION = (
-    "In co-simulation flange.s and flange.v are the values at the end of a step; from the last communication point to "
-    "them the motion is straight. A master that steps all models in parallel therefore sees the force one step late."
-)
+CO_SIMULATION = f"In co-simulation flange.s and flange.v are the values at the end of a step. {BETWEEN}"
 SAVED = "States are saved, restored and serialised exactly. Standard C library only; the sources are inside."
 
 NATIVE_USE = (
     CO_SIMULATION,
-    "In model exchange the force is that of a straight move from the last completed integrator step to the present "
+    "In model exchange the force is that of such a move from the last completed integrator step to the present "
     "inputs. There are no continuous states: memory moves on at completed integrator steps and events "
     "(memory.s and the variables beside it show it), and a reversal of the motion is an event where the law has "
     "memory. So slip is exact however long the integrator's steps are; a force that relaxes in time is exact for a "
     "displacement that is linear over a step.",
     "Directional derivatives of the outputs by inputs and tunable parameters are exact; with memory they are those of "
-    "going on in the last step's direction.",
+    "going on in the last step's direction. Of a step in which the motion turned round, they are central differences.",
     COEFFICIENTS,
     SAVED,
 )
 
 WITHOUT_EVENTS = (
     *NATIVE_USE,
-    "This FMU was built without events: a reversal within an integrator's step is seen at the step's end, so that the "
-    "force errs by what the motion turns back within one step.",
+    "This FMU was built without events: a reversal within an integrator's step is placed by displacement and velocity "
+    "at its ends, as in co-simulation.",
 )
 
 STATES_USE = (
@@ -166,7 +164,8 @@ STATES_USE = (
     "no integrator steps get the right force; its accuracy is that of their integrator. A state's derivative is that "
     "of the law's own step along the motion, for its length towards 0.",
     "In model exchange forceDeviation is 0, for nothing looks at whole cycles, track can't be used, and there are no "
-    "directional derivatives; in co-simulation those of the outputs are exact.",
+    "directional derivatives; in co-simulation those of the outputs are exact, or central differences where the motion "
+    "turned round in the step.",
     COEFFICIENTS,
     SAVED,
 )

@@ -1,10 +1,10 @@
 """The clamp as an FMI 2.0 co-simulation slave on the standard library alone.
 
-The builder makes one module of this file, `tracker`, `own_motion`, `plain`, `values_file` and a generated law in place
-of `stand_in_law`, and gives the class a name of its own, since all Python FMUs of a process share one interpreter. The
-law's numbers are not in the module: each instance reads those in its FMU's resources.
+The builder makes one module of this file, `tracker`, `own_motion`, `within_step`, `plain`, `values_file` and a
+generated law in place of `stand_in_law`, and gives the class a name of its own, since all Python FMUs of a process
+share one interpreter. The law's numbers are not in the module: each instance reads those in its FMU's resources.
 
-Inputs are the values at the end of the step; between two communication points the motion is straight.
+Inputs are the values at the end of the step; `within_step` says what the motion is between two communication points.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from pipeclamp_fmu.slaves.stand_in_law import (
     step,
 )
 from pipeclamp_fmu.slaves.values_file import read_values
+from pipeclamp_fmu.slaves.within_step import walk
 from pipeclamp_models.realise.tracker import SLACK, Interval, held, start_tracking, tracked
 
 MM = 1000.0
@@ -149,21 +150,21 @@ class ClampSlave(Fmi2Slave):
             if isinstance(prepared, str):
                 return self._refuse(current_time, step_size, prepared)
             conditions, (k, y_before, v_before, force_before, energy_before, memory) = prepared
+        motion, begun = (y_before, v_before, y, v), (force_before, energy_before)
         try:
-            force, energy, memory = step(k, memory, y_before, y, v, step_size)
+            force, energy, memory, lost, way = walk(step, k, memory, motion, step_size, begun)
         except NO_VALUE:
             return self._refuse(current_time, step_size, NO_VALUE_THERE)
-        total = force + energy
+        total = force + energy + lost
         if total - total != 0.0:
             return self._refuse(current_time, step_size, NO_VALUE_THERE)
         if not settled:
             self._take(conditions)
         reals[FORCE] = force
-        # Trapezoid of the force over the straight way, less what is stored; N mm to J.
-        reals[DISSIPATED] += 0.001 * (0.5 * (force_before + force) * (y - y_before) - (energy - energy_before))
+        reals[DISSIPATED] += 0.001 * lost  # N mm to J
         self._motion = (k, y, v, force, energy, memory)
         if COUNTED >= 0:
-            self._counted += abs(y - y_before) / (4.0 * MM * reals[A_USED])
+            self._counted += way / (4.0 * MM * reals[A_USED])
         self._flags[IN_RANGE] = inside = self._inside and abs(y) <= self._farthest
         if not (inside or self._warned):
             self._warn(y)

@@ -91,16 +91,22 @@ class EnergyBalance:
         return {name: float(values[-1]) for name, values in parts.items()}
 
 
-def received_work(force: Array, displacement: Array) -> Array:
-    """Give the work that each clamp has received, by the trapezoidal rule.
+def received_work(force: Array, displacement: Array, velocity: Array, time: Array) -> Array:
+    """Give the work that each clamp has received.
+
+    By the trapezoidal rule over straight ways, and what force and motion bend between the points: h dF dv/6 a step.
+    Over whole cycles that leaves an error of the fourth order, where the rule alone loses 4 % of a dashpot's heat in
+    12 steps a cycle (Euler and Maclaurin); within a cycle h^2 F' v'/12 goes to and fro.
 
     Args:
         force: into the clamp, N, (n, clamps).
-        displacement: of the clamp, as the clamp was told, m, (n, clamps).
+        displacement, velocity: of the clamp, as the clamp was told, m and m/s, (n, clamps).
+        time: s, (n,).
 
     Returns:
         work since the start, J, (n, clamps).
     """
     work = np.zeros_like(force)
-    np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(displacement, axis=0), axis=0, out=work[1:])
+    bent = np.diff(time)[:, None] * np.diff(force, axis=0) * np.diff(velocity, axis=0) / 6
+    np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(displacement, axis=0) + bent, axis=0, out=work[1:])
     return work

@@ -131,22 +131,29 @@ def _through(points: Sequence[Point]) -> tuple[list[Point], Array]:
     return whole, np.cumsum([1 + len(point.passed) for point in points]) - 1
 
 
+def _motion(points: Sequence[Point]) -> tuple[Array, Array, Array]:
+    """Give the clamps' displacement (m) and velocity (m/s), each (n, clamps), and the time (s), (n,)."""
+    displacement, velocity = (np.array([getattr(one, name) for one in points]) for name in ("displacement", "velocity"))
+    return displacement, velocity, np.array([one.time for one in points])
+
+
 def _received(system: SystemDescription, points: Sequence[Point]) -> Array:
     """Give what all clamps have received, J, (n,), by their own forces and the motion that they were told."""
     whole, ends = _through(points)
-    force, displacement = (np.array([getattr(one, name) for one in whole]) for name in ("force", "displacement"))
+    displacement, velocity, time = _motion(whole)
     if system.run.scheme == "parallel":  # its master tells the clamps where they were one step before
-        displacement = np.vstack([displacement[:1], displacement[:-1]])
-    return np.asarray(received_work(force, displacement).sum(axis=1)[ends])
+        displacement, velocity = (np.vstack([values[:1], values[:-1]]) for values in (displacement, velocity))
+    force = np.array([one.force for one in whole])
+    return np.asarray(received_work(force, displacement, velocity, time).sum(axis=1)[ends])
 
 
 def _delivered(system: SystemDescription, points: Sequence[Point]) -> Array:
     """Give what a pipe has given to the clamps, J, (n,), by the forces that it was told, and its motion."""
     whole, ends = _through(points)
-    displacement = np.array([point.displacement for point in whole])
-    given = np.array([point.told for point in whole]).reshape(displacement.shape)
+    motion = _motion(whole)
+    given = np.array([point.told for point in whole]).reshape(motion[0].shape)
     if system.run.scheme in ROLLS_BACK:
-        return np.asarray(received_work(given, displacement).sum(axis=1)[ends])
+        return np.asarray(received_work(given, *motion).sum(axis=1)[ends])
     given = np.repeat(given[1:], 2, axis=0)  # held over each step
-    places = np.repeat(displacement, 2, axis=0)[1:-1]
-    return np.concatenate([[0.0], received_work(given, places).sum(axis=1)[1::2]])
+    held = [np.repeat(values, 2, axis=0)[1:-1] for values in motion]
+    return np.concatenate([[0.0], received_work(given, *held).sum(axis=1)[1::2]])

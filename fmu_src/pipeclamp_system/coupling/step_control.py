@@ -25,8 +25,8 @@ STARTING, STARTING_HALVINGS = 8, 5
 def energy_error(start: Point, end: Point) -> tuple[float, float]:
     """Give the energy that the coupling made in a step and the power that was exchanged, J and W.
 
-    The clamps take the trapezoid of their forces over the straight way; the pipe gives the forces that it was told,
-    linear over its motion, which is cubic (Hermite) between the ends.
+    The clamps are taken to receive the trapezoid of their forces over the straight way; the pipe gives the forces that
+    it was told, linear over its motion, which is cubic (Hermite) between the ends. So what both bend in a step counts.
     """
     h = end.time - start.time
     made = power = 0.0

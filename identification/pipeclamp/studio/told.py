@@ -9,12 +9,11 @@ from pydantic import Field
 
 from pipeclamp.show.diagnosis import against, verdict_lines
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-from pipeclamp_identification.diagnosis.named import Kind
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.law.file import LawFile, Verdict
+from pipeclamp_models.law.file import Kind, LawFile, Verdict
 
 
 class ToldCandidate(AnswerModel):
@@ -55,6 +54,10 @@ class Told(AnswerModel):
     promised: tuple[ToldRung, ...] = Field((), description="the steps that the page of the diagnosis promises")
     next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
     drive: bool = Field(description="whether there is a drive signal for it")
+
+    def meant(self, effect: str) -> Kind | None:
+        """Say how an effect is meant; None where it isn't named."""
+        return self.kind if effect in self.effects else None
 
 
 def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:

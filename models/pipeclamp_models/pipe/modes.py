@@ -143,8 +143,8 @@ class ReducedPipe:
             f"{len(self.omega) - self.kept} residual modes",
             f"static compliance: {self.errors.static_truncated:.1%} lies in the modes left out; "
             f"with the residual modes the error is {self.errors.static:.1e}",
-            f"frequency response up to {self.up_to_Hz:g} Hz: largest error {self.errors.response:.1e} of what it is at "
-            f"its frequency, without clamps{self._about_clamps()}",
+            f"frequency response up to {self.up_to_Hz:g} Hz: the modes left out cost at most "
+            f"{self.errors.response:.1e} of what it is at its frequency, without clamps{self._about_clamps()}",
             *self._about_stability(),
         ]
         if self.shear_error > 0.02:

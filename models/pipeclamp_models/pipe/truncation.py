@@ -17,7 +17,7 @@ STIFFNESSES = (1.0, 10.0, 100.0, 1e4)
 """Of the clamps, as multiples of the pipe's own: beside it a clamp is soft, stiff, and as good as rigid."""
 
 LEAST_DAMPING = 1e-3
-"""Of critical, at least compared with: below it the elements' own error of 2e-5 of a frequency is 1 % of a peak."""
+"""Of critical, at least compared with: below it the elements' own error of 2e-6 of a frequency shows at peaks."""
 
 AT_ONCE = 100
 """Frequencies whose matrices are solved together: more would take memory."""

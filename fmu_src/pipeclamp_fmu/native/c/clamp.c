@@ -1,6 +1,6 @@
 /* A pipe clamp: force from displacement, velocity and temperature. The counterpart of clamp_slave.py.
  *
- * Inputs are the values at the end of the step; from the last step's end to them the motion is straight.
+ * Inputs are the values at the end of the step; within_step.c says what the motion is between.
  */
 #include <math.h>
 #include <stdio.h>
@@ -36,6 +36,7 @@ static double held(double value, const double range[2])
 }
 
 #include "own_motion.c"
+#include "within_step.c"
 
 /* Averages of a sinusoid of this amplitude (mm) and frequency (Hz). */
 static void start_tracking(double averages[6], double amplitude, double frequency)
@@ -215,6 +216,7 @@ static int model_start(Model *model, const Values *values, char reason[TEXT])
     memcpy(memory->k, k, sizeof k);
     memory->places[0] = memory->places[1] = place;
     memory->h = memory->share = 0.0;
+    memory->turned = 0;
     take(model, &conditions, values);
     forget_motion(model);
     memory->follows = depends_on_motion(model, values);
@@ -258,16 +260,16 @@ WITHIN static inline int move(Model *model, const Values *values, const Place *f
                        const Prepared *prepared, double h, char reason[TEXT])
 {
     Memory *memory = &model->memory;
-    const double y = MM * model->real[S], v = MM * model->real[V], way = y - from->y, v_before = from->v;
-    double result[2], z[ROOM(LAW_STATES)];
-    Place *to;
-    law_step(k, from->z, from->y, y, v, h, result, z);
-    if (!isfinite(result[0] + result[1])) {
+    const double y = MM * model->real[S], v = MM * model->real[V], v_before = from->v;
+    Place to = {y, v, 0.0, 0.0, {0.0}};
+    double length;
+    int turned;
+    const double lost = walk(k, from, &to, h, &length, &turned);
+    if (!isfinite(to.force + to.energy + lost)) {
         snprintf(reason, TEXT, "the law has no value there");
         return 0;
     }
-    /* Trapezoid of the force over the straight way, less what is stored; N mm to J. */
-    model->real[DISSIPATED] += 0.001 * (0.5 * (from->force + result[0]) * way - (result[1] - from->energy));
+    model->real[DISSIPATED] += 0.001 * lost; /* N mm to J */
     memory->share = 0.0;
     if (prepared) {
         take(model, &prepared->conditions, values);
@@ -276,15 +278,11 @@ WITHIN static inline int move(Model *model, const Values *values, const Place *f
         memory->share = prepared->share;
     }
     memory->h = h;
+    memory->turned = turned;
     if (COUNTED >= 0)
-        memory->counted += fabs(way) / (4 * MM * model->real[A_USED]);
+        memory->counted += length / (4 * MM * model->real[A_USED]);
     memory->now = !memory->now;
-    to = &memory->places[memory->now != 0];
-    to->y = y;
-    to->v = v;
-    to->force = result[0];
-    to->energy = result[1];
-    memcpy(to->z, z, LAW_STATES * sizeof z[0]);
+    memory->places[memory->now != 0] = to;
     show_motion(model, values);
     if (memory->follows && !memory->conditions.tracking)
         look_at_motion(model, values, y, v, v_before, h);
@@ -311,67 +309,7 @@ static int model_step(Model *model, const Values *values, Scratch *scratch, doub
 
 #include STATES_SOURCE
 
-/* Derivatives of the tracked A (mm) and f (Hz) by y (mm) and v (mm/s) at the end of the step, where they aren't held. */
-static void tracker_slopes(const Memory *memory, const Values *values, double slope[2][2])
-{
-    const Conditions *conditions = &memory->conditions;
-    const double *averages = conditions->averages;
-    const double gain = memory->share * memory->share; /* of both stages */
-    const double variance = averages[3] - averages[1] * averages[1];
-    const double by_y = gain * 2 * (now(memory)->y - averages[1]), by_v = gain * 2 * now(memory)->v;
-    memset(slope, 0, 4 * sizeof(double));
-    if (conditions->u[0] > values->range[0][0] && conditions->u[0] < values->range[0][1])
-        slope[0][0] = by_y / conditions->u[0];
-    if (conditions->u[0] > 0 && conditions->u[1] > values->range[1][0] && conditions->u[1] < values->range[1][1]) {
-        slope[1][0] = -0.5 * conditions->u[1] * by_y / variance;
-        slope[1][1] = 0.5 * conditions->u[1] * by_v / averages[5];
-    }
-}
-
-static void model_slopes(const Model *model, const Values *values, Scratch *scratch, int co_simulation,
-                         const double direction[ROOM(COLUMNS)], double slopes[ROOM(ROWS)])
-{
-    enum { BY = 2 + LAW_CONDITIONS }; /* y, v, conditions */
-    const Memory *memory = &model->memory;
-    const Place *end = now(memory), *from = &memory->places[!memory->now];
-    const double way = end->y - from->y;
-    double used[LAW_CONDITIONS], law[2 * BY], old[2 * BY], tracker[2][2], change[BY];
-    double force = 0, energy = 0, force_before = 0, energy_before = 0;
-    int i;
-    (void)scratch;
-    (void)co_simulation;
-    in_use(&memory->conditions, values, used);
-    law_slopes(parameters(model), used, from->z, from->y, end->y, end->v, memory->h, law);
-    law_slopes(parameters(model), used, from->z, from->y, from->y, from->v, 0.0, old);
-    /* How y, v and the conditions in use change. */
-    change[0] = MM * direction[S];
-    change[1] = MM * direction[V];
-    for (i = 0; i < LAW_CONDITIONS; i++)
-        change[2 + i] = CONDITION_SCALES[i] * direction[A + i];
-    if (model->flag[USE_T_IN])
-        change[4] = direction[T_IN];
-    if (memory->conditions.tracking) {
-        tracker_slopes(memory, values, tracker);
-        for (i = 0; i < 2; i++)
-            change[2 + i] = tracker[i][0] * change[0] + tracker[i][1] * change[1];
-    }
-    for (i = 0; i < BY; i++) {
-        force += law[i] * change[i];
-        energy += law[BY + i] * change[i];
-    }
-    for (i = 2; i < BY; i++) {
-        force_before += old[i] * change[i];
-        energy_before += old[BY + i] * change[i];
-    }
-    slopes[FORCE - FIRST_OUTPUT] = force;
-    slopes[A_USED - FIRST_OUTPUT] = change[2] / MM;
-    slopes[F_USED - FIRST_OUTPUT] = change[3];
-    slopes[T_USED - FIRST_OUTPUT] = change[4];
-    slopes[DISSIPATED - FIRST_OUTPUT] = 0.001
-                                        * (0.5 * ((force_before + force) * way + (from->force + end->force) * change[0])
-                                           - (energy - energy_before));
-    slopes[DEVIATION - FIRST_OUTPUT] = 0.0; /* it stands still between reversals */
-}
+#include "clamp_slopes.c"
 
 enum { BEYOND_RANGE = 1, FORCE_OFF = 2 }; /* what is warned of */
 

@@ -1,0 +1,88 @@
+"""A clamp's way between two communication points: where it turns round, and the work on it.
+
+The clamp's slave inlines it; `native/c/within_step.c` is its counterpart. The motion is the cubic that has displacement
+and velocity of both ends (Hermite). Where the velocity changes sign it turns round once, and is walked in two ways, so
+that memory unloads from where the motion did. The heat of a way takes the law's force in its middle too, beside that of
+both ends; it is exact where the force is linear in the displacement.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+EDGE = 1e-6
+"""Share of a step next to its ends in which it doesn't turn: the peak cut off is some 1e-12 of what the motion turns
+back in a step, and the velocity of a shorter way would be rounding."""
+
+Step = Callable[..., tuple[float, float, tuple[float, ...]]]
+Walked = tuple[float, float, tuple[float, ...], float, float]
+"""Force (N), stored energy (N mm) and memory at the end, heat (N mm), length of the way (mm)."""
+
+
+def turning(y_before: float, v_before: float, y: float, v: float, h: float) -> tuple[float, float]:
+    """Give where a motion turns round whose velocity changes sign: the share of the step, and the displacement (mm)."""
+    # Velocity over the step: c + b x + a x^2, so signed that it begins above 0.
+    sign = 1.0 if v_before > 0.0 else -1.0
+    mean = sign * (y - y_before) / h
+    c, end = sign * v_before, sign * v
+    b = 2.0 * (3.0 * mean - 2.0 * c - end)
+    a = 3.0 * (c + end - 2.0 * mean)
+    inside = b * b - 4.0 * a * c
+    root = math.sqrt(inside) if inside > 0.0 else 0.0
+    share = (b + root) / (-2.0 * a) if b > 0.0 else 2.0 * c / (root - b)
+    return share, y_before + sign * h * share * (c + share * (b / 2.0 + share * (a / 3.0)))
+
+
+def way(
+    step: Step,
+    k: Any,
+    memory: tuple[float, ...],
+    motion: tuple[float, float, float, float],
+    h: float,
+    begun: tuple[float, float],
+) -> Walked:
+    """Walk a way on which the motion doesn't turn round.
+
+    Args:
+        step: the law's step.
+        k: its coefficients.
+        memory: at the beginning.
+        motion: displacement (mm) and velocity (mm/s) at the beginning, then at the end.
+        h: s.
+        begun: force (N) and stored energy (N mm) at the beginning.
+    """
+    y_before, v_before, y, v = motion
+    force_before, energy_before = begun
+    force, energy, after = step(k, memory, y_before, y, v, h)
+    move = y - y_before
+    lost = 0.5 * (force_before + force) * move - (energy - energy_before)
+    bent = h * (v_before - v)
+    if abs(bent) < 4.0 * abs(move):  # the middle lies between the ends
+        middle = 0.5 * (y_before + y) + 0.125 * bent
+        speed = 1.5 * move / h - 0.25 * (v_before + v)
+        force_middle, _, _ = step(k, memory, y_before, middle, speed, 0.5 * h)
+        beyond = force_middle - (force_before + (force - force_before) * ((middle - y_before) / move))
+        lost += beyond * (0.8 * move - h * (v_before + v) / 15.0)
+    return force, energy, after, lost, abs(move)
+
+
+def walk(
+    step: Step,
+    k: Any,
+    memory: tuple[float, ...],
+    motion: tuple[float, float, float, float],
+    h: float,
+    begun: tuple[float, float],
+) -> Walked:
+    """Walk a step, round a turn where there is one; see `way`."""
+    y_before, v_before, y, v = motion
+    if v_before * v < 0.0:
+        at, turn = turning(y_before, v_before, y, v, h)
+        if EDGE < at < 1.0 - EDGE:
+            there, back = (y_before, v_before, turn, 0.0), (turn, 0.0, y, v)
+            force, energy, memory, lost, out = way(step, k, memory, there, at * h, begun)
+            force, energy, memory, more, home = way(step, k, memory, back, (1.0 - at) * h, (force, energy))
+            return force, energy, memory, lost + more, out + home
+    return way(step, k, memory, motion, h, begun)
