@@ -62,6 +62,8 @@ def test_a_folder_whose_name_is_no_text_is_read_and_told_as_it_is_shown(pipeclam
     law, report = tmp_path / "law.json", tmp_path / "r.html"
     assert r"pipeclamp compare" in pipeclamp("identify", folder, "-o", law).stdout
     assert json.loads(law.read_text(encoding="utf-8"))["command"] == r"pipeclamp identify pr\udcf3ba -o law.json"
+    pipeclamp("identify", folder, "-o", law, "--name", folder.name)
+    assert json.loads(law.read_text(encoding="utf-8"))["name"] == "pr?ba"
     pipeclamp("compare", law, folder, "--report", report)
     assert r"pr\udcf3ba" in report.read_text(encoding="utf-8")
 
