@@ -35,7 +35,8 @@ def _law(kind: Kind, equation: str, source: str, *families: str) -> Beyond:
 
 LAWS: dict[str, Beyond] = {
     "detents": _law(
-        Kind(plain.detents), "F = F_s sin(2 pi y/l), l < A", "Tomlinson 1929, Phil. Mag. 7(46): a molecular theory of friction", SPRING,
+        Kind(plain.detents), "F = F_s sin(2 pi y/l), l < A",
+        "Tomlinson 1929, Phil. Mag. 7(46): a molecular theory of friction", SPRING,
     ),
     "thermal_stop": _law(
         Kind(plain.thermal_stop, most=5.0), "F = k (|y| - g_0 (1 - (T - T_0)/T_g))+ sgn(y)", CLOSED, SPRING,
