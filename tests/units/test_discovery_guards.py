@@ -12,7 +12,7 @@ import pytest
 
 from pipeclamp_identification.discovery import guards
 from pipeclamp_identification.discovery.columns import Column
-from pipeclamp_identification.discovery.discover import best_heard, to_better
+from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
     beyond_the_tests,
@@ -91,6 +91,15 @@ def test_what_the_catalogue_does_as_well_is_told_with_what_speaks_against_it(obj
     guard = not_in_the_catalogue(found, [effect], SimpleNamespace(groups=np.repeat(np.arange(6), 2)))
     assert not guard.passed
     assert told in guard.words
+
+
+def test_what_only_adds_to_a_term_that_failed_is_not_asked_after_it():
+    """A slip force that failed beyond the tests had been proposed with the frequency to the power -0.13."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+    names = ("found_slip_closing_both", "found_slip_closing_both_by_f", "found_slip", "found_dry_damping")
+    left = [SimpleNamespace(term=by_id[name]) for name in names]
+    asked = left_to_hear(left, left[0], [True, False, False, True])
+    assert [one.term.declaration.id for one in asked] == ["found_slip"]
 
 
 def test_what_was_added_in_vain_need_not_be_bettered():

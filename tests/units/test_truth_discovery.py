@@ -139,7 +139,7 @@ def test_structure_and_age_follow_their_equations():
 
 
 def test_rubber_friction_nears_its_most_along_a_hyperbola():
-    """Between reversals y_r, F_r: F = F_r + (y - y_r) (F_m - F_r) / (x (1 - F_r/F_m) + y - y_r) (Berg 1998, eq. 3)."""
+    """Between reversals y_r, F_r: F = F_r + (y - y_r) (F_m - F_r) / (x (1 - F_r/F_m) + y - y_r) (Berg 1998)."""
     from beyond import registry
     from hidden import typical
 

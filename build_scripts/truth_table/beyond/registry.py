@@ -35,7 +35,8 @@ def _law(kind: Kind, equation: str, source: str, *families: str) -> Beyond:
 
 LAWS: dict[str, Beyond] = {
     "detents": _law(
-        Kind(plain.detents), "F = F_s sin(2 pi y/l), l < A", "Tomlinson 1929, Phil. Mag. 7(46): atoms in a row", SPRING,
+        Kind(plain.detents), "F = F_s sin(2 pi y/l), l < A",
+        "Tomlinson 1929, Phil. Mag. 7(46): a molecular theory of friction", SPRING,
     ),
     "thermal_stop": _law(
         Kind(plain.thermal_stop, most=5.0), "F = k (|y| - g_0 (1 - (T - T_0)/T_g))+ sgn(y)", CLOSED, SPRING,
@@ -67,8 +68,8 @@ LAWS: dict[str, Beyond] = {
         "Hunt and Crossley 1975, J. Appl. Mech. 42(2)", SPRING, DAMPER,
     ),
     "shifted_flow": _law(
-        Kind(plain.shifted_flow), "F = F_m tanh(v/v_s + b sgn(y))",
-        "Kwok, Ha, Nguyen, Li and Samali 2006, Sens. Actuators A 132(2)", DAMPER, ELEMENT,
+        Kind(plain.shifted_flow), "F = F_m tanh(v/v_s + b tanh(y/y_s))",
+        "Kwok, Ha, Nguyen, Li and Samali 2006, Sens. Actuators A 132(2), their sgn(y) made smooth", DAMPER, ELEMENT,
     ),
     "creeping_arm": _law(
         Kind(states.creeping_arm), "dF/dt = k (v - v_e sinh(F/F_e))",

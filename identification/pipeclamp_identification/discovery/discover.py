@@ -248,10 +248,28 @@ def _asked(
     while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = _best(left)
         heard.append(hearing.of(best, rivals))
-        # what acts as a term that failed would fail too; asked before they are fitted, for then all act much the same
+        # asked before they are fitted, for then all act much the same
         alike = scanned.alike(place_of[best.term.declaration.id])
-        left = [one for one in left if one is not best and not alike[place_of[one.term.declaration.id]]]
+        left = left_to_hear(left, best, [bool(alike[place_of[one.term.declaration.id]]) for one in left])
     return heard[-1] if heard[-1].passed else heard[0]
+
+
+def left_to_hear(left: Sequence[Refitted], failed: Refitted, alike: Sequence[bool]) -> list[Refitted]:
+    """Give the terms that may be asked after one failed: what acts as it does would fail too, or pass by luck.
+
+    So would what only scales or places it: had that been needed, the longer term would have been asked first.
+
+    Args:
+        left: terms that weren't asked yet, and the one that failed.
+        failed: that one.
+        alike: which of them act as it does.
+    """
+    name = failed.term.declaration.id
+    return [
+        one
+        for one, same in zip(left, alike, strict=True)
+        if one is not failed and not same and name not in one.term.shorter
+    ]
 
 
 def best_heard(heard: Sequence[Found]) -> Found:
