@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pipeclamp_identification.diagnosis.named import by_history
+from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.workflow import auto, change, climb
 
 HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "play": 0.12}
@@ -64,13 +64,14 @@ def test_of_several_that_may_be_the_cause_one_is_taken_only_beside_a_part(first,
     assert (settled.found.verdict, [(rung.change.effect, rung.kind) for rung in settled.ladder]) == ends
     told = [word for rung in settled.ladder for word in rung.words]
     assert any("slip_spread would have done much the same" in word for word in told) == (ends[0] == "complete")
+    assert all(NO_PROOF in rung.words for rung in settled.ladder if rung.kind == "part")
 
 
 def test_of_several_that_take_a_part_the_next_is_tried_where_the_best_does_not_help(monkeypatch):
     answers = {(): found("ambiguous", "part", "bouc_wen", "memory", "slip_spread"), ("memory",): found("complete")}
     settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
     assert [rung.change.effect for rung in settled.ladder] == ["memory"]
-    tried, others = settled.ladder[0].words
+    tried, others, _ = settled.ladder[0].words
     assert tried.startswith("bouc_wen was tried and not added")
     assert others == "slip_spread would have done much the same"
 

@@ -292,9 +292,10 @@ def _rungs(found: Diagnosed, tried: Sequence[Sequence[Addition]]) -> list[Rung]:
     others = [name for name in found.effects if name not in {_name(steps[0]) for steps in tried}]
     rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
     told = tuple(no_help(_in_vain(steps)) for steps in before) or found.rung()
+    proof = () if kind == "cause" or NO_PROOF in found.cautions() else (NO_PROOF,)  # one of several causes is a part
     needed = f"{_name(first)} needs it beside it"
     return [
-        Rung(first, kind, (*told, *rivals, *found.cautions())),
+        Rung(first, kind, (*told, *rivals, *found.cautions(), *proof)),
         *(Rung(step, kind, (needed,)) for step in beside),
     ]
 
