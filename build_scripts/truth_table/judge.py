@@ -16,7 +16,8 @@ from pipeclamp_identification.diagnosis.limits import Limits
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.misfit import misfits, overall_nrmse
 from pipeclamp_identification.loops.loops import loops_of
-from pipeclamp_identification.workflow.auto import MOST_RUNGS, Settled, add_until_settled
+from pipeclamp_identification.workflow.auto import MOST_RUNGS, add_until_settled
+from pipeclamp_identification.workflow.climb import Settled
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.law.catalogue import effect_id

@@ -90,5 +90,21 @@ def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pa
     )
     assert page.evaluate(f"{cut}.length") > 0
     assert page.evaluate(f"{cut}.every((one) => one.classList.contains('more') && one.tabIndex === 0)")
+    faded = "[...document.querySelectorAll('figure.more')].map((one) => [one, one.querySelector('.gtitle')])"
+    room = f"{faded}.map(([one, title]) => one.getBoundingClientRect().right - title.getBoundingClientRect().right)"
+    assert page.evaluate(f"{room}.length") > 0
+    assert page.evaluate(f"{room}.every((left) => left >= 48)"), "titles end where the picture begins to fade"
     page.set_viewport_size({"width": 1300, "height": 900})
     page.wait_for_function("document.querySelector('#section-1 .picture').layout.yaxis.title?.text?.startsWith('RMS')")
+
+
+def test_what_a_map_means_is_whole_where_the_map_goes_on(pages, page):
+    page.set_viewport_size({"width": 320, "height": 900})
+    open_page(page, pages / "compare.html")
+    page.get_by_label("loops").check()
+    page.wait_for_function("document.querySelector('.maps').scrollWidth > document.querySelector('.maps').clientWidth")
+    meaning = page.get_by_text("Each loop on its own scale")
+    assert meaning.evaluate("(one) => one.closest('.maps, .more') === null")
+    box = meaning.bounding_box()
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] <= 320

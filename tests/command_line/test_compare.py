@@ -71,6 +71,9 @@ def test_a_law_that_leaves_scatter_only_is_told_so(compared, small):
     printed, answer, _ = compared("emwm2", small)
     assert answer["nrmse"] < 1.2 * answer["noise_nrmse"] + 1e-3
     assert "harmonic 1" not in printed
+    said = " ".join(printed.split())
+    assert "no place stands out. A diagnosis, which asks all runs at once, tells whether an effect hides in it." in said
+    assert said.partition("hides in it. ")[2].startswith("Next: pipeclamp diagnose emwm2")
 
 
 @pytest.mark.parametrize(("cycles", "known"), [("1", False), ("3", True)])

@@ -52,6 +52,22 @@ def half_a_gzip(small: Path) -> bytes:
     return whole[: len(whole) // 2]
 
 
+@pytest.mark.skipif(os.name == "nt", reason="names of folders are text there")
+def test_a_folder_whose_name_is_no_text_is_read_and_told_as_it_is_shown(pipeclamp, small, tmp_path):
+    folder = tmp_path / os.fsdecode("próba".encode("cp1250"))
+    try:
+        shutil.copytree(small, folder)
+    except OSError:
+        pytest.skip("folders are named in UTF-8 alone here")
+    law, report = tmp_path / "law.json", tmp_path / "r.html"
+    assert r"pipeclamp compare" in pipeclamp("identify", folder, "-o", law).stdout
+    assert json.loads(law.read_text(encoding="utf-8"))["command"] == r"pipeclamp identify pr\udcf3ba -o law.json"
+    pipeclamp("identify", folder, "-o", law, "--name", folder.name)
+    assert json.loads(law.read_text(encoding="utf-8"))["name"] == "pr?ba"
+    pipeclamp("compare", law, folder, "--report", report)
+    assert r"pr\udcf3ba" in report.read_text(encoding="utf-8")
+
+
 def test_a_mistake_is_status_1_with_one_message(pipeclamp, tmp_path):
     done = pipeclamp("metrics", tmp_path / "nowhere", status=1)
     assert done.stdout == ""

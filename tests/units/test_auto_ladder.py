@@ -4,24 +4,26 @@ from types import SimpleNamespace
 
 import pytest
 
-from pipeclamp_identification.workflow import auto, change
+from pipeclamp_identification.diagnosis.named import by_history
+from pipeclamp_identification.workflow import auto, change, climb
 
 HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "play": 0.12}
 """Error on left-out conditions by the effect that was added last."""
 
 
-def law(*effects):
-    after = SimpleNamespace(effects=effects, date=None)
+def law(*effects, history=()):
+    after = SimpleNamespace(base="power", effects=effects, history=history, date=None)
     after.model_copy = lambda update: SimpleNamespace(**update)
     return after
 
 
-def found(verdict, kind=None, *effects):
+def found(verdict, kind=None, *effects, together=(), other_parts=None):
     return SimpleNamespace(
+        together=together, other_parts=other_parts or {},
         verdict=verdict, kind=kind, effects=effects, values={}, rung=tuple, cautions=tuple, words=tuple,
         naming_a_part=lambda reason: found(verdict, "part", *effects),
         naming_nothing=lambda reason: SimpleNamespace(
-            verdict="unknown", kind=None, effects=(), values={}, reasons=(reason,)
+            verdict="unknown", kind=None, effects=(), values={}, together=(), other_parts={}, reasons=(reason,)
         ),
     )  # fmt: skip
 
@@ -30,11 +32,12 @@ def answering(answers, monkeypatch):
     """Give tests whose diagnosis is told by a law's effects, and what each effect does to the error."""
 
     def add(file, effect, tests, **options):
-        after = law(*file.effects, effect)
+        step = SimpleNamespace(step=f"+ {effect}", kind=options["kind"])
+        after = law(*file.effects, effect, history=(*file.history, step))
         heldout = (HELD_OUT["".join(file.effects[-1:])], HELD_OUT[effect])
         return SimpleNamespace(effect=effect, after=after, heldout=heldout)
 
-    monkeypatch.setattr(auto, "add_effect", add)
+    monkeypatch.setattr(change, "add_effect", add)
     return SimpleNamespace(
         diagnose=lambda file, **options: answers[file.effects],
         superfluous=lambda file, keep, progress: None,
@@ -92,7 +95,7 @@ def test_where_what_is_named_does_not_help_another_structure_is_tried(monkeypatc
     def exchanged(file, structure, tests, **options):
         return SimpleNamespace(effect=f"-> {structure}", after=law(structure), heldout=(0.10, 0.08))
 
-    monkeypatch.setattr(auto, "exchange", exchanged)
+    monkeypatch.setattr(climb, "exchange", exchanged)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.found.verdict == "complete"
     assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("-> memory:2", "revision")]
@@ -119,7 +122,7 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
         effect = "oil_damper -> relaxation"
         return SimpleNamespace(effect=effect, after=law(*structure.effects), heldout=(0.01, 0.0101))
 
-    monkeypatch.setattr(auto, "exchange", exchanged)
+    monkeypatch.setattr(climb, "exchange", exchanged)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.file.effects == ("memory", "relaxation")
     assert [rung.kind for rung in settled.ladder] == ["cause", "part", "revision"]
@@ -127,15 +130,20 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
     assert asked == [{"oil_damper"}]
 
 
-def test_beside_a_part_nothing_is_called_the_cause(monkeypatch):
+@pytest.mark.parametrize(
+    ("steps", "kind"),
+    [
+        ([("+ oil_damper", "part")], "part"),
+        ([("+ bouc_wen", "part"), ("bouc_wen -> oil_damper", "part")], "part"),
+        ([("+ oil_damper", "cause")], "cause"),
+        ([("+ bouc_wen", "part"), ("- bouc_wen", None), ("+ oil_damper", None)], "cause"),
+    ],
+)
+def test_beside_a_part_nothing_is_called_the_cause(steps, kind):
     """The part may stand for something else, and what explains the rest beside it for another rest."""
-    answers = {
-        (): found("missing", "part", "oil_damper"),
-        ("oil_damper",): found("missing", "cause", "memory"),
-        ("oil_damper", "memory"): found("complete"),
-    }
-    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
-    assert [rung.kind for rung in settled.ladder] == ["part", "part"]
+    history = [SimpleNamespace(step=step, kind=meant) for step, meant in steps]
+    file = SimpleNamespace(effects=("oil_damper",), history=history, diagnosis=None)
+    assert by_history(found("missing", "cause", "memory"), file, "of the tests").kind == kind
 
 
 def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypatch):
@@ -152,13 +160,13 @@ def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypa
         return SimpleNamespace(effect=f"- {effect}", after=after, heldout=(0.01, 0.01))
 
     monkeypatch.setattr(change, "remove_effect", remove)
-    added, add = [], auto.add_effect
+    added, add = [], change.add_effect
 
     def noted(file, effect, tests, **options):
         added.append(effect)
         return add(file, effect, tests, **options)
 
-    monkeypatch.setattr(auto, "add_effect", noted)
+    monkeypatch.setattr(change, "add_effect", noted)
     settled = auto.add_until_settled(law(), tests, command="test")
     assert settled.file.effects == ("memory",)
     assert added == ["oil_damper", "memory", "bouc_wen"]
@@ -183,3 +191,54 @@ def test_an_effect_that_went_is_not_named_at_the_end(monkeypatch):
     assert settled.found.verdict == "unknown"
     (reason,) = settled.found.reasons
     assert reason.startswith("oil_damper went, for the law did as well without it (1.00% -> 1.01%)")
+
+
+def test_where_the_first_way_ends_without_a_name_another_is_climbed(monkeypatch):
+    """The part that took most led astray; the one that took nearly as much is on the way to the truth."""
+    astray = found("missing", "part", "oil_damper", other_parts={"play": 0.4, "slip_spread": 0.9})
+    answers = {
+        (): astray,
+        ("oil_damper",): found("unknown"),
+        ("slip_spread",): found("missing", "part", "memory"),
+        ("slip_spread", "memory"): found("complete"),
+    }
+    monkeypatch.setitem(HELD_OUT, "slip_spread", 0.06)
+    tests, seen = answering(answers, monkeypatch), []
+    settled = auto.add_until_settled(law(), tests, command="test", seen=lambda found, file: seen.append(file.effects))
+    assert [(rung.change.effect, rung.kind) for rung in settled.ladder] == [("slip_spread", "part"), ("memory", "part")]
+    assert settled.ladder[0].words[0].startswith("it takes 90% of what oil_damper would")
+    assert "5.00%" in settled.ladder[0].words[0]
+    assert seen == [(), ("oil_damper",), ("slip_spread",), ("slip_spread", "memory"), ("slip_spread", "memory")]
+
+
+def test_another_way_that_ends_no_better_is_not_taken(monkeypatch):
+    answers = {
+        (): found("missing", "part", "oil_damper", other_parts={"play": 0.9}),
+        ("oil_damper",): found("unknown"),
+        ("play",): found("unknown"),
+    }
+    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
+    assert [rung.change.effect for rung in settled.ladder] == ["oil_damper"]
+
+
+def test_two_that_help_only_together_that_do_not_were_tried_in_vain(monkeypatch):
+    answers = {(): found("missing", "part", "play", together=("play", "bouc_wen"))}
+    settled = auto.add_until_settled(law(), answering(answers, monkeypatch), command="test")
+    assert not settled.ladder
+    assert [(one.effect, one.refitted_nrmse) for one in settled.in_vain] == [("play with bouc_wen", (0.10, 0.18))]
+
+
+def test_a_way_that_comes_to_a_law_of_the_first_one_goes_no_further(monkeypatch):
+    answers = {
+        (): found("missing", "part", "oil_damper", other_parts={"memory": 0.9}),
+        ("oil_damper",): found("missing", "part", "memory"),
+        ("oil_damper", "memory"): found("unknown"),
+        ("memory",): found("missing", "part", "oil_damper"),
+    }
+    monkeypatch.setitem(HELD_OUT, "memory", 0.04)
+    tests, seen = answering(answers, monkeypatch), []
+    diagnose = tests.diagnose
+    tests.diagnose = lambda file, **options: (seen.append(file.effects), diagnose(file, **options))[1]
+    settled = auto.add_until_settled(law(), tests, command="test")
+    assert settled.file.effects == ("oil_damper", "memory")
+    assert seen == [(), ("oil_damper",), ("oil_damper", "memory"), ("memory",)]

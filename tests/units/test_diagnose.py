@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeclamp.pages.page import render
+from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
+from pipeclamp.studio.overview import waterfall_of
+from pipeclamp.studio.told import told_of
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -118,12 +120,24 @@ start = 0.01
 """
 
 
-def test_what_is_not_in_the_catalogue_gets_no_name(campaign, tmp_path):
-    """Over frequency it rises and falls: relaxation and inertia fit it against each other, and neither alone."""
+def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign, tmp_path):
+    """Over frequency it rises and falls as nothing in the catalogue: two fit it against each other, neither alone."""
     (tmp_path / "bump.toml").write_text(BUMP)
     tests = campaign(("bump",), declared=(read_declaration(tmp_path / "bump.toml"),), s_b=0.01)
-    diagnosis = diagnose(Structure("power"), tests)
-    assert (diagnosis.verdict, diagnosis.effects) == ("unknown", ())
+    file = law_file(identify(tests), tests, name="law", command="test", date=None)
+    found = diagnosed(file, tests)
+    assert (found.verdict, found.kind, found.effects) == ("missing", "part", found.together[:1])
+    assert f"Part of what is missing: {' with '.join(found.together)}." == found.headline()
+    for answer in (found, found.naming_nothing("tried in vain")):
+        on_page = plain(diagnosis_page(file, answer, "")[0].figures[0])["data"]
+        in_studio = json.loads(waterfall_of(file, told_of(answer, file, "")).specification)["data"]
+        assert in_studio == on_page, "the studio promises what the page does"
+    settled = add_until_settled(file, RecordTests(tests), command="test")
+    first, second = settled.ladder
+    added = [(rung.change.effect, rung.kind) for rung in (first, second)]
+    assert added == [(f"+ {name}", "part") for name in found.together]
+    assert second.change.heldout[1] < 0.7 * first.change.heldout[0]
+    assert f"{found.together[0]} needs it beside it" in second.words
 
 
 def test_what_no_rig_scatters_is_not_called_complete(campaign):
@@ -207,6 +221,16 @@ def test_slip_forces_that_follow_the_temperature_are_named_beside_what_slips(cam
     tests = campaign(("memory", "slip_temperature"), **values)
     diagnosis = diagnose(Structure("power", ("memory",)), tests)
     assert (diagnosis.verdict, diagnosis.kind, diagnosis.effects) == ("missing", "cause", ("slip_temperature",))
+
+
+@pytest.mark.parametrize("values", [{"k_s": 650.0, "z_s": 68.0}, {"k_s": 4000.0, "z_s": 40.0}])
+def test_what_slips_is_named_with_what_only_it_brings(campaign, values):
+    """Slip forces that fall to a twentieth when hot: damping that falls alone takes most, memory alone nothing."""
+    tests = campaign(("memory", "slip_temperature"), **values, z_T1=-1.1, z_T2=0.0)
+    diagnosis = diagnose(Structure("power"), tests)
+    assert diagnosis.candidates[0].effects == ("damping_temperature",)
+    assert (diagnosis.verdict, diagnosis.kind, diagnosis.effects) == ("missing", "cause", ("memory",))
+    assert diagnosis.pair.effects == ("memory", "slip_temperature")
 
 
 def test_a_law_is_left_out_and_prepared_once_however_often_it_is_asked(campaign, monkeypatch):

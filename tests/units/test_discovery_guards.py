@@ -12,9 +12,16 @@ import pytest
 
 from pipeclamp_identification.discovery import guards
 from pipeclamp_identification.discovery.columns import Column
-from pipeclamp_identification.discovery.discover import best_heard
+from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
 from pipeclamp_identification.discovery.grammar import terms
-from pipeclamp_identification.discovery.guards import comes_back, confirmed, highest, not_in_the_catalogue, passive
+from pipeclamp_identification.discovery.guards import (
+    beyond_the_tests,
+    comes_back,
+    confirmed,
+    highest,
+    not_in_the_catalogue,
+    passive,
+)
 from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -86,6 +93,33 @@ def test_what_the_catalogue_does_as_well_is_told_with_what_speaks_against_it(obj
     assert told in guard.words
 
 
+def test_what_only_adds_to_a_term_that_failed_is_not_asked_after_it():
+    """A slip force that failed beyond the tests had been proposed with the frequency to the power -0.13."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+    names = ("found_slip_closing_both", "found_slip_closing_both_by_f", "found_slip", "found_dry_damping")
+    left = [SimpleNamespace(term=by_id[name]) for name in names]
+    asked = left_to_hear(left, left[0], [True, False, False, True])
+    assert [one.term.declaration.id for one in asked] == ["found_slip"]
+
+
+def test_what_was_added_in_vain_need_not_be_bettered():
+    """It had been recommended on, though `diagnose --auto` had just refused it on the same tests."""
+    candidates = [SimpleNamespace(effects=(name,)) for name in ("memory:3", "gap", "play", "inertia")]
+    pair = SimpleNamespace(effects=("memory:3", "gap"))
+    asked = to_better([pair, *candidates], {"memory:3", "gap"})
+    assert [one.effects for one in asked] == [("memory:3", "gap"), ("play",), ("inertia",)]
+
+
+@pytest.mark.parametrize(("levels", "hint"), [((0.2, 0.5, 1.0), True), ((0.2, 0.4, 0.6, 1.0), False)])
+def test_of_few_levels_more_are_asked_for(levels, hint, monkeypatch):
+    """Where two amplitudes stay, they may not determine a term that follows the amplitude, whatever it is."""
+    monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, edge: judged)
+    loops = SimpleNamespace(amplitude_mm=np.tile(levels, 4), frequency_Hz=np.full(4 * len(levels), 2.0))
+    guard = beyond_the_tests(1.0, 2.0, SimpleNamespace(loops=loops))
+    assert not guard.passed
+    assert ("tests at more amplitudes would tell more" in guard.words) == hint
+
+
 @pytest.mark.parametrize(
     ("beside", "instead", "taken"),
     [
@@ -153,3 +187,42 @@ def test_an_error_that_falls_too_rarely_says_so(gains, passed, monkeypatch):
     guard = confirmed("before", "after", unseen, np.arange(3))
     assert guard.passed == passed
     assert ("of draws of them only, not in more than 97.5%" in guard.words) != passed
+
+
+def test_what_a_term_explains_itself_is_no_chance():
+    """Turned, a large effect would be explained by chance as often as it is large: the threshold rose with it."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f", "T"), {})}
+    random = np.random.default_rng(1)
+    runs, names = 40, sorted(by_id)[:300]
+    # as factors on one coefficient are: each run's share of the same pattern
+    pattern, shares = random.standard_normal(6), random.standard_normal((len(names), runs))
+    columns = [
+        Column(by_id[name], {}, share[:, None] * pattern, True) for name, share in zip(names, shares, strict=True)
+    ]
+    noise = random.standard_normal((runs, 6))
+    groups = np.repeat(np.arange(10), 4)
+
+    def threshold(size, without):
+        found = screened(columns, size * columns[7].change + noise, random.standard_normal((runs, 6, 2)), groups)
+        return (found.without(7) if without else found).by_chance()
+
+    assert threshold(5.0, without=False) > 5 * threshold(0.0, without=False)
+    assert threshold(5.0, without=True) == pytest.approx(threshold(0.0, without=False), rel=0.5)
+
+
+def test_signs_are_turned_in_sums_over_groups():
+    """Of groups whose runs don't stand together; the best strength of the others foretells each group."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+    random = np.random.default_rng(2)
+    change, residual = random.standard_normal((2, 6, 5))
+    groups, signs = np.array([2, 0, 1, 0, 2, 1]), np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+    column = Column(by_id["found_saturating_spring"], {}, change, True)
+    found = screened([column], residual, random.standard_normal((6, 5, 1)), groups)
+    free = found.free[:, 0].reshape(6, 5).astype(float)
+    products = found.by_run[0][:, 0] * signs
+    expected = 0.0
+    for group in range(3):
+        own = groups == group
+        strength = products[~own].sum() / np.sum(free[~own] ** 2)
+        expected += 2 * strength * products[own].sum() - strength**2 * np.sum(free[own] ** 2)
+    assert found.explained(signs)[0] == pytest.approx(expected, rel=1e-5)

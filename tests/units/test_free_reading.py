@@ -1,5 +1,7 @@
 """Campaigns with runs of free motion: which are read, which are left out, and who takes them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -49,15 +51,23 @@ def dwelling(samples):
     samples["force_N"] = 1000 * y - 50 * (y == 2) * (1 - np.exp(-(time - 6) / 3))
 
 
+ALONE = "run,file,motion\nB,runs/B.csv,free\n"
+
+
 @pytest.fixture
 def write(campaign_folder, csv_text, harmonic_record):
     """Give a function that writes a campaign: a sine, and a free run whose record is changed."""
 
-    def folder(change=None, table="run,file,motion\nA,runs/A.csv,\nB,runs/B.csv,free\n", description='name = "t"\n'):
+    def written(
+        change=None,
+        table="run,file,motion\nA,runs/A.csv,\nB,runs/B.csv,free\n",
+        description='name = "t"\n',
+        folder="campaign",
+    ):
         records = {"runs/A.csv": csv_text(harmonic_record()), "runs/B.csv": csv_text(record(change))}
-        return campaign_folder(description=description, table=table, records=records)
+        return campaign_folder(description=description, table=table, records=records, folder=folder)
 
-    return folder
+    return written
 
 
 def test_sines_and_free_motions_stand_apart(write):
@@ -161,3 +171,59 @@ def test_joined_campaigns_keep_their_free_motions(write):
         ("A", "sine", None),
         ("B", "free", None),
     ]
+
+
+@pytest.mark.parametrize("begin", [0, 2000], ids=["from rest", "in motion"])
+def test_a_displacement_from_far_off_is_told_and_taken_off(write, begin):
+    """A crosshead's position, and a force sensor that was set to zero there."""
+
+    def elsewhere(by):
+        def change(samples):
+            for name in samples:
+                samples[name] = samples[name][begin:] + (by if name == "displacement_mm" else 0.0)
+
+        return change
+
+    (as_it_is,) = read_campaign(write(elsewhere(0.0), table=ALONE)).free
+    campaign = read_campaign(write(elsewhere(350.0), table=ALONE, folder="far"))
+    (run,) = campaign.free
+    told = campaign.remarks[0]
+    assert told.startswith("the displacement's zero is not where the clamp rests: a mean of 35")
+    assert told.endswith("no mean force answers it")
+    off = run.record.displacement_mm - as_it_is.record.displacement_mm
+    # where it begins at rest, that is its zero, but for the smoothed noise; else nothing says better than its mean
+    assert np.ptp(off) < 1e-3
+    assert off[0] == pytest.approx(0.0, abs=2e-3 if begin == 0 else 0.1 * as_it_is.motion.amplitude)
+    assert run.motion.y - run.record.displacement_mm == pytest.approx(
+        as_it_is.motion.y - as_it_is.record.displacement_mm, abs=1e-9
+    )
+
+
+def test_sines_say_where_the_zero_of_a_free_motion_is(campaign_folder, csv_text, harmonic_record):
+    """The free motion rests 0.3 mm beside it, as a clamp may after a slip."""
+    sine, moved = harmonic_record(), record(setting("displacement_mm", lambda y: y + 350.3))
+    records = {
+        "runs/A.csv": csv_text(replace(sine, displacement_mm=sine.displacement_mm + 350.0)),
+        "runs/B.csv": csv_text(moved),
+    }
+    table = "run,file,motion\nA,runs/A.csv,\nB,runs/B.csv,free\n"
+    campaign = read_campaign(campaign_folder(table=table, records=records))
+    assert "a mean of 350 mm is taken off, for" in campaign.remarks[0]
+    assert campaign.runs[0].record.displacement_mm == pytest.approx(sine.displacement_mm, abs=1e-3)
+    assert campaign.free[0].record.displacement_mm == pytest.approx(moved.displacement_mm - 350.0, abs=1e-3)
+
+
+def test_a_displacement_that_the_force_answers_is_the_clamps_own(write):
+    def held(samples):
+        samples["displacement_mm"] = samples["displacement_mm"] + 10.0
+        samples["force_N"] = samples["force_N"] + 10000.0
+
+    campaign = read_campaign(write(held, table=ALONE))
+    assert np.mean(campaign.free[0].record.displacement_mm) == pytest.approx(10.0, abs=0.2)
+    assert not any("rests" in remark for remark in campaign.remarks)
+
+
+def test_a_force_that_stands_far_off_is_told_and_kept(write):
+    (told,) = read_campaign(write(setting("force_N", lambda F: F + 20000.0), table=ALONE)).remarks
+    assert told.startswith("a mean force of 2e+04 N stands in all runs of free motion")
+    assert read_campaign(write(setting("force_N", lambda F: F + 1000.0), table=ALONE, folder="near")).remarks == ()

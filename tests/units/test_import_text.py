@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from exports import assert_same_campaign, loop, ten_runs, text, write_texts
 
 import pipeclamp as pc
+from pipeclamp_identification.campaign.description import read_description
 from pipeclamp_identification.importing.reading import read_file
 from pipeclamp_identification.importing.texts.decoding import decoded
 
@@ -61,6 +63,9 @@ DIALECTS = {
         "encoding": "cp1251", "names": "Время, с;Перемещение, мм;Сила, кН", "scales": (1, 1, 1e-3), "digits": (6, 6, 7),
         "header": "Испытание;хомут\n\n",
     },
+    "Polish, Windows": {
+        "encoding": "cp1250", "names": "Czas [s];Przemieszczenie tłoka [mm];Siła [kN]", "header": "Próbka;obejma\n\n",
+    },
     "CRLF and a footer": {"newline": "\r\n", "footer": "\nEnd of file;;\n"},
 }  # fmt: skip
 
@@ -81,6 +86,14 @@ DIALECTS = {
         ("時間,変位,荷重", "cp932"),
         ("ﾃﾞｰﾀ番号,時間(sec),ｽﾄﾛｰｸ(mm),荷重(N)", "cp932"),
         ("Испытание;хомут\nВремя;Ход;Усилие", "cp1251"),
+        ("Czas [s];Przemieszczenie [mm];Siła [kN]", "cp1250"),
+        ("Badanie zmęczeniowe obejmy\nŁukasz Żółć\nCzas;Wydłużenie;Obciążenie;Prędkość;Ciśnienie", "cp1250"),
+        ("Zkouška potrubní objímky\nČas [s];Zatížení [kN];Měření;Počet cyklů;Průhyb;Teplota [°C]", "cp1250"),
+        ("Idő [s];Elmozdulás [mm];Erő [kN]", "cp1250"),
+        # powers of units are letters of the central European page
+        ("Time [s];A [mm²];V [cm³];Flow [m³/h];T [°C]", "cp1252"),
+        ("Tempo [s];Spostamento [mm];velocità;unità;più", "cp1252"),
+        ("Prøvestykke nr. 3\nTid [s];Målt kraft [N];Tøyning", "cp1252"),
     ],
 )
 def test_a_code_page_is_that_of_the_language(text, encoding):
@@ -98,6 +111,21 @@ def test_every_dialect_gives_the_same_campaign(tmp_path, dialect):
     assert [run.temperature_C for run in campaign.runs] == [
         run.temperature for run in sorted(runs, key=lambda run: run.name + ".csv")
     ]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names of files are text there")
+def test_names_of_files_are_of_their_language_too(tmp_path):
+    exports = tmp_path / os.fsdecode("próby siły".encode("cp1250"))
+    try:
+        exports.mkdir()
+    except OSError:
+        pytest.skip("files are named in UTF-8 alone here")
+    run = loop()
+    (exports / os.fsdecode("obciążenie_próbki.csv".encode("cp1250"))).write_text(text(run))
+    pc.import_files(exports, tmp_path / "campaign")
+    description = read_description(tmp_path / "campaign")
+    assert [one.file for one in description.imported.files] == ["obciążenie_próbki.csv"]
+    assert [run.run for run in description.imported.runs] == ["obciążenie_próbki"]
 
 
 def test_text_is_unpacked(tmp_path):

@@ -16,6 +16,8 @@ class Found:
     effects: tuple[str, ...] = ()
     proposal: str | None = None
     calls_for_a_term: bool = False
+    kind: str | None = "cause"
+    together: tuple[str, ...] = ()
 
 
 @pytest.mark.parametrize(
@@ -26,6 +28,16 @@ class Found:
         (Found("missing", ("gap",)), "clamp7.json", "pipeclamp add clamp7.json gap tests -o clamp7_2.json"),
         (Found("missing", ("gap",)), "emwm2", "pipeclamp add emwm2 gap tests -o emwm2_2.json"),
         (Found("missing", ("bracket",)), "law.json", "pipeclamp add law.json my/bracket.toml tests -o law_2.json"),
+        (
+            Found("missing", ("gap",), kind="part"),
+            "law.json",
+            "pipeclamp add law.json gap tests -o law_2.json --as part",
+        ),
+        (
+            Found("missing", ("gap",), together=("gap", "bracket")),
+            "law.json",
+            "pipeclamp add law.json gap,my/bracket.toml tests -o law_2.json",
+        ),
         (Found("complete"), "clamp.json", "pipeclamp build-fmu clamp.json -o clamp.fmu --track"),
         (Found("ambiguous", proposal="a sine"), "law.json", "pipeclamp diagnose law.json tests --drive next_test.csv"),
         (Found("ambiguous"), "law.json", "pipeclamp compare law.json tests --report compare.html"),

@@ -165,6 +165,7 @@ def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(compared,
 
 def test_a_temperature_that_nothing_tells_has_no_number():
     assert warmth_words((0.0,), (7e11,)) == "these measurements don't tell it"
+    assert warmth_words((0.0,), (0.0,)) == "these measurements don't tell it", "no law follows it"
     assert warmth_words((12.0,), (3.0,)) == "+12 ± 3 K from what is stated"
 
 

@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from pipeclamp.pages.page import render
 from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp_identification.on_pipe.answer import sines_answer
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
-from pipeclamp_identification.on_pipe.where import how_much, where_words
+from pipeclamp_identification.on_pipe.where import highest_peaks, how_much, where_words
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_system.steady.harmonics import DOUBTFUL
 
@@ -138,6 +139,25 @@ def test_every_breakdown_adds_up_and_the_report_is_drawn(bench):
     assert any("too low" in words for words in where_words(found))
     page = render("test", "", pipe_comparison_sections(found))
     assert "Response at tip" in page
+
+
+def test_a_peak_is_held_against_that_of_its_own_mode():
+    """Two modes of nearly the same height: measured the upper one is the higher, computed the lower one."""
+    frequency = np.linspace(2.0, 14.0, 241)
+
+    def response(*modes):
+        return sum(size / np.abs(1 - (frequency / at) ** 2 + 0.1j * frequency / at) for at, size in modes)[:, None]
+
+    comparison = SimpleNamespace(
+        compared=np.ones((241, 1), dtype=bool),
+        measurement=SimpleNamespace(
+            steady=SimpleNamespace(frequency=frequency, drive=np.ones(241), response=response((5.0, 1.0), (12.0, 1.3)))
+        ),
+        prediction=SimpleNamespace(response=response((5.0, 1.3), (11.4, 1.0))),
+    )
+    (measured, _), (model, _) = highest_peaks(comparison, np.arange(241), 0)
+    assert measured == pytest.approx(12.0, abs=0.1)
+    assert model == pytest.approx(11.4, abs=0.1)
 
 
 def test_repeats_show_scatter(bench):

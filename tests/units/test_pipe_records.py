@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cantilever import cantilever, shaken
 
-from pipeclamp.pages.page import render
+from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.system.on_pipe import attributed_sections
 from pipeclamp.pages.system.pipe_records import records_sections
 from pipeclamp.show.on_pipe import attributed_view
@@ -79,6 +79,23 @@ def compared(bench: Path) -> RecordsComparison:
 
 def test_a_record_of_the_model_itself(bench):
     assert compared(bench).nrmse < 2e-3
+
+
+def test_what_is_drawn_first_is_where_the_model_errs_most(bench):
+    table = rows(bench)
+    off = (table[:, 0] > 2.6) & (table[:, 0] < 2.8)
+    table[off, 3] += 3.0
+    write(bench, table)
+    found = compared(bench)
+    (picture,) = records_sections(found)[1].figures
+    begin, end = picture.layout.xaxis.range
+    assert begin < 2.6
+    assert 2.8 < end <= table[-1, 0]
+    assert end - begin < table[-1, 0]
+    measured = picture.data[0]
+    assert (measured.x[0], measured.x[-1]) == (table[0, 0], table[-1, 0]), "a double click shows all"
+    assert np.isin(table[(table[:, 0] >= begin) & (table[:, 0] <= end), 0], measured.x).all()
+    assert "data" not in plain(picture)["narrow"], "one below the other, it is the same data"
 
 
 def test_what_is_added_is_found_at_its_probe_and_frequency(bench):

@@ -18,6 +18,7 @@ from pipeclamp.pages.pictures import (
     loops_picture,
     overlay_picture,
     surface_picture,
+    thinned,
 )
 from pipeclamp.pages.waterfall import LEFT_OUT, Rung, waterfall_picture
 from pipeclamp.show.law import coefficient_table, doubts
@@ -162,3 +163,17 @@ def test_every_parameter_has_its_meaning():
     bare = {name: entry.model_copy(update={"meaning": "", "reason": ""}) for name, entry in file.coefficients.items()}
     table = coefficient_table(file.model_copy(update={"coefficients": bare}))
     assert all(row[-1] for row in table.rows)
+
+
+def test_a_long_history_is_drawn_from_its_beginning_to_its_end_with_its_peaks():
+    time = np.linspace(0.0, 60.0, 50_000)
+    values = np.sin(2 * np.pi * 83.0 * time)
+    values[12_345], values[40_001] = 3.0, -2.0
+    shown, drawn = thinned(time, values)
+    assert len(shown) < 5000
+    assert (shown[0], shown[-1]) == (0.0, 60.0)
+    assert {3.0, -2.0} <= set(drawn.tolist())
+    assert np.all(np.isin(np.stack([shown, drawn], axis=1), np.stack([time, values], axis=1)))
+    # a sample out of thirteen would show another frequency, and every second stretch would miss its peaks
+    ten_ms = (shown > 20.0) & (shown < 20.1)
+    assert np.ptp(drawn[ten_ms]) > 1.9

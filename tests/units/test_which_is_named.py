@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeclamp_identification.diagnosis import weighing
+from pipeclamp_identification.diagnosis import reasons, weighing
 from pipeclamp_identification.diagnosis.weighing import Scales, Tolerance, weigh
 from pipeclamp_models.law.law import Structure
 
@@ -82,8 +82,24 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
         each.heldout_by = {"A, f": share}
     monkeypatch.setattr(weighing, "screened", lambda *of: [])
     monkeypatch.setattr(weighing, "pairs", lambda *of: [pair])
-    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: False)
+    for room in (weighing, reasons):
+        monkeypatch.setattr(room, "takes_part", lambda candidate, law, problem: False)
     found = weigh(law.result.law.structure, None, law, [alone], Tolerance(0.1, 0.1, 0.75), 1, print)
     assert (found.verdict, found.effects) == ("unknown", ())
     words = "viscous and offset together would take 92% of it, but leave 16.9 N (3.6 times the force noise)"
     assert any(words in reason for reason in found.reasons) == told
+
+
+@pytest.mark.parametrize(("akaike", "told"), [(96.0, True), (104.0, False)])
+def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(akaike, told, monkeypatch):
+    """It is the cause's name that stays open, though no rival comes near: a spread of relaxation times, or one."""
+    special, general = candidate("relaxation", 8.0, 100.0), candidate("relaxation_spread", 7.0, 92.0)
+    general.akaike = akaike
+    for each in (special, general):
+        each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    law = candidate("", 100.0, 1000.0)
+    law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
+    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: [each for each in others if each is not best])
+    found = weigh(law.result.law.structure, None, law, [general, special], Tolerance(0.1, 0.1, 0.75), 1, print)
+    assert (found.kind, found.effects) == ("cause", ("relaxation",))
+    assert ("can't tell it from relaxation_spread" in found.reasons[0]) == told

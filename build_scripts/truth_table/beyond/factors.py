@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from hidden import Shape, typical
-from truth import T0, BaseLaw, Motion, Part
+from truth import BaseLaw, Motion, Part
 
-from beyond.plain import SPEED
+from beyond.plain import ACTIVATION
 
-MIDDLE_FREQUENCY, MIDDLE_AMPLITUDE = 3.0, 0.4
-"""Hz and mm about which a factor turns."""
+MIDDLE_FREQUENCY, MIDDLE_AMPLITUDE, MIDDLE_TEMPERATURE = 3.0, 0.4, 400.0
+"""Hz, mm and K about which a factor turns."""
 SATURATES = 8.0
 """Level of the further column at which a field's force saturates; the column has 5, 10 and 20."""
-ACTIVATION = 1500.0
-"""K."""
 
 
 def glass_transition(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -26,10 +24,11 @@ def payne(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape)
     return Part(stiffness=1 + size / (1 + (motion.A / MIDDLE_AMPLITUDE) ** 3))
 
 
-def loss_peak(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Damping with a peak over frequency, as one relaxation has it."""
-    share = motion.f / MIDDLE_FREQUENCY
-    return Part(damping=1 + size * 2 * share / (1 + share**2) * np.ones_like(motion.A))
+def moving_peak(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Damping with a peak over frequency, as one relaxation has it, which heat moves to higher frequencies."""
+    slower = np.exp(ACTIVATION * (1 / motion.T - 1 / MIDDLE_TEMPERATURE))
+    share = motion.f / MIDDLE_FREQUENCY * slower
+    return Part(damping=1 + size * 2 * share / (1 + share**2))
 
 
 def running_in(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -41,9 +40,3 @@ def field_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shap
     """A yield force that a field raises and saturates."""
     flow = np.tanh(motion.v / (2 * shape["speed"]))
     return Part(force=size * typical(base) * np.tanh(motion.u / SATURATES) * flow)
-
-
-def warm_oil(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A viscous part whose viscosity is thermally activated."""
-    thin = np.exp(ACTIVATION * (1 / motion.T - 1 / T0))
-    return Part(force=size * typical(base) * motion.v / SPEED * thin)

@@ -34,39 +34,26 @@ def _law(kind: Kind, equation: str, source: str, *families: str) -> Beyond:
 
 
 LAWS: dict[str, Beyond] = {
-    "arctan_spring": _law(
-        Kind(plain.arctan_spring), "F = (2/pi) F_s arctan(y/y_s)", CLOSED, SPRING,
+    "detents": _law(
+        Kind(plain.detents), "F = F_s sin(2 pi y/l), l < A",
+        "Tomlinson 1929, Phil. Mag. 7(46): a molecular theory of friction", SPRING,
     ),
-    "lateral_springs": _law(
-        Kind(plain.lateral_springs, most=2.0), "F = k y (1 - l/sqrt(y^2 + a^2))",
-        "Cao, Wiercigroch, Pavlovskaia, Grebogi and Thompson 2006, Phys. Rev. E 74, 046218", SPRING,
+    "thermal_stop": _law(
+        Kind(plain.thermal_stop, most=5.0), "F = k (|y| - g_0 (1 - (T - T_0)/T_g))+ sgn(y)", CLOSED, SPRING,
     ),
-    "sine_spring": _law(
-        Kind(plain.sine_spring), "F = F_s sin(2 pi y/l)", "Frenkel and Kontorova 1938 (their substrate)", SPRING,
-    ),
-    "log_spring": _law(
-        Kind(plain.log_spring), "F = F_s sgn(y) ln(1 + |y|/y_s)", CLOSED, SPRING,
-    ),
-    "pressed_contact": _law(
-        Kind(plain.pressed_contact), "F = F_s ((1 + y/d)+^1.5 - 1)",
-        "Hertz 1882, J. reine angew. Math. 92, preloaded", SPRING,
-    ),
-    "magnets": _law(
-        Kind(plain.magnets, most=3.0), "F = F_s ((1 - y/d)^-4 - (1 + y/d)^-4)",
-        "Mann and Sims 2009, J. Sound Vib. 319(1-2), force of dipoles on one axis", SPRING,
-    ),
-    "limited_chain": _law(
-        Kind(plain.limited_chain, most=5.0), "F = k y (y/y_m)^2 / (1 - (y/y_m)^2)",
-        "Gent 1996, Rubber Chem. Technol. 69(1): his denominator", SPRING,
+    "unequal_stops": _law(
+        Kind(plain.unequal_stops, most=5.0), "F = k ((y - a)+ - (-y - 3 a)+)", CLOSED, SPRING,
     ),
     "eddy_brake": _law(
         Kind(plain.eddy_brake), "F = 2 F_m (v/v_c) / (1 + (v/v_c)^2)", "Wouterse 1991, IEE Proc. B 138(4)", DAMPER,
     ),
-    "activated_flow": _law(
-        Kind(plain.activated_flow), "F = F_e asinh(v/v_e)", "Eyring 1936, J. Chem. Phys. 4(4)", DAMPER,
+    "warm_flow": _law(
+        Kind(plain.warm_flow), "F = F_e T/T_0 asinh(v/v_e exp(B (1/T - 1/T_0)))", "Eyring 1936, J. Chem. Phys. 4(4)",
+        DAMPER,
     ),
-    "squeeze_film": _law(
-        Kind(plain.squeeze_film), "F = c v / (1 - y/h)^3", "Reynolds 1886, Phil. Trans. R. Soc. 177", DAMPER,
+    "cavitating_film": _law(
+        Kind(plain.cavitating_film), "F = max(c v / (1 - y/h)^3, -F_t)",
+        "Reynolds 1886, Phil. Trans. R. Soc. 177; torn as in Dowson and Taylor 1979, Annu. Rev. Fluid Mech. 11", DAMPER,
     ),
     "thinning_oil": _law(
         Kind(plain.thinning_oil, most=3.0), "F = c v (1 + (v/v_c)^2)^((n - 1)/2)",
@@ -76,12 +63,13 @@ LAWS: dict[str, Beyond] = {
         Kind(plain.yielding_paste, most=1.5), "F = F_y sgn(v) (1 - exp(-|v|/v_p))",
         "Papanastasiou 1987, J. Rheol. 31(5)", DAMPER,
     ),
-    "lateral_damper": _law(
-        Kind(plain.lateral_damper), "F = c v y^2/(a^2 + y^2)", "Tang and Brennan 2013, J. Sound Vib. 332(6)", DAMPER,
+    "damped_contact": _law(
+        Kind(plain.damped_contact, most=3.0), "F = k (y - d)+^1.5 (1 + b v)+",
+        "Hunt and Crossley 1975, J. Appl. Mech. 42(2)", SPRING, DAMPER,
     ),
-    "capstan": _law(
-        Kind(plain.capstan), "F = F_c exp(y/y_c) tanh(v/v_s)", "Euler 1769 and Eytelwein 1808: belt friction", DAMPER,
-        ELEMENT,
+    "shifted_flow": _law(
+        Kind(plain.shifted_flow), "F = F_m tanh(v/v_s + b tanh(y/y_s))",
+        "Kwok, Ha, Nguyen, Li and Samali 2006, Sens. Actuators A 132(2), their sgn(y) made smooth", DAMPER, ELEMENT,
     ),
     "creeping_arm": _law(
         Kind(states.creeping_arm), "dF/dt = k (v - v_e sinh(F/F_e))",
@@ -103,6 +91,31 @@ LAWS: dict[str, Beyond] = {
         Kind(states.hardening_plastic, most=2.0), "|F - X| <= F_y, dX = C dp - g X |dp|",
         "Armstrong and Frederick 1966, CEGB Report RD/B/N 731", ELEMENT,
     ),
+    "wire_rope": _law(
+        Kind(states.wire_rope), "F = F_c exp(y/y_c) z, dz = (sgn(v) - z) |dy|/x",
+        "Ni, Ko, Wong and Zhan 1999, Proc. Inst. Mech. Eng. I 213(3)", ELEMENT, DAMPER,
+    ),
+    "grease": _law(
+        Kind(states.grease), "F = F_y q tanh(v/v_s), dq/dt = (1 - q)/t - q |v|/x",
+        "Moore 1959, Trans. Br. Ceram. Soc. 58", DAMPER, ELEMENT,
+    ),
+    "ageing_contacts": _law(
+        Kind(states.ageing_contacts, most=1.0),
+        "F = F_c (1 + a ln(|v|/v_0) + b ln(q v_0/x)) sgn(v), dq/dt = 1 - |v| q/x",
+        "Ruina 1983, J. Geophys. Res. 88(B12)", DAMPER, ELEMENT,
+    ),
+    "warm_arm": _law(
+        Kind(states.warm_arm, most=1.0), "dF/dt = k v - F/t(T), t = t_0 exp(B (1/T - 1/T_0))",
+        "Schwarzl and Staverman 1952, J. Appl. Phys. 23(8)", ELEMENT, DAMPER,
+    ),
+    "rubber_friction": _law(
+        Kind(states.rubber_friction), "F = F_r + s |y - y_r| (F_m - s F_r)/(x (1 - s F_r/F_m) + |y - y_r|), s = sgn(v)",
+        "Berg 1998, Veh. Syst. Dyn. 30(3-4)", ELEMENT,
+    ),
+    "overshooting_friction": _law(
+        Kind(states.overshooting_friction), "F = 2 F_c z_1 - F_c z_2, dz_i = (sgn(v) - z_i) |dy|/x_i",
+        "Bliman and Sorine 1995, Proc. 3rd European Control Conference", ELEMENT, DAMPER,
+    ),
     "glass_transition": _law(
         Kind(factors.glass_transition), "k *= 1 - s/(1 + exp(-(T - T_g)/w))", CLOSED, FACTOR,
     ),
@@ -110,8 +123,8 @@ LAWS: dict[str, Beyond] = {
         Kind(factors.payne, most=1.5), "k *= 1 + s/(1 + (A/A_c)^(2 m)), m = 1.5",
         "Kraus 1984, J. Appl. Polym. Sci. Appl. Polym. Symp. 39", FACTOR,
     ),
-    "loss_peak": _law(
-        Kind(factors.loss_peak), "c *= 1 + 2 s (f/f_c)/(1 + (f/f_c)^2)",
+    "moving_peak": _law(
+        Kind(factors.moving_peak, most=2.0), "c *= 1 + 2 s x/(1 + x^2), x = f/f_c exp(B (1/T - 1/T_c))",
         "Zener 1948, Elasticity and Anelasticity of Metals", FACTOR,
     ),
     "running_in": _law(
@@ -121,9 +134,6 @@ LAWS: dict[str, Beyond] = {
         Kind(factors.field_friction, needs="condition"), "F = F_m tanh(u/u_s) tanh(v/v_s)",
         "Phillips 1969, PhD thesis, University of California, Berkeley: Bingham's flow, with a yield force by field",
         DAMPER, ELEMENT,
-    ),
-    "warm_oil": _law(
-        Kind(factors.warm_oil), "F = c v exp(B (1/T - 1/T_0))", "Andrade 1930, Nature 125", DAMPER,
     ),
 }  # fmt: skip
 """By name."""

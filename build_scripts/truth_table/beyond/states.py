@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from hidden import Shape, typical
-from truth import Array, BaseLaw, Motion, Part, relieved
+from truth import T0, Array, BaseLaw, Motion, Part, relieved
+
+from beyond.plain import SLIDES, SPEED
 
 STEEPEST = 40.0
 """Force over that of activation beyond which flow is as fast as there."""
+ACTIVATION = 1000.0
+"""K."""
+DIRECTLY, WITH_AGE = 0.06, 0.2
+"""Shares by which friction grows with the logarithm of the speed and of the age of its contacts."""
 
 
 def creeping_arm(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -86,3 +92,107 @@ def hardening_plastic(motion: Motion, base: BaseLaw, rough: bool, size: float, s
         return result.T
 
     return Part(force=size * base.k10 * motion.remember("hardening_plastic", strained))
+
+
+def wire_rope(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A rope's strands rub, pressed together the more the further it is bent to one side; exact for each step."""
+    side = np.copysign(1.0, shape["sign"])
+
+    def strained() -> Array:
+        result = np.empty_like(motion.y.T)
+        z = np.zeros(len(motion.y))
+        for step, move in enumerate(np.diff(motion.y, axis=1, prepend=motion.y[:, :1]).T):
+            kept = np.exp(-np.abs(move) / shape["limit"])
+            z = z * kept + np.sign(move) * (1 - kept)
+            result[step] = z
+        return result.T
+
+    pressed = np.exp(side * motion.y / shape["stop"])
+    return Part(force=size * typical(base) * pressed * motion.remember("wire_rope", strained))
+
+
+def grease(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A paste whose structure rest builds up and shear breaks down; exact for a speed held over a step."""
+    built, broken = 3 * shape["tau"], 3 * shape["limit"]
+
+    def structure() -> Array:
+        result = np.empty_like(motion.v.T)
+        speed = np.abs(motion.v)
+        there = 1 / (1 + speed.mean(axis=1) * built / broken)
+        for step, now in enumerate(speed.T):
+            rate = 1 / built + now / broken
+            kept = np.exp(-rate * motion.step)
+            there = there * kept + (1 - kept) / (rate * built)
+            result[step] = there
+        return result.T
+
+    flow = np.tanh(motion.v / SLIDES)
+    return Part(force=size * typical(base) * motion.remember("grease", structure) * flow)
+
+
+def ageing_contacts(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Friction of contacts that strengthen with their age and are renewed along a way; exact as `grease`."""
+    way = 0.3 * shape["limit"]
+
+    def age() -> Array:
+        result = np.empty_like(motion.v.T)
+        speed = np.hypot(motion.v, SLIDES)
+        there = way / speed.mean(axis=1)
+        for step, now in enumerate(speed.T):
+            kept = np.exp(-now * motion.step / way)
+            there = there * kept + way / now * (1 - kept)
+            result[step] = there
+        return result.T
+
+    speed = np.hypot(motion.v, SLIDES) / SPEED
+    strength = 1 + DIRECTLY * np.log(speed) + WITH_AGE * np.log(SPEED / way * motion.remember("age", age))
+    return Part(force=size * typical(base) * np.maximum(strength, 0.0) * np.tanh(motion.v / SLIDES))
+
+
+def warm_arm(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A spring in series with a dashpot that heat makes thinner; exact, tone by tone."""
+    tau = 5 * shape["tau"] * np.exp(ACTIVATION * (1 / motion.T - 1 / T0))
+    held = np.zeros_like(motion.y)
+    for order, tone in motion.tones:
+        turn = 2j * np.pi * order * motion.f
+        held += np.real(tone[:, None] * turn * tau / (1 + turn * tau) * np.exp(turn * motion.time))
+    return Part(force=size * base.k10 * held)
+
+
+def rubber_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Friction of filled rubber: from each reversal on it nears its most along a hyperbola."""
+    half = 0.5 * shape["limit"]
+
+    def shares() -> Array:
+        result = np.empty_like(motion.y.T)
+        share, turned = np.zeros(len(motion.y)), np.zeros(len(motion.y))
+        place, side = motion.y[:, 0].copy(), np.ones(len(motion.y))
+        last = motion.y[:, 0]
+        for step, y in enumerate(motion.y.T):
+            way = np.where(y != last, np.sign(y - last), side)
+            new = way != side
+            turned, place = np.where(new, share, turned), np.where(new, last, place)
+            side, last = way, y
+            left, gone = 1 - side * turned, np.abs(y - place)
+            share = turned + side * left * gone / (half * left + gone)
+            result[step] = share
+        return result.T
+
+    return Part(force=size * typical(base) * motion.remember("rubber_friction", shares))
+
+
+def overshooting_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Friction with a peak after each reversal: of two that near their most along a way, less the slower one."""
+    quick, slow = 0.15 * shape["limit"], 0.6 * shape["limit"]
+
+    def peaked() -> Array:
+        result = np.empty_like(motion.y.T)
+        parts = np.zeros((2, len(motion.y)))
+        ways = np.array([[quick], [slow]])
+        for step, move in enumerate(np.diff(motion.y, axis=1, prepend=motion.y[:, :1]).T):
+            kept = np.exp(-np.abs(move) / ways)
+            parts = parts * kept + np.sign(move) * (1 - kept)
+            result[step] = 2 * parts[0] - parts[1]
+        return result.T
+
+    return Part(force=size * typical(base) * motion.remember("overshooting", peaked))

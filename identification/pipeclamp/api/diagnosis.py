@@ -20,6 +20,7 @@ from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.declaration_files import read_declaration
+from pipeclamp_models.law.file import Kind
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Section
@@ -52,6 +53,16 @@ class Diagnosis(Shown):
     def effects(self) -> tuple[str, ...]:
         """What is missing, or may be, as `add` takes it; best first."""
         return self._found.effects
+
+    @property
+    def kind(self) -> Kind | None:
+        """How what is named is meant: as the cause, or as a part of what is missing."""
+        return self._found.kind
+
+    @property
+    def together(self) -> tuple[str, ...]:
+        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
+        return tuple(self._found.together)
 
     @property
     def next_test(self) -> dict[str, Any] | None:

@@ -11,12 +11,13 @@ from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import PathOrName, path_of
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp_identification.fitting.identify import Method
-from pipeclamp_identification.workflow.change import add_effect, remove_effect
+from pipeclamp_identification.workflow.change import add_effects, remove_effect
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration_files import read_effects
+from pipeclamp_models.law.file import Kind
 
 
 @one_thread()
@@ -108,15 +109,21 @@ def identify_per(
 
 @one_thread()
 def add(
-    law: Law | PathOrName, effect: str | Diagnosis, tests: Tests | PathOrName, *, progress: Progress = silent
+    law: Law | PathOrName,
+    effect: PathOrName | Sequence[PathOrName] | Diagnosis,
+    tests: Tests | PathOrName,
+    *,
+    kind: Kind | None = None,
+    progress: Progress = silent,
 ) -> Law:
-    """Add an effect to a law and refit everything.
+    """Add an effect to a law and refit everything; a diagnosis that names two which help only together adds both.
 
     Args:
         law: the law, or its file or bundled name.
-        effect: an effect of the catalogue by name, a declaration of your own by path (F.toml), or the diagnosis that
-            names it.
+        effect: an effect of the catalogue by name, a declaration of your own by path (F.toml), several of them, or the
+            diagnosis that names it.
         tests: what it is refitted to.
+        kind: how a diagnosis meant an effect that is given by name: beside a part nothing is called the cause later.
         progress: is told what is being done.
 
     Returns:
@@ -142,13 +149,18 @@ def add(
                 f"add: the diagnosis says {effect.verdict!r}, which names no single effect; expected one of yours by "
                 'name, such as add(law, "memory", tests)'
             )
-        name, declarations = effect.effects[0], effect.declared
+        names, kind, declarations = effect.together or effect.effects, effect.kind, effect.declared
     else:
-        (name,), declarations = read_effects((path_of(effect, "an effect or a diagnosis"),), ())
-    command = f"pc.add({_named(law)}, {name!r}, {_read(tests)})"
-    return Law(
-        add_effect(file, name, tests.tests, command=command, date=None, declared=declarations, progress=progress).after
+        names, declarations = read_effects((path_of(name, "an effect or a diagnosis") for name in _listed(effect)), ())
+        if not names:
+            raise UserError('add: got no effect; expected one by name, such as add(law, "memory", tests)')
+    named = repr(names[0] if len(names) == 1 else names)
+    meant = f", kind={kind!r}" if kind == "part" else ""
+    command = f"pc.add({_named(law)}, {named}, {_read(tests)}{meant})"
+    steps = add_effects(
+        file, names, tests.tests, command=command, date=None, declared=declarations, kind=kind, progress=progress
     )
+    return Law(steps[-1].after)
 
 
 @one_thread()

@@ -6,7 +6,7 @@ What a command needs is imported inside it, so that `--help` and light commands 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -57,6 +57,7 @@ from pipeclamp_system.description.trust_mark import is_doubt
 
 if TYPE_CHECKING:
     from pipeclamp_identification.workflow.change import Addition
+    from pipeclamp_models.law.file import LawFile
 
 app = typer.Typer(
     cls=Commands,
@@ -84,6 +85,13 @@ class BaseLaw(StrEnum):
     power = "power"
     memory = "memory"
     series = "series"
+
+
+class Meant(StrEnum):
+    """How a diagnosis means an effect that it names."""
+
+    cause = "cause"
+    part = "part"
 
 
 class FitMethod(StrEnum):
@@ -371,25 +379,38 @@ def remove(
     """Take an effect out of a law, refit the rest, and say what the error did."""
     from pipeclamp_identification.workflow.change import remove_effect
 
-    _change(partial(remove_effect, effect=effect), "remove", law, campaign, output, strict, reproducible)
+    def change(file: LawFile, **given: Any) -> Sequence[Addition]:
+        return [remove_effect(file, effect, **given)]
+
+    _change(change, "remove", law, campaign, output, strict, reproducible)
 
 
 @app.command(epilog="Example: pipeclamp add law.json memory my_campaign -o law2.json")
 def add(
     law: LawArgument,
-    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect, see `pipeclamp effects`, or F.toml.")],
+    effect: Annotated[
+        str,
+        typer.Argument(
+            metavar="EFFECT[,EFFECT]", help="The effect, see `pipeclamp effects`, or F.toml; or several, as --effects."
+        ),
+    ],
     campaign: CampaignFolder,
     output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
+    meant: Annotated[
+        Meant | None, typer.Option("--as", help="How a diagnosis meant it: beside a part nothing is called the cause.")
+    ] = None,
     declared: DeclaredOption = None,
     strict: StrictOption = False,
     reproducible: ReproducibleOption = False,
 ) -> None:
     """Add an effect to a law, refit everything, and say what the error did."""
-    from pipeclamp_identification.workflow.change import add_effect
+    from pipeclamp_identification.workflow.change import add_effects
     from pipeclamp_models.law.declaration_files import read_effects
 
-    (name,), declarations = read_effects((effect,), declared or ())
-    change = partial(add_effect, effect=name, declared=declarations)
+    names, declarations = read_effects(names_in(effect), declared or ())
+    if not names:
+        raise UsageError(f"EFFECT: got {effect!r}; expected the name of an effect, such as memory")
+    change = partial(add_effects, effects=names, kind=meant and meant.value, declared=declarations)
     _change(change, "add", law, campaign, output, strict, reproducible)
 
 
@@ -425,7 +446,7 @@ def schema(
 
 
 def _change(
-    change: Callable[..., Addition],
+    change: Callable[..., Sequence[Addition]],
     title: str,
     law: str,
     campaign: Path,
@@ -433,7 +454,7 @@ def _change(
     strict: bool,
     reproducible: bool,
 ) -> None:
-    """Change a law by an effect, refit it, write it, and print what that did."""
+    """Change a law step by step, refit it, write it, and print what that did."""
     from pipeclamp.show.law import addition_table
     from pipeclamp_identification.workflow.next_command import after_change
     from pipeclamp_models.law.file import law_text
@@ -443,10 +464,12 @@ def _change(
         file = opened_law(law)
         tests = read_and_tell(campaign, strict, tell)
         date = None if reproducible else now()
-        changed = change(file, tests=tests, command=command_called(), date=date, progress=tell)
-    write_whole(output, law_text(changed.after))
-    print_table(addition_table(changed))
-    _print_fit(changed.after, output)
+        steps = change(file, tests=tests, command=command_called(), date=date, progress=tell)
+    changed = steps[-1].after
+    write_whole(output, law_text(changed))
+    for step in steps:
+        print_table(addition_table(step))
+    _print_fit(changed, output)
     _print_next(after_change(str(output), str(campaign)))
 
 

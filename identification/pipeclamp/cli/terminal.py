@@ -280,7 +280,7 @@ def command_called() -> str:
         return ",".join(part if re.match(r"\w\w+:", part) else Path(part).name or part for part in word.split(","))
 
     words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
-    return " ".join(["pipeclamp", *words])
+    return printable(" ".join(["pipeclamp", *words]))
 
 
 def line_called() -> str:

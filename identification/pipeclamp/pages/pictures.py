@@ -21,6 +21,8 @@ PANEL_HEIGHT, NARROW_PANEL_HEIGHT = 250, 200
 LEAST_PANEL_WIDTH = 230
 FEW = 12
 BESIDE = "published "
+MOST_OF_HISTORY = 4000
+"""Points of a curve over time that are drawn at most."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,22 @@ def curves_picture(
     )  # fmt: skip
     figure.update_xaxes(title_text=x).update_yaxes(title_text=y)
     return styled(figure, title)
+
+
+def thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """Give at most `MOST_OF_HISTORY` points, about: the first, the last and the extremes of each stretch between.
+
+    A sample out of so many would hide peaks, and draw a fast motion as a slow one.
+    """
+    if time.size <= MOST_OF_HISTORY:
+        return time, values
+    length = math.ceil(2 * time.size / MOST_OF_HISTORY)
+    count = time.size // length
+    block = values[: count * length].reshape(count, length)
+    base = np.arange(count) * length
+    ends = [0, time.size - 1]
+    chosen = np.unique(np.concatenate([base + block.argmin(axis=1), base + block.argmax(axis=1), ends]))
+    return time[chosen], values[chosen]
 
 
 def surface_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str, title: str) -> go.Figure:

@@ -11,7 +11,7 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.diagnosis.answer import RungAnswer
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
-from pipeclamp_identification.workflow.auto import Rung
+from pipeclamp_identification.workflow.climb import Rung
 
 
 @singledispatch

@@ -94,8 +94,9 @@ def candidate_table(found: Attribution, most: int | None = None) -> Table:
         for entry in found.candidates[:most]
     ]
     stated = ("nothing: the model as stated", "", "", 100 * found.stated.nrmse, (found.stated.heldout / size) ** 0.5)
-    header = ("refitted", "of", "value", "error / %", "left on what was left out, in units of the noise")
-    return Table(header, [*rows, stated], "what may be wrong, best first")
+    header = ("refitted", "of", "value", "error / %", "left / noise")
+    caption = "what may be wrong, best first; left: on frequencies that were left out of the fit, in units of the noise"
+    return Table(header, [*rows, stated], caption)
 
 
 def attributed_view(found: Attributed) -> View:

@@ -8,6 +8,7 @@ from pathlib import Path
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.work import Task
 from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_models.law.file import Kind
 
 BASES = {
     "power": "k₁, k₃, c, α as powers of A and f (Eq. 17): begin here",
@@ -37,17 +38,19 @@ def identify_task(project: Project, base: str) -> tuple[Task, str]:
     return Task("identify", f"Fit the base law {base}", command, given), law
 
 
-def add_line(project: Project, of: str, effect: str, law: str) -> str:
-    """Give the line that adds an effect."""
-    return line("add", project.shown(f"{of}.json"), effect, project.campaign, "-o", project.shown(f"{law}.json"))
+def add_line(project: Project, of: str, effect: str, kind: Kind | None, law: str) -> str:
+    """Give the line that adds an effect, which the diagnosis means so."""
+    meant = ("--as", kind) if kind == "part" else ()
+    given = project.shown(f"{of}.json"), effect, project.campaign, "-o", project.shown(f"{law}.json")
+    return line("add", *given, *meant)
 
 
-def add_task(project: Project, of: str, effect: str) -> tuple[Task, str]:
+def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple[Task, str]:
     """Give the task that adds an effect to a law, and the name of the law with it."""
     law = project.reserve()
-    command = add_line(project, of, effect, law)
+    command = add_line(project, of, effect, kind, law)
     given = {
-        "campaign": project.campaign, "of": str(project.path_of(of)), "effect": effect,
+        "campaign": project.campaign, "of": str(project.path_of(of)), "effect": effect, "kind": kind,
         "law": project.shown(f"{law}.json"), "command": _last_parts(command),
     }  # fmt: skip
     return Task("add", f"Add {effect} and fit everything again", command, given, of), law

@@ -138,16 +138,12 @@ def chips_of(project: Project) -> list[LawChip]:
 
 
 def waterfall_of(file: LawFile, told: Told | None) -> Picture:
-    """Give a law's history as bars, and what the effects that a diagnosis names would make of it."""
+    """Give a law's history as bars, and what would come next by a diagnosis, as its page has it."""
     rungs = rungs_of(file)
     if not rungs and file.fit:
         rungs = [Rung(file.base, {USED: file.fit.nrmse})]
     if told and rungs:
-        named = [each for each in told.candidates if each.name in told.effects]
-        coming = [
-            Rung(f"{'or ' if place else ''}+ {each.name}", {ESTIMATED: each.heldout_nrmse}, True, each.explained)
-            for place, each in enumerate(named)
-        ]
+        coming = [Rung(each.label, {ESTIMATED: each.heldout_nrmse}, True, each.explained) for each in told.promised]
         rungs = with_promised(rungs, Rung("law as it is", {ESTIMATED: told.heldout_nrmse}), coming)
     figure = waterfall_picture(rungs, file.fit.noise_nrmse if file.fit else None, "")
     specification = plain(figure)

@@ -47,9 +47,11 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         "diagnose": commands.diagnose_line(project, name) if name else "",
         "diagnosed": _last_diagnosis(project, name) or (commands.diagnose_line(project, name) if name else ""),
         "add": {
-            each.name: commands.add_line(project, name or "", each.name, project.upcoming)
-            for each in (told.candidates if told else ())
-        },
+            each.name: commands.add_line(project, name, each.name, told.meant(each.name), project.upcoming)
+            for each in told.candidates
+        }
+        if told and name
+        else {},
         "discover": commands.discover_line(project, name, project.upcoming) if name else "",
         "report": commands.report_line(project, name) if name else "",
         "respond": commands.response_line(project, name) if name else "",

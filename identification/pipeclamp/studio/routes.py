@@ -177,28 +177,31 @@ class Pages:
         return await run_in_threadpool(self._start, self._opened(request), asked)
 
     def _start(self, opened: Opened, asked: Mapping[str, Any]) -> Response:
-        project, kind, law = opened.project, _text(asked, "kind"), None
-        if kind == "identify":
+        project, wanted, law = opened.project, _text(asked, "kind"), None
+        if wanted == "identify":
             base = _text(asked, "base")
             if base not in commands.BASES:
                 raise UserError(f"base: got {base!r}; expected one of {', '.join(commands.BASES)}")
             task, law = commands.identify_task(project, base)
-        elif kind == "add":
+        elif wanted == "add":
             of, effect = _text(asked, "law"), _text(asked, "effect")
             _candidate(opened, of, effect)
-            task, law = commands.add_task(project, of, effect)
-        elif kind == "diagnose":
+            kind = _told(opened, of, project.law(of)).meant(effect)
+            task, law = commands.add_task(project, of, effect, kind)
+        elif wanted == "diagnose":
             task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
-        elif kind == "discover":
+        elif wanted == "discover":
             task, law = commands.discover_task(project, _text(asked, "law"))
-        elif kind == "build":
+        elif wanted == "build":
             task = commands.build_task(project, _text(asked, "law"), str(asked.get("fmu", "python")))
-        elif kind == "report":
+        elif wanted == "report":
             task = commands.report_task(project, _text(asked, "law"))
-        elif kind == "respond":
+        elif wanted == "respond":
             task = commands.response_task(project, _text(asked, "law"))
         else:
-            raise UserError(f"kind: got {kind!r}; expected identify, diagnose, add, discover, build, report or respond")
+            raise UserError(
+                f"kind: got {wanted!r}; expected identify, diagnose, add, discover, build, report or respond"
+            )
         return JSONResponse(self.desk.start(opened, task, law).to_dict())
 
     async def start_import(self, request: Request) -> Response:

@@ -11,7 +11,7 @@ from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import LawFile, law_text, read_law
+from pipeclamp_models.law.file import Kind, LawFile, law_text, read_law
 
 
 def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str) -> dict[str, Any]:
@@ -21,12 +21,14 @@ def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str
     return _written(found.file(name=tests.name, command=command, date=now()), law)
 
 
-def add(tell: Progress, *, campaign: str, of: str, effect: str, law: str, command: str) -> dict[str, Any]:
+def add(
+    tell: Progress, *, campaign: str, of: str, effect: str, kind: Kind | None, law: str, command: str
+) -> dict[str, Any]:
     """Add an effect to a law, refit everything and write it."""
     from pipeclamp_identification.workflow.change import add_effect
 
     tests = _tests(tell, campaign)
-    change = add_effect(read_law(Path(of)), effect, tests, command=command, date=now(), progress=tell)
+    change = add_effect(read_law(Path(of)), effect, tests, command=command, date=now(), kind=kind, progress=tell)
     return _written(change.after, law)
 
 

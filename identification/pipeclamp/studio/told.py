@@ -9,12 +9,11 @@ from pydantic import Field
 
 from pipeclamp.show.diagnosis import against, verdict_lines
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-from pipeclamp_identification.diagnosis.named import Kind
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_models.base.answer import AnswerModel
-from pipeclamp_models.law.file import LawFile, Verdict
+from pipeclamp_models.law.file import Kind, LawFile, Verdict
 
 
 class ToldCandidate(AnswerModel):
@@ -31,6 +30,14 @@ class ToldCandidate(AnswerModel):
     values: Mapping[str, float] = Field(description="parameters of the law with it")
 
 
+class ToldRung(AnswerModel):
+    """What a step that a page promises would do."""
+
+    label: str
+    heldout_nrmse: float
+    explained: float | None
+
+
 class Told(AnswerModel):
     """A diagnosis as it is shown."""
 
@@ -44,12 +51,21 @@ class Told(AnswerModel):
     lines: tuple[str, ...] = Field(description="as the command prints them")
     heldout_nrmse: float = Field(description="of the law as it is")
     candidates: tuple[ToldCandidate, ...]
+    promised: tuple[ToldRung, ...] = Field((), description="the steps that the page of the diagnosis promises")
     next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
     drive: bool = Field(description="whether there is a drive signal for it")
+
+    def meant(self, effect: str) -> Kind | None:
+        """Say how an effect is meant; None where it isn't named."""
+        return self.kind if effect in self.effects else None
 
 
 def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
     """Give a diagnosis as it is shown."""
+    # the server, which only shows what was told, does without
+    from pipeclamp.pages.diagnosis import promised
+    from pipeclamp.pages.waterfall import ESTIMATED
+
     diagnosis = found.diagnosis
     return Told(
         law_command=stamp(file),
@@ -63,6 +79,11 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         heldout_nrmse=diagnosis.law.heldout_nrmse,
         candidates=tuple(
             _candidate(each, diagnosis) for each in diagnosis.candidates if _is_finite(each.result.law.values)
+        ),
+        promised=tuple(
+            ToldRung(label=rung.label, heldout_nrmse=rung.errors[ESTIMATED], explained=rung.explained)
+            for rung in promised(diagnosis)
+            if rung.promised
         ),
         next_test=found.proposal.words() if found.proposal else found.no_test,
         drive=found.proposal is not None,

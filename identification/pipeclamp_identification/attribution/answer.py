@@ -7,7 +7,6 @@ from pydantic import Field
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.repeats import NextMeasurement
 from pipeclamp_identification.attribution.verdict import Attribution, Verdict
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.on_pipe.answer import (
     BandsOnPipeAnswer,
     OnPipeAnswer,
@@ -16,6 +15,7 @@ from pipeclamp_identification.on_pipe.answer import (
     where_told,
 )
 from pipeclamp_models.base.answer import AnswerModel
+from pipeclamp_models.law.file import Kind
 
 
 class RefitErrors(AnswerModel):

@@ -78,8 +78,8 @@ def _moved_clamp(index: int, model: CoupledModel, values: Values) -> CoupledMode
 
 
 def warmth_words(values: Values, errors: Values) -> str:
-    """Say by how much a temperature is off; what is known less well than the whole of its range isn't known."""
-    if not errors[0] < WARMEST - COLDEST:
+    """Say by how much a temperature is off; what moves nothing, or is known less well than its range, isn't known."""
+    if not 0.0 < errors[0] < WARMEST - COLDEST:
         return "these measurements don't tell it"
     return f"{values[0]:+.3g} ± {errors[0]:.1g} K from what is stated"
 

@@ -282,10 +282,9 @@ def _masses(pipe: PipeDescription) -> Iterator[Suspect]:
         return replace(model, pipe=model.pipe.model_copy(update={"masses": (*model.pipe.masses, mass)}))
 
     def told(values: Values, errors: Values) -> str:
-        return (
-            f"{moving * values[0]:+.3g} ± {moving * errors[0]:.1g} kg at {length * values[1]:.3g} ± "
-            f"{length * errors[1]:.1g} m"
-        )
+        mass = f"{moving * values[0]:+.3g} ± {moving * errors[0]:.1g} kg"
+        # of no mass the place says nothing
+        return f"{mass} at {length * values[1]:.3g} ± {length * errors[1]:.1g} m" if values[0] else mass
 
     yield Suspect(
         id="mass_per_length",

@@ -31,10 +31,10 @@ from pipeclamp_identification.attribution.sine_evidence import SineEvidence
 from pipeclamp_identification.attribution.suspect import Suspect
 from pipeclamp_identification.attribution.suspects import suspects_of, with_mounts
 from pipeclamp_identification.attribution.task import Task, task_of
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.file import Kind
 
 Verdict = Literal["complete", "wrong", "ambiguous", "unknown"]
 

@@ -67,7 +67,8 @@ def judge(
     shown = {run: one.shown for run, (_, one) in sines.items()} | {run: one.shown for run, one in free.items()}
     left_out |= {run: LeftOut(run, why) for run, why in implausible(shown).items()}
     observed = [_observed(row, one) for run, (row, one) in sines.items() if run not in left_out]
-    sensors = sensors_of(observed, sines_alone=not free)
+    moving = {run: one for run, one in free.items() if run not in left_out}
+    sensors = sensors_of(observed, moving)
     left_out |= {run: LeftOut(run, str(failure), failure) for run, failure in sensors.failed.items()}
     lost = tuple(left_out[row.run] for row in rows if row.run in left_out)
     if lost and (strict or len(lost) == len(rows)):
@@ -75,7 +76,6 @@ def judge(
         remedy = ", take their rows out of runs.csv, or don't be strict" if len(lost) < len(rows) else ""
         raise UserError("\n".join([heading + remedy, *(f"  {one}" for one in lost)]))
     kept = {run: one for run, one in sines.items() if run not in left_out}
-    moving = {run: one for run, one in free.items() if run not in left_out}
     settings, contradicted = _settings(kept)
     failures = [(one.run, one.failure) for one in lost if one.failure and one.run not in sensors.failed]
     return Judged(

@@ -153,7 +153,7 @@ def campaign_of(folder: Path, description: CampaignDescription, table: RunsTable
         condition_columns=table.condition_columns,
         smoothing=find_smoothing([(run.record, run.cycles) for run in runs]),
         remarks=judged.remarks,
-        free=tuple(one for one in checked if isinstance(one, FreeRun) and one.name in judged.free),
+        free=tuple(_shifted(one, judged) for one in checked if isinstance(one, FreeRun) and one.name in judged.free),
         faults=judged.faults,
         digests=digests,
         doubts=judged.doubts,
@@ -185,6 +185,13 @@ def _judged(run: Run, judged: Judged) -> Run:
         amplitude_mm=amplitude,
         frequency_Hz=frequency,
     )
+
+
+def _shifted(run: FreeRun, judged: Judged) -> FreeRun:
+    """Give a run of free motion with its sensors' zeros where they belong."""
+    record = judged.sensors.shifted(run.name, run.record)
+    off = run.record.displacement_mm[0] - record.displacement_mm[0]
+    return replace(run, record=record, motion=replace(run.motion, y=run.motion.y - off))
 
 
 def seen_of(run: Run | FreeRun | LeftOut) -> SeenRecord | LeftOut:

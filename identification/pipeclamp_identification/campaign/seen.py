@@ -37,6 +37,8 @@ class SeenRecord:
         start_s, end_s, step_s: when it begins and ends by its own clock, and its usual step.
         temperature_C: mean of what was measured; nan where it wasn't.
         shown: of a sine the fundamental, of a free motion the equivalent spring and dashpot.
+        place_mm: about which the displacement moves; of a free motion that begins at rest, where it rests.
+        mean_force_N: over its cycles, or all of a free motion.
     """
 
     start_s: float
@@ -44,6 +46,8 @@ class SeenRecord:
     step_s: float
     temperature_C: float
     shown: Fundamental
+    place_mm: float
+    mean_force_N: float
 
 
 @dataclass(frozen=True)
@@ -74,12 +78,15 @@ def seen_sine(record: Record, cycles: Cycles) -> SeenSine:
     shown = fundamental_of(record, cycles, by_cycle)
     force = shown.amplitude_mm * abs(shown.stiffness)
     ends = {channel: extremes_of(record, cycles, channel, force) for channel in UNITS}
-    return SeenSine(*_clock(record), shown, cycles, by_cycle, ends)
+    place, mean_force = (float(np.mean(one[:, 0].real)) for one in (by_cycle.displacement, by_cycle.force))
+    return SeenSine(*_clock(record), shown, place, mean_force, cycles, by_cycle, ends)
 
 
 def seen_free(record: Record, motion: SmoothMotion) -> SeenFree:
     """Look at a record of a free motion that can be used."""
-    return SeenFree(*_clock(record), fundamental_of_motion(record, motion), begins_at_rest(motion))
+    at_rest = begins_at_rest(motion)
+    place, mean_force = float(motion.y[0] if at_rest else np.mean(motion.y)), float(np.mean(record.force_N))
+    return SeenFree(*_clock(record), fundamental_of_motion(record, motion), place, mean_force, at_rest)
 
 
 def _clock(record: Record) -> tuple[float, float, float, float]:

@@ -13,7 +13,7 @@ from pipeclamp_identification.campaign.drifting_over_runs import drifting_over_r
 from pipeclamp_identification.campaign.faults import Channel, SensorFailure, SensorFault, faults_of_failures
 from pipeclamp_identification.campaign.plausibility import SURE
 from pipeclamp_identification.campaign.records import Record
-from pipeclamp_identification.campaign.seen import SeenSine
+from pipeclamp_identification.campaign.seen import SeenFree, SeenRecord, SeenSine
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, Level, group_names, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS
@@ -22,7 +22,7 @@ DEAD_BELOW = 0.1
 """A force that the motion doesn't show in, and that stays below this share of what other runs show, is no clamp's."""
 FEWEST_OTHERS = 3
 FAR = 2.0
-"""A mean displacement lies far off where it exceeds so many of the largest amplitudes: clamps are held within them."""
+"""A mean lies far off where it exceeds so many of the largest amplitudes: clamps are held within them."""
 FAR_ALONE = 20.0
 """And where others of the campaign don't, so many: tests may hold a clamp off its rest in some runs, but not so far."""
 UNANSWERED = 0.1
@@ -71,9 +71,13 @@ class Sensors:
     told: tuple[str, ...] = ()
 
     def repaired(self, run: str, record: Record, seen: SeenSine) -> Record:
-        """Give the record of a run that is kept, repaired where that can be done."""
+        """Give the record of a run of a sine that is kept, repaired where that can be done."""
         if drifts := self.drifts.get(run):
             record = repaired(record, seen.cycles, seen.by_cycle, drifts)
+        return self.shifted(run, record)
+
+    def shifted(self, run: str, record: Record) -> Record:
+        """Give the record of a run with its channels' zeros where they belong."""
         for channel, shift in self.shifts.get(run, ()):
             record = without(record, channel, shift)
         return record
@@ -85,21 +89,26 @@ class Sensors:
         return frozenset(run.run for fault in drifted for run in fault.runs)
 
 
-def sensors_of(runs: Sequence[Observed], *, sines_alone: bool = True) -> Sensors:
+def sensors_of(runs: Sequence[Observed], free: Mapping[str, SeenFree] | None = None) -> Sensors:
     """Ask the sensors of runs whose records can be used one by one.
 
     Args:
         runs: of sines, in runs.csv's order.
-        sines_alone: whether the campaign holds no other motion, whose zero nobody knows.
+        free: what records of free motion show, by name of the run: where zeros stand, and nothing else.
     """
+    free = free or {}
     failed = {**_at_the_end_of_their_range(runs), **_dead(runs)}
     faults = list(faults_of_failures(list(failed.items())))
     runs = [run for run in runs if run.name not in failed]
-    if not runs:
+    if not runs and not free:
         return Sensors(tuple(faults), failed)
-    zeros = zeros_elsewhere([run.seen for run in runs]) if sines_alone else None
-    watched = _watched(runs, np.zeros(len(runs)) if zeros is None else zeros)
-    drifts = drifting(watched)
+    zeros = zeros_elsewhere([*(run.seen for run in runs), *free.values()])
+    shifts: dict[str, list[tuple[Channel, float]]] = {name: [] for name in (*(run.name for run in runs), *free)}
+    if zeros is not None:
+        for name, zero in zip(shifts, zeros.tolist(), strict=True):
+            shifts[name].append(("displacement", zero))
+    watched = _watched(runs, np.zeros(len(runs)) if zeros is None else zeros) if runs else []
+    drifts = drifting(watched) if watched else ()
     taken_off: dict[str, list[Channel]] = {run.name: [] for run in runs}
     for fault in drifts:
         for one in fault.runs:
@@ -109,41 +118,42 @@ def sensors_of(runs: Sequence[Observed], *, sines_alone: bool = True) -> Sensors
                 failed[one.run] = SensorFailure(fault.words, fault.channel, fault.fault, one.size, fault.unit)
     left = [one for one in watched if one.name not in failed]
     over_runs = drifting_over_runs(left) if left else ()
-    shifts: dict[str, list[tuple[Channel, float]]] = {one.name: [] for one in left}
-    if zeros is not None:
-        for run, zero in zip(runs, zeros.tolist(), strict=True):
-            shifts.setdefault(run.name, []).append(("displacement", zero))
     for fault in over_runs:
         if fault.done == "corrected":
-            for name, shift in zip(shifts, shifts_over_runs(left, fault), strict=True):
-                shifts[name].append((fault.channel, shift))
-    told = () if zeros is None else (zero_words(zeros),)
+            for run, shift in zip(left, shifts_over_runs(left, fault), strict=True):
+                shifts[run.name].append((fault.channel, shift))
+    told = (*(() if zeros is None else (zero_words(zeros),)), *force_words(list(free.values())))
     return Sensors((*faults, *drifts, *over_runs), failed, taken_off, shifts, told)
 
 
-def zeros_elsewhere(runs: Sequence[SeenSine]) -> Array | None:
+def zeros_elsewhere(runs: Sequence[SeenRecord]) -> Array | None:
     """Give what is to be taken off each run's displacement, mm, shape (n,); None where its zero may be the clamp's.
 
     An absolute position, or a sensor that wasn't set to zero: a law takes a mean displacement for a real one. A spring
     that was moved so far would answer with a mean force; where no run has one, it wasn't moved. Nothing is taken off
     runs that don't lie far off where others do, very far: the sensor was set between them.
 
-    It is one for all where their means lie within the largest amplitude of each other: those differences may be real.
-    Else the sensor was set anew, and it is each run's own mean.
+    It is one for all where they lie within the largest amplitude of each other: those differences may be real. Else the
+    sensor was set anew, and it is each run's own. Sines tell it best, for they go as far to each side, then free
+    motions that begin at rest, and last the means of others.
     """
-    mean = np.array([float(np.mean(one.by_cycle.displacement[:, 0].real)) for one in runs])
-    force = np.array([float(np.mean(one.by_cycle.force[:, 0].real)) for one in runs])
+    place, force = (np.array([getattr(one, name) for one in runs]) for name in ("place_mm", "mean_force_N"))
     stiffness = np.array([one.shown.stiffness.real for one in runs])
     largest = max(one.shown.amplitude_mm for one in runs)
-    far = np.abs(mean) > FAR * largest
+    far = np.abs(place) > FAR * largest
     if not np.all(far):
-        far = np.abs(mean) > FAR_ALONE * largest
-    answered = np.abs(force) >= UNANSWERED * stiffness * np.abs(mean)
+        far = np.abs(place) > FAR_ALONE * largest
+    answered = np.abs(force) >= UNANSWERED * stiffness * np.abs(place)
     if not np.any(far) or np.any(answered[far]):
         return None
-    common = float(np.median(mean[far]))
-    own = common if np.all(np.abs(mean[far] - common) <= largest) else mean
+    doubt = np.array([0 if isinstance(one, SeenSine) else 2 - _begins_at_rest(one) for one in runs])
+    common = float(np.median(place[far & (doubt == np.min(doubt[far]))]))
+    own = common if np.all(np.abs(place[far] - common) <= largest) else place
     return np.where(far, own, 0.0)
+
+
+def _begins_at_rest(seen: SeenRecord) -> bool:
+    return isinstance(seen, SeenFree) and seen.begins_at_rest
 
 
 def zero_words(zeros: Array) -> str:
@@ -155,6 +165,22 @@ def zero_words(zeros: Array) -> str:
     return (
         f"the displacement's zero is not where the clamp rests: a mean of {shown} is taken off{where}, for no mean "
         "force answers it"
+    )
+
+
+def force_words(free: Sequence[SeenFree]) -> tuple[str, ...]:
+    """Say that a force stands far off zero all through free motions; of sines, a diagnosis says what it may be."""
+    if not free:
+        return ()
+    mean = np.array([one.mean_force_N for one in free])
+    if np.any(np.abs(mean) <= FAR * max(one.shown.amplitude_mm * abs(one.shown.stiffness) for one in free)):
+        return ()
+    least, most = f"{np.min(mean):.4g}", f"{np.max(mean):.4g}"
+    shown = least if least == most else f"{least} to {most}"
+    return (
+        f"a mean force of {shown} N stands in all runs of free motion, more than twice the largest amplitude of the "
+        "force: a preload, or a sensor that wasn't set to zero; it stays in the records, and laws follow it by the "
+        "effect offset alone",
     )
 
 

@@ -17,6 +17,7 @@ from pipeclamp_identification.comparison.concentration import (
     cycles_sentence,
     drift_sentence,
     harmonic_sentence,
+    hidden_sentence,
     region,
     region_sentence,
 )
@@ -154,8 +155,10 @@ def where_words(comparison: Comparison) -> list[str]:
     if not comparison.runs:
         return free
     sums = comparison.sums
+    whole = breakdown.along_loop(sums)
     sentences = [
-        region_sentence(region(sums, comparison.varied), breakdown.along_loop(sums)),
+        region_sentence(region(sums, comparison.varied), whole),
+        hidden_sentence(whole),
         harmonic_sentence(breakdown.by_harmonic(sums)),
         cycles_sentence(sums),
         drift_sentence(breakdown.drift(sums), comparison.nrmse),

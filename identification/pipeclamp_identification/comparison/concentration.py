@@ -43,7 +43,8 @@ STANDS_OUT = 0.05
 """Divergence in nats from an even spread below which a further restriction says nothing: 50 % of the error in a third
 of the tests, say."""
 MOSTLY_SCATTER = 0.1
-"""Share of the squared error beyond scatter below which nothing is left to find."""
+"""Share of the squared error beyond scatter below which no place of it can be told; a diagnosis, which asks all runs at
+once, may still find an effect."""
 HARMONICS_NAMED = 3
 HARMONICS_SHOWN = 0.8
 """Harmonics are named until they hold this share, or so many are."""
@@ -124,7 +125,7 @@ def densest(excess: Array, even: Array, factors: Sequence[Factor]) -> Region | N
 
 
 def is_scatter(parts: Breakdown) -> bool:
-    """Tell whether the error is scatter, or nothing: then there is no place to look for more."""
+    """Tell whether the error is scatter, or nothing: then no place of it stands out."""
     return parts.squared_error <= 0.0 or parts.excess <= MOSTLY_SCATTER * parts.squared_error
 
 
@@ -188,10 +189,17 @@ def region_sentence(found: Region | None, whole: Breakdown, model: str = "law") 
     scatter_known = any(part.squared_scatter is not None for part in whole.parts)
     beyond = "of the squared error that is not scatter" if scatter_known else "of the squared error"
     if is_scatter(whole):
-        return f"What the {model} leaves is scatter, nearly all of it: there is no place to look for more."
+        return f"What the {model} leaves is scatter, nearly all of it: no place stands out."
     if found is None:
         return f"No place or condition holds much more than its share {beyond}."
     return f"{found.share:.0%} {beyond} sits {', '.join(found.words)}; spread evenly, it would be {found.even:.0%}."
+
+
+def hidden_sentence(whole: Breakdown) -> str | None:
+    """Say who can tell whether scatter hides an effect; None where more than scatter is left."""
+    return (
+        "A diagnosis, which asks all runs at once, tells whether an effect hides in it." if is_scatter(whole) else None
+    )
 
 
 def harmonic_sentence(harmonics: Breakdown) -> str | None:

@@ -9,15 +9,14 @@ from pydantic import Field
 
 from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-from pipeclamp_identification.diagnosis.named import Kind
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.diagnosis.weighing import explained_share
 from pipeclamp_identification.fitting.groups_answer import GroupsAnswer, groups_answer
 from pipeclamp_identification.fitting.misfit import overall_nrmse
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 
 
 class LawErrors(AnswerModel):
@@ -110,6 +109,9 @@ class DiagnosisAnswer(AnswerModel):
     explained: float | None = Field(
         description="share of the mean-square lack of fit, on left-out conditions, that what is named first takes"
     )
+    together: tuple[str, ...] = Field(
+        description="what is named first, and the effect without which it clearly takes nothing; empty where it does"
+    )
     remains: RemainsAnswer | None = Field(description="what is left with what is named first")
     candidates: tuple[CandidateAnswer, ...]
     pair: CandidateAnswer | None
@@ -141,6 +143,7 @@ def diagnosis_answer(found: Diagnosed, ladder: tuple[RungAnswer, ...], next_comm
         effects=found.effects,
         kind=found.kind,
         explained=diagnosis.explained,
+        together=found.together,
         remains=_remains(diagnosis),
         candidates=tuple(_candidate(candidate, diagnosis) for candidate in diagnosis.candidates),
         pair=_candidate(diagnosis.pair, diagnosis) if diagnosis.pair else None,

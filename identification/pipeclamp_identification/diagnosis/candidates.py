@@ -16,14 +16,14 @@ from pipeclamp_identification.diagnosis.problem import (
     most_promising_first,
     roughly,
 )
-from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
+from pipeclamp_identification.diagnosis.screen import Promise, beside, candidate_names, fits, fits_beside
 from pipeclamp_identification.diagnosis.thresholds import (
     LARGER_MEMBER_SQUARES,
     RIVAL_LIKELIHOOD,
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, unfitted
+from pipeclamp_identification.fitting.least_squares import Fit, starting_points, unfitted
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
@@ -154,6 +154,7 @@ def pairs(
     seen: set[frozenset[str]] = set()
     for first in best_of_each(sound)[:MOST_PAIRED]:
         larger = with_effect(structure, first.effects[0])
+        contenders += _with_modifiers(structure, first, problem)
         seconds = [
             beside(promise, first, law)
             for promise in promises
@@ -171,6 +172,19 @@ def pairs(
         pair for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell) if pair.may_be_cause
     )
     return [larger_as_asked(pair, structure, problem, tell) for pair in usable[:1]] + usable[1:]
+
+
+def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[Contender]:
+    """Give the pairs of an effect with those that scale what only it has: none of them can be screened without it."""
+    larger = with_effect(structure, first.effects[0])
+    contenders = []
+    for name in candidate_names(larger, problem.loops.conditions):
+        if fits(structure, name) or not fits_beside(larger, name):
+            continue
+        both = with_effect(larger, name)
+        starts = starting_points(both, problem.observations, first.result.law.values)
+        contenders.append(Contender((first.effects[0], name), both, starts))
+    return contenders
 
 
 def _best_roughly(contenders: Sequence[Contender], problem: Problem, tell: Callable[[str], None]) -> list[Contender]:

@@ -9,8 +9,9 @@ from typing import Self
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.diagnosis.named import NO_PROOF, Kind, tried_in_vain
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history
 from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
@@ -19,7 +20,7 @@ from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, Verdict, law_of, structure_of
+from pipeclamp_models.law.file import Kind, LawFile, Verdict, law_of, structure_of
 
 HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("complete", None): "Complete: what is left is scatter.",
@@ -85,6 +86,19 @@ class Diagnosed:
         return {} if named is None else named.result.law.values
 
     @property
+    def together(self) -> tuple[str, ...]:
+        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
+        named = self.diagnosis.found.named
+        return () if named is None or len(named.effects) < 2 else named.effects
+
+    @property
+    def other_parts(self) -> Mapping[str, float]:
+        """Effects that take a part too, as `add` takes them, and how much of what what is named first takes."""
+        diagnosis = self.diagnosis
+        most = diagnosis.explained or 1.0
+        return {each.effects[0]: explained_share(each, diagnosis.law) / most for each in diagnosis.found.others}
+
+    @property
     def calls_for_a_term(self) -> bool:
         """Whether a term beyond the catalogue is worth a search: nothing is named for what follows the conditions."""
         diagnosis = self.diagnosis
@@ -111,14 +125,17 @@ class Diagnosed:
 
     def naming_nothing(self, reason: str) -> Self:
         """Give the same with `unknown` for a verdict: what it named didn't help."""
-        found = replace(self.diagnosis.found, verdict="unknown", effects=(), kind=None, reasons=(reason,))
+        found = replace(
+            self.diagnosis.found, verdict="unknown", effects=(), kind=None, named=None, others=(), reasons=(reason,)
+        )
         return replace(self, diagnosis=replace(self.diagnosis, found=found))
 
     def headline(self) -> str:
         """Give the verdict in words."""
         if self.verdict == "complete" and not self.diagnosis.is_adequate(self.diagnosis.law):
             return COMPLETE_BUT_FOR_FORM
-        return HEADLINES[self.verdict, self.kind].format(" or ".join(self.effects))
+        names = WITH.join(self.together) or " or ".join(self.effects)
+        return HEADLINES[self.verdict, self.kind].format(names)
 
     def words(self) -> tuple[str, ...]:
         """Say why, and what is left over."""
@@ -142,7 +159,8 @@ class Diagnosed:
         explained = self.diagnosis.explained
         if explained is None:
             return ()
-        named = f"{self.effects[0]} takes {explained:.0%} of what was missing (mean square, on left-out conditions)"
+        takes = f"{WITH.join(self.together or self.effects[:1])} takes {explained:.0%} of what was missing"
+        named = f"{takes} (mean square, on left-out conditions)"
         return (named, *(self.left_over() or ("what remains is scatter",))[:1])
 
     def cautions(self) -> tuple[str, ...]:
@@ -163,7 +181,7 @@ def diagnosed(
 ) -> Diagnosed:
     """Diagnose the law of a parameter file on a campaign, in so many processes; declared effects are candidates too.
 
-    What a ladder that ended on the same tests has tried in vain isn't named again.
+    What the law's file knows of its way counts too; see `named.by_history`.
 
     Args:
         file: the law.
@@ -185,6 +203,4 @@ def diagnosed(
         structure, campaign, comparison.loops, start=law_of(file).values, jobs=jobs, progress=progress,
         prepared=prepared,
     )  # fmt: skip
-    found = Diagnosed(diagnosis, comparison, limits)
-    in_vain = tried_in_vain(found.effects, file, campaign.fingerprint, declared)
-    return found.naming_nothing(in_vain) if in_vain else found
+    return by_history(Diagnosed(diagnosis, comparison, limits), file, campaign.fingerprint, declared)

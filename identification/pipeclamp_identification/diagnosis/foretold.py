@@ -1,4 +1,4 @@
-"""How much a law errs on conditions that were left out, beyond what scatters there."""
+"""How laws do on conditions that were left out: what one errs beyond scatter, what of it another one takes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.noise import UNSEEN
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.resampling import draws
-from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE
+from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, MATERIAL_PART_SHARE
 from pipeclamp_identification.fitting.observations import Rows, mean_squares_of
+from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_models.base.arrays import Array
 
 
@@ -57,3 +57,22 @@ def beyond_scatter(excess: Array, groups: Rows, noise_rms: Array) -> Foretold:
         float(np.sqrt(max(square, 0.0))) for square in (mean, mean / noise, min(least, mean) / noise)
     )
     return Foretold(rms, share, sure_share)
+
+
+def explained_share(judged: Judged, law: Judged) -> float:
+    """Give the share of the mean-square lack of fit, on left-out conditions, that a law takes."""
+    before, after = law.score.mean_squares.sum(), judged.score.mean_squares.sum()
+    return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
+
+
+def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
+    """Give the squares that a law gains over another on each left-out group, shape (G,)."""
+    return np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares).astype(np.float64)
+
+
+def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
+    """Tell whether a law takes a material share on all kinds of left-out conditions, beyond doubt, and fits better."""
+    gain = gains(candidate, law, problem)
+    elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
+    material = explained_share(candidate, law) >= MATERIAL_PART_SHARE and candidate.akaike < law.akaike
+    return bool(material and elsewhere and len(gain) > 1 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE)

@@ -3,22 +3,73 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Literal
+from typing import Protocol, TypeVar
 
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import InVain, LawFile
-
-Kind = Literal["cause", "part"]
-"""A cause explains what is missing, and its form fits; a part takes so much of it, and something that acts alike may
-stand behind it."""
+from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
 
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
+WITH = " with "
+"""Joins the names of two that help only together."""
 FURTHER_TESTS = "tests at further conditions would tell whether it is real"
 
 
-def tried_in_vain(
-    effects: Sequence[str], file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()
-) -> str:
+class Naming(Protocol):
+    """A diagnosis, as far as it names something; see `workflow.tests.Diagnosed`."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict."""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """What is named."""
+
+    @property
+    def kind(self) -> Kind | None:
+        """How it is meant."""
+
+    @property
+    def together(self) -> Sequence[str]:
+        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
+
+    def naming_a_part(self: Named, reason: str) -> Named:
+        """Give the same with what it names as the cause for a part, for this reason."""
+
+    def naming_nothing(self: Named, reason: str) -> Named:
+        """Give the same with `unknown` for a verdict."""
+
+
+Named = TypeVar("Named", bound=Naming)
+
+
+def by_history(found: Named, file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()) -> Named:
+    """Give a diagnosis by what the law's file knows of its way.
+
+    What a ladder that ended on the same tests has tried in vain isn't named again. Beside a part, which may stand for
+    something else, nothing is called the cause.
+
+    Args:
+        found: the diagnosis.
+        file: the law.
+        fingerprint: of the tests.
+        declared: a user's own effects.
+    """
+    named = [WITH.join(found.together)] if found.together else found.effects
+    if in_vain := _tried_in_vain(named, file, fingerprint, declared):
+        return found.naming_nothing(in_vain)
+    if found.verdict == "missing" and found.kind == "cause" and (parts := parts_of(file)):
+        return found.naming_a_part(f"{' and '.join(parts)}, a part that the law has, may stand for something else")
+    return found
+
+
+def parts_of(file: LawFile) -> list[str]:
+    """Give the effects of a law that were added as parts, which prove nothing."""
+    added = {step.step.rpartition(" -> ")[2].removeprefix("+ ") for step in file.history if step.kind == "part"}
+    return [name for name in file.effects if name in added]
+
+
+def _tried_in_vain(effects: Sequence[str], file: LawFile, fingerprint: str, declared: Collection[Declaration]) -> str:
     """Say that all effects that a diagnosis names were tried in vain; empty where one is new, or the tests are.
 
     Args:
@@ -27,14 +78,18 @@ def tried_in_vain(
         fingerprint: of the tests.
         declared: a user's own effects: their files may have changed since.
     """
-    if file.diagnosis is None or file.data.fingerprint != fingerprint:
-        return ""
-    known = {one.effect: one for one in file.diagnosis.in_vain}
-    for declaration in declared:
-        known.pop(declaration.id, None)
+    known = in_vain_on(file, fingerprint, declared)
     if not effects or not known.keys() >= set(effects):
         return ""
     return in_vain_words([known[name] for name in effects])
+
+
+def in_vain_on(file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()) -> dict[str, InVain]:
+    """Give what was tried in vain on tests, by effect; arguments as for `tried_in_vain`."""
+    if file.diagnosis is None or file.data.fingerprint != fingerprint:
+        return {}
+    own = {declaration.id for declaration in declared}
+    return {one.effect: one for one in file.diagnosis.in_vain if one.effect not in own}
 
 
 def in_vain_words(tried: Sequence[InVain]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import larger_as_asked
+from pipeclamp_identification.diagnosis.foretold import explained_share, gains, takes_part
 from pipeclamp_identification.diagnosis.problem import (
     Judged,
     Prepared,
@@ -20,7 +21,6 @@ from pipeclamp_identification.diagnosis.problem import (
 )
 from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE
-from pipeclamp_identification.diagnosis.weighing import explained_share, gains, takes_part
 from pipeclamp_identification.fitting.least_squares import Fit, starting_points
 from pipeclamp_identification.fitting.series_orders import choose_series
 from pipeclamp_identification.fitting.surfaces import surface_values

@@ -134,13 +134,19 @@ def screened(structure: Structure, problem: Problem, law: Judged, tell: Callable
     return sorted(promises, key=lambda promise: -promise.gain)
 
 
+def fits(structure: Structure, name: str) -> bool:
+    """Tell whether an effect can be added to a law: a modifier can't, where the law has nothing that it scales."""
+    try:
+        with_effect(structure, name).refuse_misfits()
+    except UserError:
+        return False
+    return True
+
+
 def fits_beside(structure: Structure, name: str) -> bool:
     """Tell whether an effect can be added to a law that another effect has joined, as a second one.
 
     Two memories that imitate each other are one memory, told more finely, and no second effect.
     """
-    try:
-        with_effect(structure, name).refuse_misfits()
-    except UserError:
-        return False
-    return not any(are_one_memory(structure.effect(name), present) for present in structure.all_effects())
+    alike = (are_one_memory(structure.effect(name), present) for present in structure.all_effects())
+    return fits(structure, name) and not any(alike)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -15,8 +16,8 @@ from pipeclamp_identification.diagnosis.candidates import (
     likeliest,
     ranked,
 )
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.leftover import Leftover, describe
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.problem import (
     CLOSELY,
     Judged,
@@ -36,20 +37,13 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
 )
-from pipeclamp_identification.diagnosis.weighing import (
-    Tolerance,
-    Weighed,
-    explained_share,
-    is_adequate,
-    is_complete,
-    weigh,
-)
+from pipeclamp_identification.diagnosis.weighing import Tolerance, Weighed, is_adequate, is_complete, weigh
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 from pipeclamp_models.law.law import Structure
 
 
@@ -65,8 +59,8 @@ class Diagnosis:
         screened_out: effects that one step showed can't help, with the share of the best's promise.
         problem: the data.
         tolerance: lack of fit that is let pass.
-        best_misfits: error of the best law on every run.
-        leftover: what the law leaves over with what was named first; where nothing was, the best law.
+        campaign: the tests.
+        loops: `loops_of(campaign)`.
     """
 
     found: Weighed
@@ -75,8 +69,8 @@ class Diagnosis:
     screened_out: Mapping[str, float]
     problem: Problem
     tolerance: Tolerance
-    best_misfits: tuple[RunMisfit, ...]
-    leftover: Leftover
+    campaign: Campaign
+    loops: Loops
 
     @property
     def verdict(self) -> Verdict:
@@ -108,15 +102,28 @@ class Diagnosis:
         """The best law that was found: a pair, a candidate, or the law as it is."""
         return _best(self.law, self.candidates, self.pair)
 
+    @cached_property
+    def best_misfits(self) -> tuple[RunMisfit, ...]:
+        """Error of the best law on every run."""
+        return self._misfits(self.best)
+
     @property
     def described(self) -> Judged:
-        """The law whose leftover is described."""
-        return self.found.named or self.best
+        """The law whose leftover is described: with what is named first, or as it is."""
+        return self.found.named or self.law
+
+    @cached_property
+    def leftover(self) -> Leftover:
+        """What that leaves over."""
+        return describe(self.described, self.problem, self.campaign, self._misfits(self.described))
+
+    def _misfits(self, judged: Judged) -> tuple[RunMisfit, ...]:
+        return misfits(judged.result.law, self.campaign, self.loops)
 
     @property
     def explained(self) -> float | None:
         """Share of the mean-square lack of fit, on left-out conditions, that what is named first takes."""
-        named = self.found.named if self.effects else None
+        named = self.found.named
         return None if named is None else explained_share(named, self.law)
 
     def is_adequate(self, judged: Judged) -> bool:
@@ -174,14 +181,10 @@ def diagnose(
     differing = unstated(problem.loops, problem.noise, residual, missed)
     found = weigh(structure, problem, law, judged, tolerance, jobs, tell, differing)
     tell("what is left over")
-    best = _best(law, judged, found.pair)
-    described = found.named or best
-    best_misfits = misfits(best.result.law, campaign, loops)
-    shown = best_misfits if described is best else misfits(described.result.law, campaign, loops)
-    leftover = describe(described, problem, campaign, shown)
-    if found.verdict == "complete" and leftover.not_periodic:
-        found = replace(found, verdict="unknown")
-    return Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, best_misfits, leftover)
+    diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)
+    if found.verdict == "complete" and diagnosis.leftover.not_periodic:
+        return replace(diagnosis, found=replace(found, verdict="unknown"))
+    return diagnosis
 
 
 def _best(law: Judged, judged: Sequence[Judged], pair: Judged | None) -> Judged:

@@ -7,17 +7,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.candidates import distinct, likeliest, pairs
+from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs, ranked
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
-from pipeclamp_identification.diagnosis.foretold import Foretold, foretold
-from pipeclamp_identification.diagnosis.named import Kind
+from pipeclamp_identification.diagnosis.foretold import explained_share, foretold, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.reasons import (
+    few_runs_words,
+    foretold_words,
+    form_words,
+    hidden_words,
+    immaterial_words,
+    pair_words,
+    scatter_words,
+)
 from pipeclamp_identification.diagnosis.repeats import Unstated
-from pipeclamp_identification.diagnosis.resampling import DRAWS, draws, share_of_gains
-from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside, screened
+from pipeclamp_identification.diagnosis.screen import Promise, beside, fits, fits_beside, screened
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
-    BEYOND_DOUBT_DRAWS_SHARE,
     FORM_NOISE_SHARE,
     HALF_LEFT_SHARE,
     HALF_TAKEN_SHARE,
@@ -29,16 +35,13 @@ from pipeclamp_identification.diagnosis.thresholds import (
     SAME_PART_SHARE,
     UNEXPLAINED_SHARE,
 )
+from pipeclamp_identification.fitting.resampling import DRAWS, draws
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import effect_id
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 from pipeclamp_models.law.law import Structure, with_effect
 
-SHOWN_SCATTER = 5e-5
-"""Scatter from run to run that is less is shown as none."""
-NEXT_TO_NOTHING = 0.005
-"""A share that is less would be shown as 0 %."""
 BEYOND_COMPARISON = 1e200
 """Squares that count as infinite, but none of them as nothing."""
 
@@ -63,8 +66,9 @@ class Tolerance:
 class Weighed:
     """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`.
 
-    `named` is the law with what is named first, by which the leftover is told; it stays where a ladder takes its name
-    back. `unstated` is what differs between runs at the same stated conditions.
+    `named` is the law with what is named first, by which the leftover is told. `others` are laws with another effect
+    each that takes a part too, and not much the same one. `unstated` is what differs between runs at the same stated
+    conditions.
     """
 
     verdict: Verdict
@@ -73,6 +77,7 @@ class Weighed:
     named: Judged | None
     pair: Judged | None
     reasons: tuple[str, ...]
+    others: tuple[Judged, ...] = ()
     unstated: Unstated | None = None
 
 
@@ -151,8 +156,8 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
     structure, problem, law, tolerance = scales.structure, scales.problem, scales.law, scales.tolerance
     if is_adequate(law.lack, tolerance):
         if is_complete(law, problem, tolerance):
-            return _nothing("complete", _scatter_words(law.lack, problem))
-        return _nothing("unknown", _few_runs_words(law.lack, problem, repeat=causes))
+            return _nothing("complete", scatter_words(law.lack, problem))
+        return _nothing("unknown", few_runs_words(law.lack, problem, repeat=causes))
     usable, sound = scales.usable, scales.sound
     pair: Judged | None = None
     if sound and causes:
@@ -165,26 +170,27 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         promises = screened(structure, problem, law, scales.tell)
         able = [each for each in usable if takes_part(each, law, problem)]
         weighed = None
-        if sound and causes and (not able or able[0].lack.share < NEAR_NOISE_SHARE):
+        if sound and causes:
             scales.tell("two effects together")
-            found = pairs(structure, problem, law, sound, promises, scales.jobs, scales.tell)
+            near = not able or able[0].lack.share < NEAR_NOISE_SHARE
+            found = pairs(structure, problem, law, sound, promises if near else (), scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = _cause_of_two(found, sound, scales)
-        weighed = weighed or _part(able, promises, pair, scales)
+        weighed = weighed or _part(able, promises, pair, scales) or _part_of_two(pair, sound, scales)
         if weighed is not None:
             return weighed
     if scales.form_allowed:
         if law.lack.most_share > FORM_NOISE_SHARE:
-            return _nothing("unknown", _hidden_words(law.lack, problem))
+            return _nothing("unknown", hidden_words(law.lack, problem))
         elsewhere = foretold(law, problem)
         if elsewhere.sure_share > FORM_NOISE_SHARE:
-            return _nothing("unknown", _foretold_words(law.lack, elsewhere))
-        return _nothing("complete", _form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
+            return _nothing("unknown", foretold_words(law.lack, elsewhere))
+        return _nothing("complete", form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
     most = max(usable, key=lambda each: explained_share(each, law))
-    none = _nothing("unknown", _immaterial_words(most, law, problem), pair)
-    return replace(none, reasons=(*none.reasons, *_pair_words(pair, law)))
+    none = _nothing("unknown", immaterial_words(most, law, problem), pair)
+    return replace(none, reasons=(*none.reasons, *pair_words(pair, law)))
 
 
 def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
@@ -212,25 +218,6 @@ def is_complete(law: Judged, problem: Problem, tolerance: Tolerance) -> bool:
     return is_adequate(law.lack, tolerance) and (immaterial or not problem.noise.is_no_rigs)
 
 
-def explained_share(judged: Judged, law: Judged) -> float:
-    """Give the share of the mean-square lack of fit, on left-out conditions, that a law takes."""
-    before, after = law.score.mean_squares.sum(), judged.score.mean_squares.sum()
-    return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
-
-
-def gains(candidate: Judged, law: Judged, problem: Problem) -> Array:
-    """Give the squares that a law gains over another on each left-out group, shape (G,)."""
-    return np.bincount(problem.groups, weights=law.score.squares - candidate.score.squares).astype(np.float64)
-
-
-def takes_part(candidate: Judged, law: Judged, problem: Problem) -> bool:
-    """Tell whether a law takes a material share on all kinds of left-out conditions, beyond doubt, and fits better."""
-    gain = gains(candidate, law, problem)
-    elsewhere = all(candidate.heldout_by[name] < law.heldout_by[name] for name in law.heldout_by)
-    material = explained_share(candidate, law) >= MATERIAL_PART_SHARE and candidate.akaike < law.akaike
-    return bool(material and elsewhere and len(gain) > 1 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE)
-
-
 def _betters(candidate: Judged, law: Judged) -> bool:
     """Tell whether an effect betters the law: on left-out conditions, or by the fit to all data beyond doubt."""
     return candidate.squares < law.squares or candidate.akaike + RIVAL_LIKELIHOOD < law.akaike
@@ -243,21 +230,23 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     if len(names) > 1:
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
-    if general := _clearly_better_general(best, scales):
-        fits = f"{general.effects[0]}, of which it is a special case, fits these tests clearly better"
+    generals = _generals(best, scales)
+    if better := [each for each in generals if not _near(each, [best], scales.problem)]:
+        fits = f"{better[0].effects[0]}, of which it is a special case, fits these tests clearly better"
         reason = (
             f"{best.effects[0]} leaves little over, but {fits}: which of the two it is, its exact form would decide"
         )
         return Weighed("missing", names, "part", best, None, (reason,))
-    return Weighed("missing", names, "cause", best, None, (f"{best.effects[0]} explains it and no rival comes near",))
+    reason = f"{best.effects[0]} explains it and no rival comes near"
+    if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
+        reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
+    return Weighed("missing", names, "cause", best, None, (reason,))
 
 
-def _clearly_better_general(special: Judged, scales: Scales) -> Judged | None:
-    """Give the best effect that was left aside for a special case of it, and that this one doesn't come near."""
+def _generals(special: Judged, scales: Scales) -> list[Judged]:
+    """Give the effects that were left aside for a special case of them, best first."""
     able = _able(scales.candidates, scales.law)
-    generals = [each for each in able if special in _simpler(each, able) and each.may_be_cause]
-    better = [each for each in generals if not _near(each, [special], scales.problem)]
-    return min(better, key=lambda each: each.squares, default=None)
+    return ranked(each for each in able if special in _simpler(each, able) and each.may_be_cause)
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
@@ -269,12 +258,11 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
         return None
     pair = found[0]
     together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
+    kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
     firsts = [name for name in _first_of_pairs(found, sound, scales) if _helps_alone(name, sound, scales.law)]
     if not firsts:
-        reason = f"{together}; they cancel each other, and neither helps by itself"
-        return Weighed("unknown", (), None, None, pair, (reason,))
+        return _both(pair, sound, kind, together, scales)
     named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
-    kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
     if len(firsts) > 1:
         reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
@@ -298,21 +286,55 @@ def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | No
     alike = _without_general([able[0], *same])
     best = _likeliest_of(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
-    takes = (
-        f"{best.effects[0]} takes {explained_share(best, scales.law):.0%} of what is missing (mean square, on "
-        "left-out conditions)"
-    )
+    named = {effect_id(name) for name in names}
+    others = tuple(each for each in best_of_each(able) if effect_id(each.effects[0]) not in named)
+    takes = f"{best.effects[0]} takes {_of_what_is_missing(best, scales.law)}"
     form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
     if len(names) > 1:
-        others = " and ".join(names[1:])
-        alike_words = f"{takes}; {others} would take much the same part"
-        return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form))
+        alike_words = f"{takes}; {' and '.join(names[1:])} would take much the same part"
+        return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form), others)
     unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
     more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
-    most = f"beyond doubt; {_immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
+    most = f"beyond doubt; {immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
     nearest = f"but {other_part[0]} comes near: it takes another part, which is asked next" if other_part else ""
     but = most or nearest or "and no rival comes near"
-    return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form))
+    return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form), others)
+
+
+def _part_of_two(pair: Judged | None, sound: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name the first of two effects that together take a part, though neither clearly does alone."""
+    law = scales.law
+    if pair is None or not takes_part(pair, law, scales.problem):
+        return None
+    if law.lack.share < scales.tolerance.left and explained_share(pair, law) < HALF_TAKEN_SHARE:
+        return None
+    takes = f"{' and '.join(pair.effects)} together take {_of_what_is_missing(pair, law)}"
+    return _both(pair, sound, "part", takes, scales)
+
+
+def _both(pair: Judged, sound: Sequence[Judged], kind: Kind, does: str, scales: Scales) -> Weighed:
+    """Name the first of two effects that neither helps by itself: a cause only where one scales what the other has.
+
+    Otherwise they may cancel each other, as terms of a series do.
+
+    Args:
+        pair: the two.
+        sound: the effects that may be the cause.
+        kind: how the two would be meant otherwise.
+        does: what they do together, in words.
+        scales: all candidates.
+    """
+    first, second = sorted(pair.effects, key=lambda name: _alone(name, sound))
+    if fits(scales.structure, second):
+        kind, why = "part", "neither clearly helps by itself, so judge when both are added"
+    else:
+        why = f"{second} scales what only {first} brings, so they come together"
+    named = replace(pair, effects=(first, second))
+    return Weighed("missing", (first,), kind, named, named, (f"{does}; {why}",))
+
+
+def _of_what_is_missing(judged: Judged, law: Judged) -> str:
+    return f"{explained_share(judged, law):.0%} of what is missing (mean square, on left-out conditions)"
 
 
 def _without_general(alike: Sequence[Judged]) -> list[Judged]:
@@ -405,79 +427,3 @@ def _near(best: Judged, others: Sequence[Judged], problem: Problem) -> list[Judg
         if difference.sum() <= error or wins[place] >= RIVAL_DRAWS_SHARE or as_likely:
             near.append(candidate)
     return near
-
-
-def _scatter_words(lack: LackOfFit, problem: Problem) -> str:
-    scatter = problem.noise.stiffness_scatter, problem.noise.damping_scatter
-    named = zip(scatter, ("stiffness", "damping"), strict=True)
-    shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
-    between = f", and {' and '.join(shown)} from run to run" if shown else ""
-    return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
-
-
-def _few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
-    """Say that more scatters than on rigs; where repeats have shown so already, that is all."""
-    words = f"{_scatter_words(lack, problem)}: more than rigs have"
-    few = f"{words}, and these {len(problem.loops.run)} runs are too few to tell it from physics"
-    return f"{few}; repeat some of them three times each" if repeat else words
-
-
-def _form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: Judged) -> str:
-    asked = "no effect of the catalogue takes any of it"
-    if best is not None:
-        asked = f"the best of the catalogue, {best.effects[0]}, takes {explained_share(best, law):.0%} of it"
-    return (
-        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) still follow the conditions: {asked}, "
-        "so it passes for the form of the effects that the law has; on left-out conditions the law errs by "
-        f"{elsewhere.rms:.3g} N beyond scatter"
-    )
-
-
-def _foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
-    return (
-        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
-        f"catalogue takes half of it; on left-out conditions the law errs by {elsewhere.rms:.3g} N beyond scatter "
-        f"({elsewhere.share:.2g} times the force noise): more than passes for form"
-    )
-
-
-def _hidden_words(lack: LackOfFit, problem: Problem) -> str:
-    return (
-        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
-        f"catalogue takes half of it; scatter from run to run may hide up to {lack.most_share:.2g} times, and these "
-        f"{len(problem.loops.run)} runs are too few to tell; repeat some of them three times each"
-    )
-
-
-def _pair_words(pair: Judged | None, law: Judged) -> tuple[str, ...]:
-    """Say what two effects would take together, and that they leave too much to be named; nothing of less than half."""
-    if pair is None or (takes := explained_share(pair, law)) < HALF_TAKEN_SHARE:
-        return ()
-    names = " and ".join(pair.effects)
-    left = f"{pair.lack.rms:.3g} N ({pair.lack.share:.2g} times the force noise)"
-    return (f"{names} together would take {takes:.0%} of it, but leave {left}: too much for them to be named",)
-
-
-def _immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
-    """Say what the best effect takes, and why it can't be named."""
-    takes = explained_share(best, law)
-    if takes < NEXT_TO_NOTHING:
-        named = best.effects[0]
-        return f"of what nothing speaks against {named} takes most, less than 1% of what is missing on left-out A and f"
-    worse = [
-        f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
-        for name, error in best.heldout_by.items()
-        if error >= law.heldout_by[name]
-    ]
-    if worse:
-        why = "; ".join(worse)
-    elif takes < MATERIAL_PART_SHARE:
-        why = "that is too little"
-    elif best.akaike >= law.akaike:
-        why = "the fit to all tests gains no more than its parameters cost"
-    elif not takes_part(best, law, problem):
-        why = "some conditions gain, others lose"
-    else:
-        little = f"where so little is missing ({law.lack.share:.2g} times the force noise)"
-        why = f"{little} only what takes half of it is named"
-    return f"{best.effects[0]} takes most, {takes:.0%} of what is missing on left-out A and f, but {why}"

@@ -18,7 +18,6 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.declared import effect_of
 from pipeclamp_models.law.law import with_effect
 from pipeclamp_models.realise.array_source import ArrayPrinter
 from pipeclamp_models.realise.force import LawForce, force_of_law
@@ -109,7 +108,7 @@ class Evaluation:
 
     def columns(self, term: Term) -> list[Column]:
         """Give a term at each of its starts; none where the law has nothing that it scales."""
-        effect = effect_of(term.declaration)
+        effect = term.effect
         count = max(len(one.starts) for one in effect.parameters)
         starts = [
             {one.name: number_of(one.starts[start % len(one.starts)], self.sizes) for one in effect.parameters}
@@ -119,7 +118,7 @@ class Evaluation:
 
     def columns_at(self, term: Term, points: Iterable[Mapping[str, float]]) -> list[Column]:
         """Give a term at values of its parameters, by name; its strength, or rate, is one."""
-        effect = effect_of(term.declaration)
+        effect = term.effect
         linear = RATE if term.family == "factor" else STRENGTH
         own = [one.name for one in effect.parameters if one.name != linear]
         signed = term.family == "factor" or bool(np.isneginf(effect.parameters[0].lower))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
+from pipeclamp_identification.diagnosis.named import in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
     Contender,
     Judged,
@@ -31,7 +32,7 @@ from pipeclamp_identification.discovery.guards import (
     confirmed,
     not_in_the_catalogue,
 )
-from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.fitting.least_squares import varies
@@ -131,6 +132,7 @@ def search(
             f"groups of amplitude and frequency: {int(groups.max()) + 1}, too few for a new term; expected at least "
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
+    declared = tuple(declared)
     found = diagnosed(file, campaign, loops, declared=declared, jobs=jobs, progress=progress)
     if found.verdict == "complete":
         return Search(found, None, 0, "nothing is missing: what the law leaves over is scatter")
@@ -145,7 +147,7 @@ def search(
     every = [term for term in terms(*_varied(problem)) if term.declaration.id not in present]
     listed = [
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
-        for each in found.diagnosis.candidates[:LISTED]
+        for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
     bar = _Bar(law, listed, _rows(loops, kept), groups[kept])
     own = _asked(_Basis(law), problem, every, bar, jobs, progress)
@@ -159,6 +161,16 @@ def search(
     result = best_heard(heard)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
+
+
+def to_better(candidates: Sequence[Judged], in_vain: Collection[str]) -> Sequence[Judged]:
+    """Give the catalogue's best, best first, but for what was added in vain: who gets no term can't add that either.
+
+    Args:
+        candidates: of the diagnosis, best first.
+        in_vain: effects that were tried on the same tests and didn't lower the error.
+    """
+    return [one for one in candidates if len(one.effects) > 1 or one.effects[0] not in in_vain][:LISTED]
 
 
 @dataclass(frozen=True)
@@ -212,10 +224,10 @@ def _asked(
     columns = all_columns(evaluation, every, progress)
     progress("what chance would explain")
     scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
-    chance, explained = scanned.by_chance(), scanned.explained()
+    chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
     places = [place for place in scanned.best_first(MOST_REFITTED) if explained[place] > chance]
     if not places:
-        return "no term of the grammar explains more than chance would at its best"
+        return "no term of the grammar explains more than the best of them by an even chance"
     known = {column.term.declaration.id: column.term for column in columns}
 
     def together(contenders: Sequence[Contender]) -> list[Refitted]:
@@ -229,17 +241,35 @@ def _asked(
     progress("ask the conditions that were kept back")
     hearing = _Hearing(evaluation, columns, refitted, bar, basis.gone)
     # what does nothing at its fitted values has only let the law itself be fitted better
-    left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > hearing.by_chance] or refitted
+    left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
     heard: list[Found] = []
     while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = _best(left)
         heard.append(hearing.of(best, rivals))
-        # what acts as a term that failed would fail too; asked before they are fitted, for then all act much the same
+        # asked before they are fitted, for then all act much the same
         alike = scanned.alike(place_of[best.term.declaration.id])
-        left = [one for one in left if one is not best and not alike[place_of[one.term.declaration.id]]]
+        left = left_to_hear(left, best, [bool(alike[place_of[one.term.declaration.id]]) for one in left])
     return heard[-1] if heard[-1].passed else heard[0]
+
+
+def left_to_hear(left: Sequence[Refitted], failed: Refitted, alike: Sequence[bool]) -> list[Refitted]:
+    """Give the terms that may be asked after one failed: what acts as it does would fail too, or pass by luck.
+
+    So would what only scales or places it: had that been needed, the longer term would have been asked first.
+
+    Args:
+        left: terms that weren't asked yet, and the one that failed.
+        failed: that one.
+        alike: which of them act as it does.
+    """
+    name = failed.term.declaration.id
+    return [
+        one
+        for one, same in zip(left, alike, strict=True)
+        if one is not failed and not same and name not in one.term.shorter
+    ]
 
 
 def best_heard(heard: Sequence[Found]) -> Found:
@@ -303,10 +333,12 @@ class _Hearing:
         columns = [*self.columns, *(one.column for one in self.refitted)]
         return screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
 
-    @cached_property
-    def by_chance(self) -> float:
-        """What the best of all terms explains by chance."""
-        return self.screened.by_chance()
+    def by_chance(self, place: int) -> float:
+        """Give what the best of all terms explains by chance of what one of the refitted leaves.
+
+        What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
+        """
+        return self.screened.without(len(self.columns) + place).by_chance()
 
     @cached_property
     def explained(self) -> Array:
@@ -325,7 +357,7 @@ class _Hearing:
         found, place = best.judged, self.refitted.index(best)
         replaced = [replace(law, effects=self.gone)] if self.gone else []
         guards = (
-            beyond_chance(float(self.explained[place]), self.by_chance),
+            beyond_chance(float(self.explained[place]), self.by_chance(place)),
             comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
             beyond_the_tests(law, found, problem),
             confirmed(law.result.law, found.result.law, self.bar.unseen, self.bar.groups),

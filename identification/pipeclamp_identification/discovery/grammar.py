@@ -13,9 +13,12 @@ import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
+from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.declared import effect_of
 
 Family = Literal["spring", "damper", "element", "factor"]
 Entry = Mapping[str, object]
@@ -54,6 +57,11 @@ class Term:
     declaration: Declaration
     acts_like: str
     shorter: tuple[str, ...] = ()
+
+    @cached_property
+    def effect(self) -> Effect:
+        """The declaration as an effect, whose expressions are read once for all laws that the term is put into."""
+        return effect_of(self.declaration)
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from pipeclamp_fmu.build import passivity, require_passive
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_identification.diagnosis.left_out import LeftOut
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.resampling import draws, share_of_gains
 from pipeclamp_identification.diagnosis.thresholds import BEYOND_DOUBT_DRAWS_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.fitting.observations import loop_observations
+from pipeclamp_identification.fitting.resampling import draws, share_of_gains
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
@@ -80,7 +80,7 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
         found: with it, both fitted to the same tests.
         problem: the tests.
     """
-    worse, asked = [], []
+    worse, asked, few = [], [], []
     for name, values, beyond in (
         ("amplitudes", problem.loops.amplitude_mm, BEYOND_A),
         ("frequencies", problem.loops.frequency_Hz, BEYOND_F),
@@ -92,7 +92,11 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
         without, with_it = (_squares_left_out(each, problem, edge) for each in (law, found))
         if with_it > without:
             worse.append(name)
+            if len(number_levels(values[~edge], relative=SAME_SHARE)) == FEWEST_LEVELS:
+                few.append(name)
     words = f"left out, the highest {' and '.join(worse or asked)} are foretold {'worse' if worse else 'no worse'}"
+    if few:
+        words += f" from the {FEWEST_LEVELS} levels that stay; tests at more {' and '.join(few)} would tell more"
     return Guard("does no harm beyond", not worse, words if asked else "too few levels to leave the highest out")
 
 

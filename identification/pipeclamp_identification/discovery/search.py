@@ -8,7 +8,8 @@ be turned hundreds of times at the cost of sums.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,9 @@ from pipeclamp_models.base.arrays import Array
 FLIPS = 400
 """Times that signs of runs are turned."""
 BY_CHANCE = 0.01
-"""A term is looked at where it explains more than the best of the grammar does in all but this share of the turns."""
+"""A term is beyond chance where it explains more than the best of the grammar does in all but this share of turns."""
+WORTH_FITTING = 0.5
+"""And worth fitting where it does so at a start of its parameters in all but this share: fitted, it explains more."""
 ALIKE = 0.9
 """Columns that correlate by more than this act alike."""
 SAME = 0.999
@@ -55,29 +58,49 @@ class Screened:
         Args:
             signs: of each run's residual, shape (R,).
         """
-        products, squares = self.by_run
+        products = self.by_run[0]
         if signs is not None:
             products = products * signs[:, None]
-        count = int(self.groups.max()) + 1
-        by_group = np.zeros((count, products.shape[1])), np.zeros((count, products.shape[1]))
-        np.add.at(by_group[0], self.groups, products)
-        np.add.at(by_group[1], self.groups, squares)
-        others = [np.sum(sums, axis=0) - sums for sums in by_group]
-        strength = others[0] / np.maximum(others[1], LEAST)
+        own, squares = self._by_group(products), self._squares_by_group
+        strength = (np.sum(own, axis=0) - own) / self._squares_of_others
         strength = np.where(self.signed, strength, np.maximum(strength, 0.0))
-        return np.asarray(np.sum(2 * strength * by_group[0] - strength**2 * by_group[1], axis=0))
+        return np.asarray(np.sum(2 * strength * own - strength**2 * squares, axis=0))
+
+    @cached_property
+    def _squares_by_group(self) -> Array:
+        return self._by_group(self.by_run[1])
+
+    @cached_property
+    def _squares_of_others(self) -> Array:
+        """Of each group: those of all the others, shape (groups, C)."""
+        squares = self._squares_by_group
+        return np.asarray(np.maximum(np.sum(squares, axis=0) - squares, LEAST))
+
+    def _by_group(self, by_run: Array) -> Array:
+        """Sum what each run has over the groups, shape (groups, C)."""
+        sums: Array = np.zeros((int(self.groups.max()) + 1, by_run.shape[1]))
+        for group, own in zip(self.groups, by_run, strict=True):  # eight times as fast as `np.add.at`
+            sums[group] += own
+        return sums
 
     def strength(self, place: int) -> float:
         """Give the strength that fits best, of one column."""
         products, squares = (sums[:, place].sum() for sums in self.by_run)
         return float(products / max(squares, LEAST))
 
-    def by_chance(self) -> float:
-        """Give what the best column explains where signs of runs are turned at random, but for a rare chance."""
+    def by_chance(self, share: float = BY_CHANCE) -> float:
+        """Give what the best column explains where signs of runs are turned at random, but for a share of the turns."""
         random = np.random.default_rng(SEED)
         runs = len(self.groups)
         best = [self.explained(signs=random.choice([-1.0, 1.0], runs)).max() for _ in range(FLIPS)]
-        return float(np.quantile(best, 1 - BY_CHANCE))
+        return float(np.quantile(best, 1 - share))
+
+    def without(self, place: int) -> Screened:
+        """Give the same on what one column, at the strength that fits best, leaves of the residual."""
+        products, squares = self.by_run
+        own = self.free[:, place].reshape(len(self.groups), -1)
+        shared = np.einsum("rmc,rm->rc", self.free.reshape(*own.shape, -1), own)
+        return replace(self, by_run=(products - self.strength(place) * shared, squares))
 
     def best_first(self, most: int) -> list[int]:
         """Give the columns that explain most, none that acts as a better one does.

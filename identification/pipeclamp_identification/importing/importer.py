@@ -21,6 +21,7 @@ from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import without_controls
 from pipeclamp_identification.importing.reading import stem_of
 from pipeclamp_identification.importing.taking import Draft, KnownFile, Over, TakenFile, TakenTable, Way, take_file
+from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
@@ -92,22 +93,21 @@ def plan_import(
     again: list[str] = []
     way = Way(options.columns, options.rate, options.ask is not None, records, format, frozenset(names))
     for path, file in zip(paths, _taken_files(paths, way, options.ask, progress), strict=True):
+        called = file_name(path)
         if isinstance(file, KnownFile):
-            again.append(path.name)
+            again.append(called)
             continue
         if (other := new.get(file.file.sha256)) is not None:
-            planner.note(
-                f"{path.name}: left aside, for it has the same content as {other}: one measurement counts once"
-            )
+            planner.note(f"{called}: left aside, for it has the same content as {other}: one measurement counts once")
             continue
-        if path.name in known:
+        if called in known:
             raise UserError(
                 f"{path}: the campaign holds a file of this name with other content; expected another name, or a new "
                 "campaign"
             )
-        if path.name in new.values():
+        if called in new.values():
             raise UserError(f"{path}: another file has this name; expected a name of its own for each")
-        new[file.file.sha256] = path.name
+        new[file.file.sha256] = called
         planner.add(path, file)
     return planner.plan(tuple(again))
 
@@ -170,7 +170,7 @@ def _taken_files(
     begun = way
     for number, path in enumerate(paths):
         if progress:
-            progress(f"{number + 1} of {len(paths)}: {path.name}")
+            progress(f"{number + 1} of {len(paths)}: {file_name(path)}")
         if number == 1 and not large:
             # what was answered of the first file is known to the others
             begun = way
@@ -207,9 +207,10 @@ class _Planner:
         Raises:
             UserError: a name doesn't follow the pattern.
         """
+        called = file_name(path)
         if file.aside:
             names = listed([*map(repr, file.aside)], most=MOST_ASIDE)
-            self.note(f"{path.name}: left aside, without time, displacement and force: {names}")
+            self.note(f"{called}: left aside, without time, displacement and force: {names}")
         stems = [_stem_of(path, table, len(file.tables) > 1) for table in file.tables]
         count = Counter(stems)
         labels = Counter(_plain(draft.label) for table in file.tables for draft in table.taken.drafts)
@@ -225,21 +226,20 @@ class _Planner:
             if self.options.rate and time:
                 self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
             for words in table.joined:
-                self.joined.setdefault(words, []).append(path.name)
+                self.joined.setdefault(words, []).append(called)
             if table.stated:
-                self.note(f"{path.name}: {listed(sorted(table.stated))} of its runs as its own properties state them")
+                self.note(f"{called}: {listed(sorted(table.stated))} of its runs as its own properties state them")
             for unread in table.unread:
-                self.note(f"{path.name}: {unread.words()}; such cells count as blank")
+                self.note(f"{called}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))
-            files += [] if path.name in files else [path.name]
+            files += [] if called in files else [called]
             runs = []
             for draft in table.taken.drafts:
                 label = _plain(draft.label)
                 runs.append(self._run(path, label or stem, stem, table, draft, labels[label] == 1 if label else single))
             self.runs += runs
             self.cut += [
-                ImportedCut(file=path.name, table=table.name, samples=one.samples, why=one.why)
-                for one in table.taken.cut
+                ImportedCut(file=called, table=table.name, samples=one.samples, why=one.why) for one in table.taken.cut
             ]
             if len(table.taken.time):
                 self.overviews.append(_overview(path, table, runs))
@@ -286,7 +286,8 @@ class _Planner:
         else:
             measured["motion"] = "free"
         row: dict[str, float | str | None] = {**table.stated, **measured}
-        known_as = name_in(self.options.conditions, (name, draft.label, own, path.name, path.stem))
+        called = file_name(path)
+        known_as = name_in(self.options.conditions, (name, draft.label, own, called, Path(called).stem))
         self.known_as[name] = known_as
         stated = settings | self.options.conditions.get(known_as, {})
         for column, value in stated.items():
@@ -300,7 +301,7 @@ class _Planner:
             row[column] = value
         source = ImportedRun(
             run=name,
-            file=path.name,
+            file=called,
             table=table.name,
             samples=draft.samples,
             measured=tuple(column for column in measured if column not in stated and column != "motion"),
@@ -419,7 +420,7 @@ def _in_its_unit(mapped: Mapped, column: str, value: float) -> float:
 def _overview(path: Path, table: TakenTable, runs: Sequence[PlannedRun]) -> Overview:
     taken = table.taken
     return Overview(
-        title=f"{path.name}, {table.name}" if table.name else path.name,
+        title=f"{file_name(path)}, {table.name}" if table.name else file_name(path),
         time=taken.time,
         displacement=taken.displacement,
         runs=tuple((run.name, *draft.span) for draft, run in zip(taken.drafts, runs, strict=True)),

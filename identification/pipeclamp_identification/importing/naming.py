@@ -74,6 +74,10 @@ SETTINGS_CALLED: Mapping[Quantity, tuple[str, ...]] = {
     "density": ("density", "dichte", "densite", "densita", "densidad"),
 }
 """Words that name what is set in a run, folded."""
+SPELT = str.maketrans(
+    {"ß": "ss", "ü": "ue", "ä": "ae", "ö": "oe", "ł": "l", "Ł": "L", "đ": "d", "Đ": "D", "ø": "o", "Ø": "O", "ı": "i"}
+)
+"""Letters that are spelt so where there is none of them, or that are no letter of ASCII with an accent."""
 LETTERS = 1
 """Words of so few letters count only beside a unit."""
 CLEAR_NAME = 4
@@ -213,6 +217,6 @@ def _words(name: str) -> list[str]:
 
 def _folded(name: str) -> str:
     """Give a name without capitals and accents, blanks where capitals begin words."""
-    text = name.replace("ß", "ss").replace("ü", "ue").replace("ä", "ae").replace("ö", "oe")
+    text = name.translate(SPELT)
     plain = unicodedata.normalize("NFKD", re.sub(r"([a-z])([A-Z])", r"\1 \2", text))
     return "".join(one for one in plain if not unicodedata.combining(one)).casefold()

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from pipeclamp_identification.importing import formats
 from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, side_by_side, without_controls
+from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.quiet import quietly
@@ -42,12 +43,12 @@ class SourceFile:
     @property
     def name(self) -> str:
         """The file's name, without its folders."""
-        return self.path.name
+        return file_name(self.path)
 
 
 def stem_of(path: Path) -> str:
     """Give a file's name without what tells its format."""
-    plain = path.name.removesuffix(".gz")
+    plain = file_name(path).removesuffix(".gz")
     return Path(plain).stem or plain
 
 

@@ -25,6 +25,7 @@ from pipeclamp_identification.importing.importer import Options, plan_import
 from pipeclamp_identification.importing.looked_at import looked_at
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_identification.importing.reading import files_in
+from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.writing import (
     PAGE,
     existing_campaign,
@@ -75,7 +76,7 @@ def import_whole(
     tell = progress or (lambda what: None)
     back = restored(folder)
     existing = existing_campaign(folder)
-    name = name or folder.resolve().name
+    name = name or file_name(folder.resolve())
     taken = [row["run"] for row in existing.rows] if existing else []
     # what is only looked at needs no place beside the campaign
     with staged_folder(Path(tempfile.gettempdir()) / folder.name if dry_run else folder) as work:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from pipeclamp_identification.diagnosis.limits import Limits
-from pipeclamp_identification.diagnosis.named import NO_PROOF, Kind, tried_in_vain
+from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
 from pipeclamp_identification.diagnosis.next_test import NoTest
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
@@ -15,7 +15,7 @@ from pipeclamp_identification.metrics_only.next_test import MetricProposal, next
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis, diagnose_metrics
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import LawFile, Verdict, structure_of
+from pipeclamp_models.law.file import Kind, LawFile, Verdict, structure_of
 
 HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
     ("complete", None): "Complete, as far as dW and W can show: what is left is scatter.",
@@ -63,6 +63,16 @@ class MetricDiagnosed:
         """How what is named is meant: as the cause, or as a part of what is missing."""
         kind = self.diagnosis.kind
         return "part" if kind and self.beside_a_part else kind
+
+    @property
+    def together(self) -> tuple[str, ...]:
+        """Nothing: metrics name one effect."""
+        return ()
+
+    @property
+    def other_parts(self) -> Mapping[str, float]:
+        """None: what metrics name stands alone, or beside what they can't tell from it."""
+        return {}
 
     @property
     def calls_for_a_term(self) -> bool:
@@ -129,7 +139,7 @@ def metrics_diagnosed(
     limits: Limits | None = None,
     progress: Progress | None = None,
 ) -> MetricDiagnosed:
-    """Diagnose the law of a parameter file on a campaign of metrics; what was tried on it in vain isn't named again.
+    """Diagnose the law of a parameter file on a campaign of metrics; see `diagnosis.named.by_history`.
 
     Raises:
         UserError: the metrics can't serve the law.
@@ -140,8 +150,7 @@ def metrics_diagnosed(
     test = next_metric_test(diagnosis, limits)
     proposal, no_test = (None, test.words) if isinstance(test, NoTest) else (test, "")
     found = MetricDiagnosed(diagnosis, campaign, comparison, proposal, no_test)
-    in_vain = tried_in_vain(found.effects, file, campaign.fingerprint, declared)
-    return found.naming_nothing(in_vain) if in_vain else found
+    return by_history(found, file, campaign.fingerprint, declared)
 
 
 def _place(campaign: MetricCampaign, row: int) -> str:

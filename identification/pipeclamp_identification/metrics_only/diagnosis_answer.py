@@ -8,7 +8,6 @@ import numpy as np
 from pydantic import Field
 
 from pipeclamp_identification.diagnosis.answer import HeldoutErrors, LawErrors, RemainsAnswer, RungAnswer
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.metrics_only.comparison_answer import MEASURE
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import MetricJudged
@@ -16,7 +15,7 @@ from pipeclamp_identification.metrics_only.law import rms
 from pipeclamp_identification.metrics_only.next_test import MetricProposal
 from pipeclamp_identification.metrics_only.verdict import MetricDiagnosis
 from pipeclamp_models.base.answer import AnswerModel, LeftOutRun
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 
 
 class MetricCandidateAnswer(AnswerModel):

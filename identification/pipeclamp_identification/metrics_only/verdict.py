@@ -9,7 +9,6 @@ from functools import partial
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import distinct
-from pipeclamp_identification.diagnosis.named import Kind
 from pipeclamp_identification.diagnosis.screen import candidate_names
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations
@@ -38,7 +37,7 @@ from pipeclamp_identification.metrics_only.thresholds import (
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.equations.effect import Effect
-from pipeclamp_models.law.file import Verdict
+from pipeclamp_models.law.file import Kind, Verdict
 from pipeclamp_models.law.law import Structure, with_effect
 
 ON_THE_WAY = 4

@@ -214,8 +214,8 @@ def records_words(comparison: RecordsComparison) -> list[str]:
         region_sentence(comparison.region(), comparison.breakdowns()[0], "model"),
     ]
     for pair in comparison.pairs:
-        taken = ", ".join(
-            f"{clamp.at} {amplitude:.3g} mm and {frequency:.3g} Hz"
+        taken = "; ".join(
+            f"{clamp.at} at A = {amplitude:.3g} mm, f = {frequency:.3g} Hz"
             for clamp, (amplitude, frequency) in zip(comparison.system.clamps, pair.conditions, strict=True)
         )
         if taken:

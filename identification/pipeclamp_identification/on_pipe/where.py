@@ -44,7 +44,7 @@ def _peak_words(comparison: PipeComparison) -> Iterator[str]:
             own = np.intersect1d(rows, level.rows)
             own = own[np.argsort(steady.frequency[own], kind="stable")]
             for column, name in enumerate(comparison.probes):
-                found = _peaks(comparison, own, column)
+                found = highest_peaks(comparison, own, column)
                 if found is None:
                     continue
                 (f_measured, measured), (f_model, model) = found
@@ -60,22 +60,31 @@ def _peak_words(comparison: PipeComparison) -> Iterator[str]:
                     yield f"At {name}, {of}: the model peaks {', '.join(wrong)}."
 
 
-def _peaks(
+def highest_peaks(
     comparison: PipeComparison, rows: Rows, column: int
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """Give frequency (Hz) and height of the measured and of the computed peak; None where one lies at an end."""
+    """Give frequency (Hz) and height of the measured and of the computed peak; None where one lies at an end.
+
+    Of the computed ones it is the nearest to the highest measured one: of two modes that are about as high, either may
+    be the highest.
+    """
     rows = rows[comparison.compared[rows, column]]
     if rows.size < 5:
         return None
     steady = comparison.measurement.steady
-    found = []
-    for response in (steady.response, comparison.prediction.response):
-        heights = np.abs(response[rows, column]) * steady.drive[rows]
-        highest = int(heights.argmax())
-        if highest in (0, rows.size - 1):
-            return None
-        found.append((float(steady.frequency[rows[highest]]), float(heights[highest])))
-    return found[0], found[1]
+    frequency = steady.frequency[rows]
+    measured, model = (
+        np.abs(response[rows, column]) * steady.drive[rows]
+        for response in (steady.response, comparison.prediction.response)
+    )
+    highest = int(measured.argmax())
+    tops = 1 + np.flatnonzero((model[1:-1] >= model[:-2]) & (model[1:-1] > model[2:]))
+    if highest in (0, rows.size - 1) or not tops.size:
+        return None
+    nearest = int(tops[np.argmin(np.abs(np.log(frequency[tops] / frequency[highest])))])
+    peaks = ((highest, measured), (nearest, model))
+    of_measured, of_model = ((float(frequency[place]), float(heights[place])) for place, heights in peaks)
+    return of_measured, of_model
 
 
 def _branch_words(comparison: PipeComparison) -> Iterator[str]:

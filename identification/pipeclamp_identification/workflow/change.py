@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
+from pipeclamp_identification.diagnosis.named import parts_of
 from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
-from pipeclamp_models.law.file import HistoryStep, LawFile, law_of, stage_of, structure_of
+from pipeclamp_models.law.file import HistoryStep, Kind, LawFile, law_of, stage_of, structure_of
 from pipeclamp_models.law.law import Structure, with_effect
 from pipeclamp_models.law.range import rounded
 
@@ -45,6 +47,7 @@ def add_effect(
     command: str,
     date: str | None,
     declared: Iterable[Declaration] = (),
+    kind: Kind | None = None,
     start: Mapping[str, float] | None = None,
     instead: Collection[str] = (),
     progress: Progress = silent,
@@ -58,6 +61,7 @@ def add_effect(
         declared: a user's own effects.
         command: the command that makes the new file again.
         date: when it is made; None leaves the line out.
+        kind: how a diagnosis meant it; what a part proves is remembered in the law's history.
         start: values to begin at, by name, where they are known better than from the law.
         instead: effects of the law that go for it.
         progress: is told what is being done.
@@ -68,7 +72,15 @@ def add_effect(
     old = structure_of(file).with_declared(declared)
     new = with_effect(replace(old, effects=tuple(name for name in old.effects if name not in instead)), effect)
     step = f"{' and '.join(instead)} -> {effect}" if instead else f"+ {effect}"
-    return _changed(file, new, step, tests, command=command, date=date, start=start, progress=progress)
+    return _changed(file, new, step, tests, command=command, date=date, kind=kind, start=start, progress=progress)
+
+
+def add_effects(file: LawFile, effects: Sequence[str], tests: Tests, **given: Any) -> list[Addition]:
+    """Add effects to a law one after the other, as `add_effect` does; give each step."""
+    steps: list[Addition] = []
+    for effect in effects:
+        steps.append(add_effect(steps[-1].after if steps else file, effect, tests, **given))
+    return steps
 
 
 def remove_effect(
@@ -135,7 +147,9 @@ def exchange(
             for some, others in ((file.effects, structure.effects), (structure.effects, file.effects))
         )
         step = f"{gone} -> {come}"
-    return _changed(file, structure, step, tests, command=command, date=date, progress=progress)
+    of_parts = any(name not in structure.effects for name in parts_of(file))
+    kind: Kind | None = "part" if of_parts else None
+    return _changed(file, structure, step, tests, command=command, date=date, kind=kind, progress=progress)
 
 
 def _changed(
@@ -146,6 +160,7 @@ def _changed(
     *,
     command: str,
     date: str | None,
+    kind: Kind | None = None,
     start: Mapping[str, float] | None = None,
     progress: Progress,
 ) -> Addition:
@@ -155,6 +170,6 @@ def _changed(
     history = file.history or (HistoryStep(step=file.name, nrmse=rounded(done.nrmse[0])),)
     left = {"refitted_nrmse": rounded(done.heldout[0]), "stage": stage_of(file)}
     history = (*history[:-1], history[-1].model_copy(update=left))
-    last = HistoryStep(step=step, nrmse=rounded(done.nrmse[1]), refitted_nrmse=rounded(done.heldout[1]))
+    last = HistoryStep(step=step, kind=kind, nrmse=rounded(done.nrmse[1]), refitted_nrmse=rounded(done.heldout[1]))
     after = after.model_copy(update={"history": (*history, last), "notes": file.notes})
     return Addition(step, file, after, done.nrmse, done.heldout, done.noise_nrmse)

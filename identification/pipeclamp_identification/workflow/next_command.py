@@ -24,8 +24,9 @@ def next_command(
         driven: whether the drive signal of the next test has been written, so that the test is what comes next.
     """
     if found.verdict == "missing":
-        effect = found.effects[0]
-        return _line("add", law, (declared or {}).get(effect, effect), tests, "-o", _following(law))
+        effects = ",".join((declared or {}).get(name, name) for name in found.together or found.effects)
+        meant = ("--as", "part") if found.kind == "part" else ()
+        return _line("add", law, effects, tests, "-o", _following(law), *meant)
     if found.verdict == "complete":
         return _line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
     if found.proposal:

@@ -10,12 +10,11 @@ if TYPE_CHECKING:
     from pipeclamp_identification.campaign.drive import DrivePlan
     from pipeclamp_identification.campaign.seen import LeftOut
     from pipeclamp_identification.diagnosis.limits import Limits
-    from pipeclamp_identification.diagnosis.named import Kind
     from pipeclamp_identification.fitting.identify import Method
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
     from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.declaration import Declaration
-    from pipeclamp_models.law.file import LawFile, Verdict
+    from pipeclamp_models.law.file import Kind, LawFile, Verdict
     from pipeclamp_models.law.law import Structure
 
 
@@ -63,6 +62,14 @@ class Diagnosed(Protocol):
     @property
     def values(self) -> Mapping[str, float]:
         """Parameters of the law with what is named first, by name, for its fit to begin at; empty where nothing is."""
+
+    @property
+    def together(self) -> Sequence[str]:
+        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
+
+    @property
+    def other_parts(self) -> Mapping[str, float]:
+        """Effects that take a part too, as `add` takes them, and how much of what what is named first takes."""
 
     @property
     def calls_for_a_term(self) -> bool:

@@ -125,13 +125,14 @@ def write_whole(path: Path, content: bytes | str) -> None:
 
     Args:
         path: the file to write; an existing one is replaced.
-        content: bytes, or text that is written as UTF-8 with "\\n" line ends on every platform.
+        content: bytes, or text that is written as UTF-8 with "\\n" line ends on every platform; bytes of files' names
+            that are no text are written as question marks, which any reader of the file takes.
 
     Raises:
         UserError: there is a folder of that name, or the file's folder doesn't exist or can't be written.
     """
     refuse_file(path)
-    data = content.encode("utf-8") if isinstance(content, str) else content
+    data = content.encode("utf-8", "replace") if isinstance(content, str) else content
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     except OSError as error:

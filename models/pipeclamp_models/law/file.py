@@ -224,6 +224,13 @@ class Stage(Part):
     values: dict[str, Finite]
 
 
+Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
+"""What a diagnosis can find."""
+Kind = Literal["cause", "part"]
+"""A cause explains what is missing, and its form fits; a part takes so much of it, and something that acts alike may
+stand behind it."""
+
+
 class HistoryStep(Part):
     """One step of the law's way: what was done, what the error did, and the law at that step, of all but the last.
 
@@ -238,15 +245,12 @@ class HistoryStep(Part):
         validation_alias=AliasChoices("refitted_nrmse", "heldout_nrmse"),  # files have had it under the other name
         description="error on left-out groups of A and f, of fits without them",
     )
+    kind: Kind | None = Field(default=None, description="how the diagnosis meant what was added, where one did")
     stage: Stage | None = None
 
 
-Verdict = Literal["complete", "missing", "ambiguous", "unknown"]
-"""What a diagnosis can find."""
-
-
 class InVain(Part):
-    """An effect that was tried, and isn't in the law: errors on left-out groups of A and f without it and with it."""
+    """An effect, or two `with` each other, tried and not in the law: errors on left-out groups without and with it."""
 
     effect: str
     refitted_nrmse: tuple[Finite, Finite]

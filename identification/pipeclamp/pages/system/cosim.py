@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Section, doubted, styled
-from pipeclamp.pages.pictures import curves_picture
+from pipeclamp.pages.pictures import curves_picture, thinned
 from pipeclamp.pages.system.bands import add_area, run_bands_section
 from pipeclamp.show.table import Table
-from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.cosim.beating import cycle_amplitudes
 from pipeclamp_system.cosim.energy import NAMES
 from pipeclamp_system.cosim.repetition import LAST_SHARE
 from pipeclamp_system.cosim.result import CosimResult
 
-MOST_POINTS = 4000
-"""A time history is drawn with at most so many points, highest and lowest of each stretch kept."""
 SYMBOLS = {"s": "y", "A_used": "A"}
 """Of the columns that are drawn, as the clamp's law has them."""
 
@@ -77,7 +73,7 @@ def _beats_section(result: CosimResult) -> list[Section]:
 
 def history_picture(result: CosimResult, column: str, factor: float, unit: str, title: str) -> go.Figure:
     """Draw one column over time."""
-    time, values = _thinned(result.time, factor * result.columns[column])
+    time, values = thinned(result.time, factor * result.columns[column])
     name = SYMBOLS[column.rpartition(".")[2]]
     figure = curves_picture("t / s", f"{name} / {unit}", [(column, time.tolist(), values.tolist(), "lines")], title)
     if f"{column}_low" in result.columns:
@@ -105,18 +101,6 @@ def _energy_picture(result: CosimResult) -> go.Figure:
     }
     curves = []
     for name, values in parts.items():
-        time, thin = _thinned(result.time, values)
+        time, thin = thinned(result.time, values)
         curves.append((name, time.tolist(), thin.tolist(), "lines"))
     return curves_picture("t / s", "energy / J", curves, "Where the energy went")
-
-
-def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
-    """Give at most MOST_POINTS points that keep the extremes of each stretch."""
-    if time.size <= MOST_POINTS:
-        return time, values
-    length = math.ceil(2 * time.size / MOST_POINTS)
-    count = time.size // length
-    block = values[: count * length].reshape(count, length)
-    base = np.arange(count) * length
-    chosen = np.unique(np.concatenate([base + block.argmin(axis=1), base + block.argmax(axis=1), [time.size - 1]]))
-    return time[chosen], values[chosen]

@@ -214,6 +214,7 @@ function explore(root, content) {
   levels.value = "0,-1";
 
   const maps = element("div", { className: "maps" });
+  const meaning = element("p"); // not among the maps, which may be scrolled and fade at their end
   const picture = element("div", { className: "chosen" });
   const caption = element("figcaption", { className: "unseen" });
 
@@ -226,6 +227,7 @@ function explore(root, content) {
         (value) => { state.show = value; update(); }),
       ...(further.length ? [element("label", {}, "at ", levels)] : [])),
     maps,
+    meaning,
     element("div", { className: "controls" },
       element("label", {}, "Run ", picker),
       element("button", { type: "button", textContent: "worse", onclick: () => step(-1) }),
@@ -299,7 +301,8 @@ function explore(root, content) {
     root.querySelectorAll(".swatch").forEach((swatch, law) => {
       swatch.style.borderTopColor = inLook(lawLine(law, laws.length)).color;
     });
-    maps.replaceChildren(...shown.map((law) => mapOf(law, shownRuns, reach)), element("p", {}, scale()));
+    maps.replaceChildren(...shown.map((law) => mapOf(law, shownRuns, reach)));
+    meaning.replaceChildren(scale());
     if (focused) [...maps.querySelectorAll("button")].find((button) => button.title === focused)?.focus();
     picker.value = String(state.run);
     const run = runs[state.run];

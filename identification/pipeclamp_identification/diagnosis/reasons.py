@@ -1,0 +1,93 @@
+"""Why a verdict is what it is, in words, where no effect of the catalogue is the cause."""
+
+from __future__ import annotations
+
+from pipeclamp_identification.diagnosis.evidence import LackOfFit
+from pipeclamp_identification.diagnosis.foretold import Foretold, explained_share, takes_part
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE
+
+SHOWN_SCATTER = 5e-5
+"""Scatter from run to run that is less is shown as none."""
+NEXT_TO_NOTHING = 0.005
+"""A share that is less would be shown as 0 %."""
+
+
+def scatter_words(lack: LackOfFit, problem: Problem) -> str:
+    """Say how much follows the conditions, and how much scatters from run to run."""
+    scatter = problem.noise.stiffness_scatter, problem.noise.damping_scatter
+    named = zip(scatter, ("stiffness", "damping"), strict=True)
+    shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
+    between = f", and {' and '.join(shown)} from run to run" if shown else ""
+    return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
+
+
+def few_runs_words(lack: LackOfFit, problem: Problem, repeat: bool) -> str:
+    """Say that more scatters than on rigs; where repeats have shown so already, that is all."""
+    words = f"{scatter_words(lack, problem)}: more than rigs have"
+    few = f"{words}, and these {len(problem.loops.run)} runs are too few to tell it from physics"
+    return f"{few}; repeat some of them three times each" if repeat else words
+
+
+def form_words(lack: LackOfFit, elsewhere: Foretold, best: Judged | None, law: Judged) -> str:
+    """Say that what is left passes for form: the best effect that takes some of it, and the error elsewhere."""
+    asked = "no effect of the catalogue takes any of it"
+    if best is not None:
+        asked = f"the best of the catalogue, {best.effects[0]}, takes {explained_share(best, law):.0%} of it"
+    return (
+        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) still follow the conditions: {asked}, "
+        "so it passes for the form of the effects that the law has; on left-out conditions the law errs by "
+        f"{elsewhere.rms:.3g} N beyond scatter"
+    )
+
+
+def foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
+    """Say that what is left is too much to pass for form, by the error on left-out conditions."""
+    return (
+        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
+        f"catalogue takes half of it; on left-out conditions the law errs by {elsewhere.rms:.3g} N beyond scatter "
+        f"({elsewhere.share:.2g} times the force noise): more than passes for form"
+    )
+
+
+def hidden_words(lack: LackOfFit, problem: Problem) -> str:
+    """Say that scatter may hide too much for what is left to pass for form."""
+    return (
+        f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
+        f"catalogue takes half of it; scatter from run to run may hide up to {lack.most_share:.2g} times, and these "
+        f"{len(problem.loops.run)} runs are too few to tell; repeat some of them three times each"
+    )
+
+
+def pair_words(pair: Judged | None, law: Judged) -> tuple[str, ...]:
+    """Say what two effects would take together, and that they leave too much to be named; nothing of less than half."""
+    if pair is None or (takes := explained_share(pair, law)) < HALF_TAKEN_SHARE:
+        return ()
+    names = " and ".join(pair.effects)
+    left = f"{pair.lack.rms:.3g} N ({pair.lack.share:.2g} times the force noise)"
+    return (f"{names} together would take {takes:.0%} of it, but leave {left}: too much for them to be named",)
+
+
+def immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
+    """Say what the best effect takes, and why it can't be named."""
+    takes = explained_share(best, law)
+    if takes < NEXT_TO_NOTHING:
+        named = best.effects[0]
+        return f"of what nothing speaks against {named} takes most, less than 1% of what is missing on left-out A and f"
+    worse = [
+        f"on left-out {name} the error goes from {law.heldout_by[name]:.2%} to {error:.2%}"
+        for name, error in best.heldout_by.items()
+        if error >= law.heldout_by[name]
+    ]
+    if worse:
+        why = "; ".join(worse)
+    elif takes < MATERIAL_PART_SHARE:
+        why = "that is too little"
+    elif best.akaike >= law.akaike:
+        why = "the fit to all tests gains no more than its parameters cost"
+    elif not takes_part(best, law, problem):
+        why = "some conditions gain, others lose"
+    else:
+        little = f"where so little is missing ({law.lack.share:.2g} times the force noise)"
+        why = f"{little} only what takes half of it is named"
+    return f"{best.effects[0]} takes most, {takes:.0%} of what is missing on left-out A and f, but {why}"

@@ -1,0 +1,331 @@
+"""One way up the ladder: diagnose and add, again and again, until no step lowers the error on left-out conditions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of
+from pipeclamp_identification.workflow.change import (
+    Addition,
+    add_effects,
+    as_well_without,
+    exchange,
+    stays_as_good,
+    without_spares,
+)
+from pipeclamp_identification.workflow.tests import Diagnosed, Tests
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.declaration import Declaration
+from pipeclamp_models.law.file import InVain, Kind, LastDiagnosis, LawFile
+from pipeclamp_models.law.law import Structure
+from pipeclamp_models.law.range import rounded
+
+MOST_EXCHANGED = 3
+"""Laws with one thing exchanged that are refitted, best first, until one's error on left-out conditions falls."""
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One step of the ladder.
+
+    Attributes:
+        change: what was done to the law, and what the error did.
+        kind: how it was named; `revision` where the law was asked again, and an effect went or another base came.
+        words: what to mind of it.
+    """
+
+    change: Addition
+    kind: Kind | Literal["revision"]
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Where a ladder ended.
+
+    Attributes:
+        file: the law.
+        found: the last diagnosis.
+        ladder: what was done on the way.
+        in_vain: what the last diagnosis named, and didn't help.
+    """
+
+    file: LawFile
+    found: Diagnosed
+    ladder: tuple[Rung, ...]
+    in_vain: tuple[InVain, ...] = ()
+
+    @property
+    def heldout(self) -> float:
+        """Error of the law on left-out conditions; infinite where no rung has stated it."""
+        return self.ladder[-1].change.heldout[1] if self.ladder else math.inf
+
+    def told(self, tests: str) -> LawFile:
+        """Give the law with the last diagnosis in its file, on tests of this name."""
+        last = LastDiagnosis(verdict=self.found.verdict, effects=self.found.effects, tests=tests, in_vain=self.in_vain)
+        return self.file.model_copy(update={"diagnosis": last})
+
+    def words(self) -> list[str]:
+        """Say what each rung did to the error on left-out conditions, and what to mind of it."""
+        words = []
+        for rung in self.ladder:
+            before, after = rung.change.heldout
+            words.append(
+                f"{rung.change.effect} ({rung.kind}): error on left-out conditions {before:.2%} -> {after:.2%}"
+            )
+            words += [f"  {word}" for word in rung.words]
+        return words
+
+
+Gone = Mapping[str, InVain]
+"""Effects that went, for good, by name."""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A place on the way where another effect takes a part too.
+
+    Attributes:
+        file: the law there.
+        ladder: what was done before.
+        gone: effects that went before.
+        effect: the other effect.
+        taken: what was added in its place.
+        share: how much it takes of what that does.
+    """
+
+    file: LawFile
+    ladder: tuple[Rung, ...]
+    gone: Gone
+    effect: str
+    taken: str
+    share: float
+
+
+Made = tuple[str, frozenset[str]]
+"""What a law is made of: base, and effects in whatever order."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way up.
+
+    Attributes:
+        settled: where it ended; None where it came to a law that another way had come by, and so would end like that.
+        turns: where it could have gone another way.
+        met: the laws that it came by.
+    """
+
+    settled: Settled | None
+    turns: tuple[Turn, ...]
+    met: frozenset[Made]
+
+
+@dataclass(frozen=True)
+class Climber:
+    """What a ladder is climbed with; see `auto.add_until_settled`."""
+
+    tests: Tests
+    command: str
+    declared: Sequence[Declaration]
+    limits: Limits | None
+    jobs: int
+    progress: Progress
+    most: int
+    seen: Callable[[Diagnosed, LawFile], None]
+
+    def climb(
+        self,
+        file: LawFile,
+        ladder: tuple[Rung, ...] = (),
+        gone: Gone = MappingProxyType({}),
+        before: frozenset[Made] = frozenset(),
+    ) -> Way:
+        """Diagnose and add until nothing helps.
+
+        Args:
+            file: the law to begin with.
+            ladder, gone: what was done to it before, and what went.
+            before: laws that other ways came by.
+        """
+        turns: tuple[Turn, ...] = ()
+        met: frozenset[Made] = frozenset()
+        while True:
+            made = file.base, frozenset(file.effects)
+            if made in before:
+                return Way(None, turns, met)
+            met |= {made}
+            found = self.tests.diagnose(
+                file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
+            )
+            went = tuple(gone[name] for name in found.effects if name in gone)
+            if went and found.effects[0] in gone:
+                found = found.naming_nothing(in_vain_words(went))
+            if len(ladder) >= self.most or not _goes_on(found, file):
+                self.seen(found, file)
+                whole = found.verdict == "complete" and len(ladder) < self.most
+                simpler = self._with_something_simpler(file) if whole else None
+                if simpler is None:
+                    return Way(Settled(file, found, ladder), turns, met)
+                ladder, file = (*ladder, simpler), simpler.change.after
+                continue
+            tried = self._until_one_helps(file, found, gone)
+            if tried and _helps(tried[-1]):
+                self.seen(found, file)
+                turns = (*turns, *_turns(file, ladder, gone, found, _name(tried[-1][0])))
+                ladder = (*ladder, *_rungs(found, tried))
+                name = having = tried[-1][-1].effect.removeprefix("+ ")
+            else:
+                in_vain = (*went, *(_in_vain(steps) for steps in tried))
+                found = found.naming_nothing(in_vain_words(in_vain)) if tried else found
+                self.seen(found, file)
+                rung = self._with_something_exchanged(file)
+                if rung is None:
+                    return Way(Settled(file, found, ladder, in_vain), turns, met)
+                ladder = (*ladder, rung)
+                name, having = rung.change.effect.rpartition(" -> ")[2], rung.change.effect
+            file, ladder, gone = self._without_spares(ladder, gone, name, having)
+
+    def climb_from(self, turn: Turn, ended: float, before: frozenset[Made]) -> Way:
+        """Add the other effect at a turn, and go on from there.
+
+        Args:
+            turn: the turn.
+            ended: error on left-out conditions where the way ended that didn't turn there.
+            before: laws that other ways came by.
+        """
+        (change,) = self._added(turn.file, [turn.effect], "part")
+        words = f"it takes {turn.share:.0%} of what {turn.taken} would, and goes further: that way ended at {ended:.2%}"
+        ladder = (*turn.ladder, Rung(change, "part", (words, NO_PROOF)))
+        file, ladder, gone = self._without_spares(ladder, turn.gone, turn.effect, turn.effect)
+        return self.climb(file, ladder, gone, before)
+
+    def _until_one_helps(self, file: LawFile, found: Diagnosed, gone: Gone) -> list[list[Addition]]:
+        """Add one effect that is named or another, until one lowers the error on left-out conditions.
+
+        The fit of the first begins at the values that are known of it; what it needs beside it is added too.
+
+        Returns:
+            what was tried, each in its steps; those that went aren't.
+        """
+        tried: list[list[Addition]] = []
+        for name in (name for name in found.effects if name not in gone):
+            whole = not tried and found.together
+            tried.append(
+                self._added(file, found.together if whole else (name,), _kind(found), None if tried else found.values)
+            )
+            if _helps(tried[-1]):
+                break
+        return tried
+
+    def _added(
+        self, file: LawFile, effects: Sequence[str], kind: Kind, start: Mapping[str, float] | None = None
+    ) -> list[Addition]:
+        return add_effects(
+            file, effects, self.tests, command=self.command, date=file.date, declared=self.declared, kind=kind,
+            start=start, progress=self.progress,
+        )  # fmt: skip
+
+    def _without_spares(
+        self, ladder: tuple[Rung, ...], gone: Gone, keep: str, having: str
+    ) -> tuple[LawFile, tuple[Rung, ...], Gone]:
+        """Take out what the ladder's last law does as well without, now that it has something.
+
+        Args:
+            ladder, gone: what was done so far, and what went.
+            keep: the effect that was added last, which isn't asked.
+            having: what was added last, in words.
+        """
+        file = ladder[-1].change.after
+        spares = without_spares(file, keep, self.tests, command=self.command, date=file.date, progress=self.progress)
+        for change in spares:
+            ladder = (*ladder, Rung(change, "revision", (as_well_without(change, having),)))
+            spare = _in_vain([change])
+            gone = {**gone, spare.effect: spare}
+            file = change.after
+        return file, ladder, gone
+
+    def _with_something_exchanged(self, file: LawFile) -> Rung | None:
+        """Put a law on another base, or another effect of a family in one's place; None where none does better."""
+        for structure in self.tests.better_structures(file, self.progress)[:MOST_EXCHANGED]:
+            change = self._exchanged(file, structure)
+            if _helps([change]):
+                words = f"{change.effect}: the error on left-out conditions falls beyond doubt"
+                return Rung(change, "revision", (words,))
+        return None
+
+    def _with_something_simpler(self, file: LawFile) -> Rung | None:
+        """Put a simpler effect in the place of a part that it acts like; None where none does as well.
+
+        A part was taken while more was missing, which may have bent what it was chosen by.
+        """
+        parts = parts_of(file)
+        structure = self.tests.simpler_structure(file, parts, self.progress) if parts else None
+        if structure is None:
+            return None
+        change = self._exchanged(file, structure)
+        if not stays_as_good(change):
+            return None
+        return Rung(change, "revision", (f"{change.effect}: the law does as well with fewer parameters",))
+
+    def _exchanged(self, file: LawFile, structure: Structure) -> Addition:
+        return exchange(file, structure, self.tests, command=self.command, date=file.date, progress=self.progress)
+
+
+def _turns(file: LawFile, ladder: tuple[Rung, ...], gone: Gone, found: Diagnosed, taken: str) -> list[Turn]:
+    return [
+        Turn(file, ladder, gone, effect, taken, share)
+        for effect, share in found.other_parts.items()
+        if effect not in gone
+    ]
+
+
+def _rungs(found: Diagnosed, tried: Sequence[Sequence[Addition]]) -> list[Rung]:
+    """Give the rungs of what was tried last and helped."""
+    kind = _kind(found)
+    *before, (first, *beside) = tried
+    others = [name for name in found.effects if name not in {_name(steps[0]) for steps in tried}]
+    rivals = (f"{' or '.join(others)} would have done much the same",) if others else ()
+    told = tuple(no_help(_in_vain(steps)) for steps in before) or found.rung()
+    needed = f"{_name(first)} needs it beside it"
+    return [
+        Rung(first, kind, (*told, *rivals, *found.cautions())),
+        *(Rung(step, kind, (needed,)) for step in beside),
+    ]
+
+
+def _kind(found: Diagnosed) -> Kind:
+    """Say how what is added is meant: the best of several isn't proved by being taken."""
+    return "cause" if found.verdict == "missing" and found.kind == "cause" else "part"
+
+
+def _name(change: Addition) -> str:
+    return change.effect.lstrip("+- ")
+
+
+def _in_vain(steps: Sequence[Addition]) -> InVain:
+    """Give what a law was refitted with, or without, and isn't to have."""
+    without, having = rounded(steps[0].heldout[0]), rounded(steps[-1].heldout[1])
+    if steps[0].effect.startswith("- "):
+        without, having = having, without
+    return InVain(effect=WITH.join(map(_name, steps)), refitted_nrmse=(without, having))
+
+
+def _helps(steps: Sequence[Addition]) -> bool:
+    return steps[-1].heldout[1] < steps[0].heldout[0]
+
+
+def _goes_on(found: Diagnosed, file: LawFile) -> bool:
+    """Tell whether there is something to do.
+
+    A part is no claim, so the best of several that act alike may be taken; and where the law has a part already, which
+    may stand for something else, so may the best of several causes, as a part too.
+    """
+    if found.verdict == "ambiguous":
+        return found.kind == "part" or bool(parts_of(file))
+    return found.verdict in ("missing", "unknown")
