@@ -14,6 +14,7 @@ from test_effect_contract import SMOOTHING, STRUCTURES, name_of, sound_values
 from pipeclamp_fmu.build import native_clamp_content
 from pipeclamp_fmu.contents.clamp import clamp_module, clamp_variables, quantities
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
+from pipeclamp_fmu.contents.continuous_memory import parts_of_step
 from pipeclamp_fmu.describe.variables import numbers_of
 from pipeclamp_fmu.native.compiler import default_platforms
 from pipeclamp_fmu.native.packing import write_native_fmu
@@ -89,16 +90,16 @@ def by_arrays(structure, values, y, v):
     return force_of_equations(equations, [values[name] for name in equations.names], SMOOTHING, motion).force[0]
 
 
-def by_scalars(model, y, v):
-    """Force, dissipated energy (J) and states from the plain source."""
+def by_scalars(model, y, v, straight=False):
+    """Force, dissipated energy (J) and states from the plain source; as the FMU walks, or as arrays do."""
     law = model.law
     further = [FURTHER[name] for name in further_of(model)]
     state, y_before, v_before = tuple(start for _, start in law.states), 0.0, 0.0
-    rows, lost = [], 0.0
+    rows, lost, parts = [], 0.0, 1 if straight else parts_of_step(model)
     for place, speed in zip(y.tolist(), v.tolist(), strict=True):
         k = law.coefficients(*CONDITIONS.values(), *further)
         begun = law.step(k, state, y_before, y_before, v_before, 0.0)[:2]
-        force, _, state, heat, way = walk(law.step, k, state, (y_before, v_before, place, speed), H, begun)
+        force, _, state, heat, way = walk(law.step, k, state, (y_before, v_before, place, speed), H, begun, parts)
         lost += 1e-3 * heat
         if model.counted >= 0:
             further[model.counted] += way / (4 * CONDITIONS["A"])
@@ -194,7 +195,8 @@ def test_every_realisation_gives_the_same(structure, tmp_path):
     model = clamp_model(file)
     states = [state.name for state in structure.equations_without_rig.states]
     expected = by_scalars(model, y, v)
-    np.testing.assert_allclose(by_arrays(structure, values, y, v), expected[:, 0], **SAME)
+    plain = by_scalars(model, y, v, straight=True)
+    np.testing.assert_allclose(by_arrays(structure, values, y, v), plain[:, 0], **SAME)
     np.testing.assert_allclose(by_slave(SlaveDriver(model, native_start(model)), y, v), expected[:, :2], **SAME)
     with native(file, tmp_path) as make:
         for fmi, kind in INTERFACES:

@@ -61,7 +61,7 @@ def test_the_force_follows_them_and_the_cycles_are_counted(drive, further, law_w
         y, v = 0.5 * math.sin(theta), 0.5 * 6 * math.pi * math.cos(theta)
         clamp.step(H, flange__s=1e-3 * y, flange__v=1e-3 * v)
         k = law.coefficients(0.5, 3.0, 350.0, seen, rho, current)
-        force, _, state, _, way = walk(law.step, k, state, (y_before, v_before, y, v), H, (0.0, 0.0))
+        force, _, state, _, way = walk(law.step, k, state, (y_before, v_before, y, v), H, (0.0, 0.0), 1)
         assert clamp.get("flange.f") == pytest.approx(force, rel=1e-10, abs=1e-9)
         seen += way / (4 * 0.5)
         y_before, v_before = y, v

@@ -36,7 +36,7 @@ def walked(law, k, per_cycle, cycles=40, memory=(0.0,)):
     force, energy, memory = law(k, memory, 0.0, 0.0, v_before, 0.0)
     rows, heat = [], 0.0
     for y, v in zip((A * np.sin(theta)).tolist(), (A * OMEGA * np.cos(theta)).tolist(), strict=True):
-        force, energy, memory, lost, _ = walk(law, k, memory, (y_before, v_before, y, v), h, (force, energy))
+        force, energy, memory, lost, _ = walk(law, k, memory, (y_before, v_before, y, v), h, (force, energy), 1)
         heat += lost
         rows.append((force, heat))
         y_before, v_before = y, v
@@ -96,7 +96,7 @@ def test_the_turn_is_the_cubic_s(y_before, speed_before, y, speed, h, sign):
 
 def test_a_motion_whose_velocity_isn_t_told_is_straight():
     """Nothing says where it turned."""
-    force, _, _, _, way = walk(jenkins, None, (0.0,), (0.1, 0.0, 0.2, 0.0), 1e-3, (0.0, 0.0))
+    force, _, _, _, way = walk(jenkins, None, (0.0,), (0.1, 0.0, 0.2, 0.0), 1e-3, (0.0, 0.0), 1)
     assert (force, way) == pytest.approx((150.0, 0.1))
 
 

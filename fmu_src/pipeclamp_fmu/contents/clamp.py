@@ -9,6 +9,7 @@ from pipeclamp_fmu.contents.behind import behind_section, related
 from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
 from pipeclamp_fmu.contents.clamp_model import TEMPERATURES, ClampModel, FurtherCondition, middle
 from pipeclamp_fmu.contents.content import Content
+from pipeclamp_fmu.contents.continuous_memory import parts_of_step
 from pipeclamp_fmu.contents.passivity import Interval
 from pipeclamp_fmu.contents.reference import Reference, reference_files
 from pipeclamp_fmu.contents.steady_loop import SAMPLES, steady_loop
@@ -37,6 +38,7 @@ def clamp_module(model: ClampModel) -> str:
         [
             f"FURTHER = {further!r}",
             f"COUNTED = {model.counted}",
+            f"PARTS = {parts_of_step(model)}",
             f"COEFFICIENTS = {tuple(entry.name for entry in model.coefficients)!r}",
             "",
             model.source,

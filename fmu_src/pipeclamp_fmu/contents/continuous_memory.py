@@ -1,4 +1,4 @@
-"""Which laws' memory can be continuous states: those that no step, however short, moves by a jump."""
+"""Which laws' memory jumps in a step, however short: it can't be continuous states, and needs short ways."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ SHORT = 1e-7
 
 JUMP = 1e-3
 """Of a state's largest value: what it moves by in a short step is no jump below it."""
+
+PARTS = 16
+"""In which a step is walked of a law whose memory jumps: at a part's end instead of the step's. Play's force errs by
+4 % of its rms in 12 steps a cycle without, and by 0.4 % with them."""
 
 REMEDY = "build the FMU without --memory-as-states"
 
@@ -43,6 +47,11 @@ def require_states(model: ClampModel) -> None:
             f"law {model.name!r}: its memory {', '.join(names)} jumps at reversals; expected memory that moves "
             f"steadily, with memory as states: {REMEDY}"
         )
+
+
+def parts_of_step(model: ClampModel) -> int:
+    """Give in how many parts a clamp's own step is walked."""
+    return PARTS if jumping(model) else 1
 
 
 def jumping(model: ClampModel) -> list[str]:

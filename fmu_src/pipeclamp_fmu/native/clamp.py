@@ -16,6 +16,7 @@ from pipeclamp_fmu.contents.clamp import (
 )
 from pipeclamp_fmu.contents.clamp_dependencies import clamp_dependencies
 from pipeclamp_fmu.contents.clamp_model import ClampModel, Entry
+from pipeclamp_fmu.contents.continuous_memory import parts_of_step
 from pipeclamp_fmu.describe.model_description import Quantity
 from pipeclamp_fmu.describe.variables import Variable
 from pipeclamp_fmu.native.description import FLANGE, Terminal
@@ -101,6 +102,9 @@ def _header(model: ClampModel, source: str) -> str:
             f"static const int CONDITION_POSITIVE[] = {{{positive}}};",
             f"enum {{ COUNTED = {counted} }};",
             "",
+            "/* In how many parts a step is walked. */",
+            f"enum {{ PARTS = {parts_of_step(model)} }};",
+            "",
         ]
     )
 
@@ -146,7 +150,8 @@ NATIVE_USE = (
     "memory. So slip is exact however long the integrator's steps are; a force that relaxes in time is exact for a "
     "displacement that is linear over a step.",
     "Directional derivatives of the outputs by inputs and tunable parameters are exact; with memory they are those of "
-    "going on in the last step's direction. Of a step in which the motion turned round, they are central differences.",
+    "going on in the last step's direction. Of a step in which the motion turned round, and of laws "
+    "with play, they are central differences.",
     COEFFICIENTS,
     SAVED,
 )

@@ -34,6 +34,7 @@ from pipeclamp_fmu.slaves.stand_in_law import (
     COEFFICIENTS,
     COUNTED,
     FURTHER,
+    PARTS,
     STATES,
     coefficients,
     step,
@@ -152,7 +153,7 @@ class ClampSlave(Fmi2Slave):
             conditions, (k, y_before, v_before, force_before, energy_before, memory) = prepared
         motion, begun = (y_before, v_before, y, v), (force_before, energy_before)
         try:
-            force, energy, memory, lost, way = walk(step, k, memory, motion, step_size, begun)
+            force, energy, memory, lost, way = walk(step, k, memory, motion, step_size, begun, PARTS)
         except NO_VALUE:
             return self._refuse(current_time, step_size, NO_VALUE_THERE)
         total = force + energy + lost

@@ -12,6 +12,8 @@ FURTHER: tuple[tuple[str, str, float, bool], ...] = ()
 """Further conditions: name, the law's unit, that unit in the FMU's, whether it must be above 0."""
 COUNTED = -1
 """Place among them of the load cycles that the clamp has seen, -1 for none."""
+PARTS = 1
+"""In how many a step is walked: more than one where its memory jumps."""
 COEFFICIENTS = ("k10", "k1_A", "k30", "c0", "c_T", "alpha0", "alpha_f", "k_s", "z_s", "v_r")
 """Names of the law's coefficients, in the order in which it takes them."""
 

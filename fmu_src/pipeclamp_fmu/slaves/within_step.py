@@ -3,7 +3,8 @@
 The clamp's slave inlines it; `native/c/within_step.c` is its counterpart. The motion is the cubic that has displacement
 and velocity of both ends (Hermite). Where the velocity changes sign it turns round once, and is walked in two ways, so
 that memory unloads from where the motion did. The heat of a way takes the law's force in its middle too, beside that of
-both ends; it is exact where the force is linear in the displacement.
+both ends; it is exact where the force is linear in the displacement. Memory that jumps, as play's where it lets the
+clamp go, does so at the end of a way: a step of such a law is walked in several parts along the cubic.
 """
 
 from __future__ import annotations
@@ -33,6 +34,18 @@ def turning(y_before: float, v_before: float, y: float, v: float, h: float) -> t
     root = math.sqrt(inside) if inside > 0.0 else 0.0
     share = (b + root) / (-2.0 * a) if b > 0.0 else 2.0 * c / (root - b)
     return share, y_before + sign * h * share * (c + share * (b / 2.0 + share * (a / 3.0)))
+
+
+def part_of(motion: tuple[float, float, float, float], h: float, share: float) -> tuple[float, float]:
+    """Give displacement (mm) and velocity (mm/s) of a step's motion after a share of it."""
+    y_before, v_before, y, v = motion
+    mean = (y - y_before) / h
+    b = 2.0 * (3.0 * mean - 2.0 * v_before - v)
+    a = 3.0 * (v_before + v - 2.0 * mean)
+    return (
+        y_before + h * share * (v_before + share * (b / 2.0 + share * (a / 3.0))),
+        v_before + share * (b + share * a),
+    )
 
 
 def way(
@@ -68,7 +81,7 @@ def way(
     return force, energy, after, lost, abs(move)
 
 
-def walk(
+def round_turn(
     step: Step,
     k: Any,
     memory: tuple[float, ...],
@@ -76,7 +89,7 @@ def walk(
     h: float,
     begun: tuple[float, float],
 ) -> Walked:
-    """Walk a step, round a turn where there is one; see `way`."""
+    """Walk a way on which the motion may turn round once; see `way`."""
     y_before, v_before, y, v = motion
     if v_before * v < 0.0:
         at, turn = turning(y_before, v_before, y, v, h)
@@ -86,3 +99,28 @@ def walk(
             force, energy, memory, more, home = way(step, k, memory, back, (1.0 - at) * h, (force, energy))
             return force, energy, memory, lost + more, out + home
     return way(step, k, memory, motion, h, begun)
+
+
+def walk(
+    step: Step,
+    k: Any,
+    memory: tuple[float, ...],
+    motion: tuple[float, float, float, float],
+    h: float,
+    begun: tuple[float, float],
+    parts: int,
+) -> Walked:
+    """Walk a step in so many parts; see `way`."""
+    if parts == 1 or motion[1] == motion[3] == 0.0:
+        return round_turn(step, k, memory, motion, h, begun)
+    force, energy = begun
+    lost = length = 0.0
+    at = motion[:2]
+    for part in range(1, parts + 1):
+        to = motion[2:] if part == parts else part_of(motion, h, part / parts)
+        walked = round_turn(step, k, memory, (*at, *to), h / parts, (force, energy))
+        force, energy, memory = walked[:3]
+        lost += walked[3]
+        length += walked[4]
+        at = to
+    return force, energy, memory, lost, length

@@ -31,7 +31,7 @@ typedef struct {
     Place places[2]; /* the ends of the last step, the earlier one under its coefficients */
     int now; /* whether the later one is the second; its bytes may come from anywhere */
     double h;     /* how long the step was, s */
-    int turned;   /* whether the motion turned round in it */
+    int turned;   /* whether the motion turned round in it, or it was walked in parts */
     double share; /* by which the tracker's averages moved in it */
     Conditions conditions;
     double counted; /* load cycles since the start: a cycle is a way of four amplitudes, there and back */

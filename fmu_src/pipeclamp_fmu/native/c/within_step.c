@@ -68,9 +68,10 @@ APART static double walk_to_turn(const double k[], const Place *from, const Plac
     return at;
 }
 
-/* Walk a step from a place to another's displacement and velocity; returns the heat, N mm, with the length of the way in
- * mm and whether the motion turned round. */
-WITHIN static inline double walk(const double k[], const Place *from, Place *to, double h, double *length, int *turned)
+/* Walk a way on which the motion may turn round once, from a place to another's displacement and velocity; returns the
+ * heat, N mm, with the length of the way in mm and whether it turned. */
+WITHIN static inline double round_turn(const double k[], const Place *from, Place *to, double h, double *length,
+                                       int *turned)
 {
     Place turn;
     double lost = 0.0;
@@ -87,4 +88,40 @@ WITHIN static inline double walk(const double k[], const Place *from, Place *to,
     }
     *length += fabs(to->y - from->y);
     return lost + walk_on(k, from, to, h);
+}
+
+/* Walk a step in parts along the cubic, for memory that jumps: it does so at the end of a way. */
+static double in_parts(const double k[], const Place *from, Place *to, double h, double *length)
+{
+    const double mean = (to->y - from->y) / h;
+    const double b = 2.0 * (3.0 * mean - 2.0 * from->v - to->v), a = 3.0 * (from->v + to->v - 2.0 * mean);
+    Place at = *from;
+    double lost = 0.0;
+    int part;
+    *length = 0.0;
+    for (part = 1; part <= PARTS; part++) {
+        const double share = (double)part / PARTS;
+        Place next = *to;
+        double way;
+        int turned;
+        if (part < PARTS) {
+            next.y = from->y + h * share * (from->v + share * (b / 2.0 + share * (a / 3.0)));
+            next.v = from->v + share * (b + share * a);
+        }
+        lost += round_turn(k, &at, &next, h / PARTS, &way, &turned);
+        *length += way;
+        at = next;
+    }
+    *to = at;
+    return lost;
+}
+
+/* Walk a step from a place to another's displacement and velocity; returns the heat, N mm, with the length of the way in
+ * mm and whether it was more ways than one. */
+WITHIN static inline double walk(const double k[], const Place *from, Place *to, double h, double *length, int *turned)
+{
+    if (PARTS == 1 || !(h > 0.0) || (from->v == 0.0 && to->v == 0.0))
+        return round_turn(k, from, to, h, length, turned);
+    *turned = 1;
+    return in_parts(k, from, to, h, length);
 }
