@@ -137,6 +137,7 @@ def diagnose(
     loops: Loops | None = None,
     *,
     start: Mapping[str, float] | None = None,
+    proved: bool = True,
     jobs: int = 1,
     progress: Progress | None = None,
     prepared: Callable[[], Prepared] | None = None,
@@ -148,6 +149,7 @@ def diagnose(
         campaign: the tests.
         loops: `loops_of(campaign)`, where they are known already.
         start: values of the law's parameters to start from, by name, where they are known.
+        proved: whether nothing of the law was added as a mere part.
         jobs: processes that fit the candidates of a large campaign; -1 for as many as there are cores.
         progress: is told what is being done.
         prepared: gives `prepare` of the law, where it may be known already.
@@ -164,7 +166,7 @@ def diagnose(
     law = judge((), structure, [in_newtons.law.values], problem)
     complete = max(MATERIAL_NOISE_SHARE, _precision(loops))
     form = max(complete, min(FORM_SHARE * _bare_lack(structure, problem), FORM_NOISE_SHARE))
-    tolerance = Tolerance(complete, form, max(complete, FORM_NOISE_SHARE))
+    tolerance = Tolerance(complete, form, max(complete, FORM_NOISE_SHARE), proved)
     judged: list[Judged] = []
     screened_out: dict[str, float] = {}
     if not is_complete(law, problem, tolerance):

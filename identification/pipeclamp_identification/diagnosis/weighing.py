@@ -55,11 +55,14 @@ class Tolerance:
         form: below this what no effect explains passes for the form of the effects that the law has.
         left: below this, and below a share of what is missing, an effect counts as explaining it; of what a law lacks
             below this, a part takes half at least.
+        proved: whether nothing of the law is a mere part. Where something is, its form isn't known, and doubt whether
+            the law errs on left-out conditions counts against it.
     """
 
     complete: float
     form: float
     left: float
+    proved: bool = True
 
 
 @dataclass(frozen=True)
@@ -183,7 +186,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         if law.lack.most_share > FORM_NOISE_SHARE:
             return _nothing("unknown", hidden_words(law.lack, problem))
         elsewhere = foretold(law, problem)
-        if elsewhere.sure_share > FORM_NOISE_SHARE:
+        if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
             return _nothing("unknown", foretold_words(law.lack, elsewhere))
         return _nothing("complete", form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
     if not usable:
