@@ -190,5 +190,7 @@ def _named(law: Law | PathOrName) -> str:
 
 
 def _listed(effects: PathOrName | Sequence[PathOrName]) -> Sequence[PathOrName]:
-    """Give effects as several: a name by itself is one, not its letters."""
-    return (effects,) if isinstance(effects, str | PathLike) else effects
+    """Give effects as several: a name by itself is one, not its letters; what is neither is refused where it's read."""
+    if isinstance(effects, str | PathLike) or not isinstance(effects, Sequence):
+        return (effects,)
+    return effects
