@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Protocol, TypeVar
+from typing import Protocol, Self, TypeVar
 
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
@@ -15,29 +15,29 @@ FURTHER_TESTS = "tests at further conditions would tell whether it is real"
 
 
 class Naming(Protocol):
-    """A diagnosis, as far as it names something; see `workflow.tests.Diagnosed`."""
+    """A diagnosis, as far as it names something."""
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict."""
+        """See docs/reference/answers.md."""
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """What is named."""
+        """What is missing, or may be, as `add` takes it; best first."""
 
     @property
     def kind(self) -> Kind | None:
-        """How it is meant."""
+        """How what is named is meant: as the cause, or as a part of what is missing."""
 
     @property
     def together(self) -> Sequence[str]:
         """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
 
-    def naming_a_part(self: Named, reason: str) -> Named:
+    def naming_a_part(self, reason: str) -> Self:
         """Give the same with what it names as the cause for a part, for this reason."""
 
-    def naming_nothing(self: Named, reason: str) -> Named:
-        """Give the same with `unknown` for a verdict."""
+    def naming_nothing(self, reason: str) -> Self:
+        """Give the same with `unknown` for a verdict: what it named didn't help."""
 
 
 Named = TypeVar("Named", bound=Naming)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import TYPE_CHECKING, Protocol
+
+from pipeclamp_identification.diagnosis.named import Naming
 
 if TYPE_CHECKING:
     from pipeclamp_identification.campaign.drive import DrivePlan
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
     from pipeclamp_models.base.progress import Progress
     from pipeclamp_models.law.declaration import Declaration
-    from pipeclamp_models.law.file import Kind, LawFile, Verdict
+    from pipeclamp_models.law.file import LawFile
     from pipeclamp_models.law.law import Structure
 
 
@@ -44,28 +46,12 @@ class Proposed(Protocol):
         """Say what the drive signal asks of the machine."""
 
 
-class Diagnosed(Protocol):
+class Diagnosed(Naming, Protocol):
     """A diagnosis: which effect a law lacks, or which test would tell."""
-
-    @property
-    def verdict(self) -> Verdict:
-        """See docs/reference/answers.md."""
-
-    @property
-    def effects(self) -> tuple[str, ...]:
-        """What is missing, or may be, as `add` takes it; best first."""
-
-    @property
-    def kind(self) -> Kind | None:
-        """How what is named is meant: as the cause, or as a part of what is missing."""
 
     @property
     def values(self) -> Mapping[str, float]:
         """Parameters of the law with what is named first, by name, for its fit to begin at; empty where nothing is."""
-
-    @property
-    def together(self) -> Sequence[str]:
-        """What is named first, and the effect without which it clearly takes nothing; empty where it does alone."""
 
     @property
     def other_parts(self) -> Mapping[str, float]:
@@ -82,12 +68,6 @@ class Diagnosed(Protocol):
     @property
     def no_test(self) -> str:
         """Why there is none, where rivals are left."""
-
-    def naming_a_part(self, reason: str) -> Self:
-        """Give the same with what it names as the cause for a part, for this reason."""
-
-    def naming_nothing(self, reason: str) -> Self:
-        """Give the same with `unknown` for a verdict: what it named didn't help."""
 
     def headline(self) -> str:
         """Give the verdict in words."""
