@@ -88,7 +88,7 @@ def test_the_turn_is_the_cubic_s(y_before, speed_before, y, speed, h, sign):
         3 * (y - y_before) - h * (2 * v_before + v),
         2 * (y_before - y) + h * (v_before + v),
     ])  # fmt: skip
-    at, place = turning(y_before, v_before, y, v, h)
+    at, place = turning((y_before, v_before, y, v), h)
     assert 0.0 <= at <= 1.0
     assert cubic.deriv()(at) == pytest.approx(0.0, abs=1e-9 * (abs(h * v_before) + abs(h * v) + abs(y - y_before)))
     assert place == pytest.approx(cubic(at), abs=1e-12)

@@ -18,43 +18,49 @@ EDGE = 1e-6
 back in a step, and the velocity of a shorter way would be rounding."""
 
 Step = Callable[..., tuple[float, float, tuple[float, ...]]]
+Ends = tuple[float, float, float, float]
+"""Displacement (mm) and velocity (mm/s) at the beginning, then at the end."""
+Begun = tuple[float, float]
+"""Force (N) and stored energy (N mm) at the beginning."""
 Walked = tuple[float, float, tuple[float, ...], float, float]
 """Force (N), stored energy (N mm) and memory at the end, heat (N mm), length of the way (mm)."""
 
 
-def turning(y_before: float, v_before: float, y: float, v: float, h: float) -> tuple[float, float]:
-    """Give where a motion turns round whose velocity changes sign: the share of the step, and the displacement (mm)."""
-    # Velocity over the step: c + b x + a x^2, so signed that it begins above 0.
-    sign = 1.0 if v_before > 0.0 else -1.0
-    mean = sign * (y - y_before) / h
-    c, end = sign * v_before, sign * v
-    b = 2.0 * (3.0 * mean - 2.0 * c - end)
-    a = 3.0 * (c + end - 2.0 * mean)
-    inside = b * b - 4.0 * a * c
-    root = math.sqrt(inside) if inside > 0.0 else 0.0
-    share = (b + root) / (-2.0 * a) if b > 0.0 else 2.0 * c / (root - b)
-    return share, y_before + sign * h * share * (c + share * (b / 2.0 + share * (a / 3.0)))
-
-
-def part_of(motion: tuple[float, float, float, float], h: float, share: float) -> tuple[float, float]:
-    """Give displacement (mm) and velocity (mm/s) of a step's motion after a share of it."""
+def bends(motion: Ends, h: float) -> tuple[float, float]:
+    """Give b and a of a motion's velocity over the share x of its step: that at the beginning and b x + a x^2."""
     y_before, v_before, y, v = motion
     mean = (y - y_before) / h
-    b = 2.0 * (3.0 * mean - 2.0 * v_before - v)
-    a = 3.0 * (v_before + v - 2.0 * mean)
+    return 2.0 * (3.0 * mean - 2.0 * v_before - v), 3.0 * (v_before + v - 2.0 * mean)
+
+
+def part_of(motion: Ends, h: float, share: float) -> tuple[float, float]:
+    """Give displacement (mm) and velocity (mm/s) of a step's motion after a share of it."""
+    y_before, v_before, _, _ = motion
+    b, a = bends(motion, h)
     return (
         y_before + h * share * (v_before + share * (b / 2.0 + share * (a / 3.0))),
         v_before + share * (b + share * a),
     )
 
 
+def turning(motion: Ends, h: float) -> tuple[float, float]:
+    """Give where a motion turns round whose velocity changes sign: the share of the step, and the displacement (mm)."""
+    sign = 1.0 if motion[1] > 0.0 else -1.0  # so that it begins above 0
+    c = sign * motion[1]
+    b, a = (sign * bend for bend in bends(motion, h))
+    inside = b * b - 4.0 * a * c
+    root = math.sqrt(inside) if inside > 0.0 else 0.0
+    share = (b + root) / (-2.0 * a) if b > 0.0 else 2.0 * c / (root - b)
+    return share, part_of(motion, h, share)[0]
+
+
 def way(
     step: Step,
     k: Any,
     memory: tuple[float, ...],
-    motion: tuple[float, float, float, float],
+    motion: Ends,
     h: float,
-    begun: tuple[float, float],
+    begun: Begun,
 ) -> Walked:
     """Walk a way on which the motion doesn't turn round.
 
@@ -85,14 +91,14 @@ def round_turn(
     step: Step,
     k: Any,
     memory: tuple[float, ...],
-    motion: tuple[float, float, float, float],
+    motion: Ends,
     h: float,
-    begun: tuple[float, float],
+    begun: Begun,
 ) -> Walked:
     """Walk a way on which the motion may turn round once; see `way`."""
     y_before, v_before, y, v = motion
     if v_before * v < 0.0:
-        at, turn = turning(y_before, v_before, y, v, h)
+        at, turn = turning(motion, h)
         if EDGE < at < 1.0 - EDGE:
             there, back = (y_before, v_before, turn, 0.0), (turn, 0.0, y, v)
             force, energy, memory, lost, out = way(step, k, memory, there, at * h, begun)
@@ -105,9 +111,9 @@ def walk(
     step: Step,
     k: Any,
     memory: tuple[float, ...],
-    motion: tuple[float, float, float, float],
+    motion: Ends,
     h: float,
-    begun: tuple[float, float],
+    begun: Begun,
     parts: int,
 ) -> Walked:
     """Walk a step in so many parts; see `way`."""

@@ -24,7 +24,7 @@ from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.loop_picture import run_picture
 from pipeclamp.studio.rendering import campaign_page, page
 from pipeclamp.studio.security import TooLargeError
-from pipeclamp.studio.told import Told
+from pipeclamp.studio.told import Told, ToldCandidate
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
@@ -185,9 +185,9 @@ class Pages:
             task, law = commands.identify_task(project, base)
         elif wanted == "add":
             of, effect = _text(asked, "law"), _text(asked, "effect")
-            _candidate(opened, of, effect)
-            kind = _told(opened, of, project.law(of)).meant(effect)
-            task, law = commands.add_task(project, of, effect, kind)
+            told = _told(opened, of, project.law(of))
+            _among(told, of, effect)
+            task, law = commands.add_task(project, of, effect, told.meant(effect))
         elif wanted == "diagnose":
             task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
         elif wanted == "discover":
@@ -265,10 +265,15 @@ def _script(name: str, kept: str) -> Response:
 
 def _candidate(opened: Opened, law: str, candidate: str) -> Law:
     file = opened.project.law(law)
-    found = next((each for each in _told(opened, law, file).candidates if each.name == candidate), None)
+    found = _among(_told(opened, law, file), law, candidate)
+    return with_candidate(file, found.effects, found.values)
+
+
+def _among(told: Told, law: str, candidate: str) -> ToldCandidate:
+    found = next((each for each in told.candidates if each.name == candidate), None)
     if found is None:
         raise UserError(f"{candidate!r}: no candidate of {law}'s diagnosis; diagnose it first")
-    return with_candidate(file, found.effects, found.values)
+    return found
 
 
 def _told(opened: Opened, law: str, file: LawFile) -> Told:
