@@ -41,15 +41,22 @@ def test_beside_what_it_only_acts_like():
     assert usable(candidate("gap", 7.0, 90.0), candidate("play", 8.0, 100.0)) == ["gap", "play"]
 
 
-def test_what_explains_is_named_though_squares_prefer_what_mends_a_form():
-    """Squares are in units of the noise: a form that is off in quiet harmonics can weigh more there than in N."""
+@pytest.mark.parametrize(("near", "kind"), [(True, "cause"), (False, "part")])
+def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, kind, monkeypatch):
+    """Squares are in units of the noise: a form that is off in quiet harmonics can weigh more there than in N.
+
+    Where they prefer it beyond doubt, what explains hasn't the exact form: an amplifier that gives less on one side
+    had been called asymmetry.
+    """
     hardening, gap = candidate("hardening", 96.0, 80.0), candidate("gap", 10.0, 90.0)
     for each, share in ((hardening, 1.6), (gap, 0.3)):
         each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
     law = candidate("", 100.0, 100.0)
     law.lack = SimpleNamespace(p_value=0.0, share=1.7, sure_share=1.6)
+    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: list(others) if near else [])
     found = weigh(law.result.law.structure, None, law, [hardening, gap], Tolerance(0.1, 0.1, 0.75), 1, print)
-    assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("gap",))
+    assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("gap",))
+    assert ("hardening, which leaves more in N, fits the weak harmonics clearly better" in found.reasons[0]) != near
 
 
 def weighed_part(monkeypatch, *, same):

@@ -234,16 +234,24 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     if len(names) > 1:
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
     generals = _generals(best, scales)
-    if better := [each for each in generals if not _near(each, [best], scales.problem)]:
-        fits = f"{better[0].effects[0]}, of which it is a special case, fits these tests clearly better"
-        reason = (
-            f"{best.effects[0]} leaves little over, but {fits}: which of the two it is, its exact form would decide"
-        )
+    others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
+    if better := [each for each in (*generals, *others) if not _near(each, [best], scales.problem)]:
+        general = _is_special_case(_added(best), _added(better[0]))
+        reason = _better_fit_words(best, better[0], general=general)
         return Weighed("missing", names, "part", best, None, (reason,))
     reason = f"{best.effects[0]} explains it and no rival comes near"
     if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
         reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
     return Weighed("missing", names, "cause", best, None, (reason,))
+
+
+def _better_fit_words(best: Judged, better: Judged, *, general: bool) -> str:
+    """Say why an effect that leaves little over is no cause: another fits all tests better beyond doubt."""
+    leaves = f"{best.effects[0]} leaves little over, but {better.effects[0]}"
+    if general:
+        fits_better = "of which it is a special case, fits these tests clearly better"
+        return f"{leaves}, {fits_better}: which of the two it is, its exact form would decide"
+    return f"{leaves}, which leaves more in N, fits the weak harmonics clearly better: neither has the exact form"
 
 
 def _generals(special: Judged, scales: Scales) -> list[Judged]:
