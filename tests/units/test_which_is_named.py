@@ -36,6 +36,13 @@ def test_beside_its_special_case(general, special, left, named):
     assert said == [[] if named else [f"{special}, a special case of it, leaves about as little"], []]
 
 
+@pytest.mark.parametrize(("squares", "named"), [(800.0, True), (400.0, False)])
+def test_a_special_case_must_take_half_in_units_of_the_noise_too(squares, named):
+    """Of a weak pressed_slip scatter hid in N that displacement_friction took a third of it."""
+    found = usable(candidate("pressed_slip", 7.0, 90.0), candidate("displacement_friction", 8.0, squares))
+    assert ("pressed_slip" in found) == named
+
+
 def test_beside_what_it_only_acts_like():
     """Of those the better one is named, or both where the data can't tell."""
     assert usable(candidate("gap", 7.0, 90.0), candidate("play", 8.0, 100.0)) == ["gap", "play"]

@@ -117,7 +117,7 @@ class Scales:
         A general effect whose special case leaves about as much isn't among them.
         """
         able = _able(self.candidates, self.law)
-        return [each for each in able if not _simpler(each, able)]
+        return [each for each in able if not _simpler(each, able, self.law)]
 
     @property
     def sound(self) -> list[Judged]:
@@ -257,7 +257,7 @@ def _better_fit_words(best: Judged, better: Judged, *, general: bool) -> str:
 def _generals(special: Judged, scales: Scales) -> list[Judged]:
     """Give the effects that were left aside for a special case of them, best first."""
     able = _able(scales.candidates, scales.law)
-    return ranked(each for each in able if special in _simpler(each, able) and each.may_be_cause)
+    return ranked(each for each in able if special in _simpler(each, able, scales.law) and each.may_be_cause)
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
@@ -357,22 +357,27 @@ def _able(candidates: Sequence[Judged], law: Judged) -> list[Judged]:
     return [each for each in candidates if not each.objections and _betters(each, law)]
 
 
-def _simpler(candidate: Judged, able: Sequence[Judged]) -> list[Judged]:
-    return [other for other in able if _leaves_as_little(other, candidate)]
+def _simpler(candidate: Judged, able: Sequence[Judged], law: Judged) -> list[Judged]:
+    return [other for other in able if _leaves_as_little(other, candidate, law)]
 
 
 def simpler_words(candidate: Judged, candidates: Sequence[Judged], law: Judged) -> list[str]:
     """Say which special cases of an effect leave about as little, so that it isn't named; arguments as in `Scales`."""
     if len(candidate.effects) > 1:
         return []
-    found = _simpler(candidate, _able(candidates, law))
+    found = _simpler(candidate, _able(candidates, law), law)
     return [f"{other.effects[0]}, a special case of it, leaves about as little" for other in found]
 
 
-def _leaves_as_little(special: Judged, general: Judged) -> bool:
-    """Tell whether a special case of an effect leaves over no more than twice of what the effect does."""
-    alike = _is_special_case(_added(special), _added(general))
-    return alike and explained_share(general, special) < HALF_TAKEN_SHARE
+def _leaves_as_little(special: Judged, general: Judged, law: Judged) -> bool:
+    """Tell whether a special case of an effect leaves over no more than twice of what the effect does, in N.
+
+    Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too.
+    """
+    if not _is_special_case(_added(special), _added(general)):
+        return False
+    takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
+    return takes_half and explained_share(general, special) < HALF_TAKEN_SHARE
 
 
 def _is_special_case(effect: Effect, general: Effect) -> bool:
