@@ -68,14 +68,13 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, ki
 
 def weighed_part(monkeypatch, *, same):
     """Give the reason for which the better of two effects is a part, where the other comes near."""
-    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: list(others)[1:])
     monkeypatch.setattr(weighing, "_same_part", lambda other, best, promises, scales: same)
     monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: True)
     best, other, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 65.0, 90.0), ("", 100.0, 100.0)))
     best.reservations = ()
     law.lack = SimpleNamespace(share=9.0)
     scales = Scales(law.result.law.structure, None, law, [best, other], Tolerance(0.1, 0.1, 0.75), 1, print)
-    return weighing._part([best, other], [], None, scales)
+    return weighing._part([best, other], [other], [], None, scales)
 
 
 def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):

@@ -170,16 +170,18 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         if best is not None:
             return _cause(best, sound, scales)
     if usable and not scales.form_allowed:
-        promises = screened(structure, problem, law, scales.tell)
-        able = [each for each in usable if takes_part(each, law, problem)]
+        able = _able_to_take_a_part(scales)
+        rivals = _near(able[0], able, problem) if able else []
+        in_pairs = sound and causes and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
+        ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
+        promises = screened(structure, problem, law, scales.tell, ids)
         weighed = None
         if sound and causes:
             scales.tell("two effects together")
-            near = not able or able[0].lack.share < NEAR_NOISE_SHARE
-            found = pairs(structure, problem, law, sound, promises if near else (), scales.jobs, scales.tell)
+            found = pairs(structure, problem, law, sound, promises if in_pairs else (), scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = _cause_of_two(found, sound, scales)
-        weighed = weighed or _part(able, promises, pair, scales) or _part_of_two(pair, sound, scales)
+        weighed = weighed or _part(able, rivals, promises, pair, scales) or _part_of_two(pair, sound, scales)
         if weighed is not None:
             return weighed
     if scales.form_allowed:
@@ -285,15 +287,33 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
 
 
-def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
-    """Name the effect that clearly takes most of what is missing, though much remains; None where none does."""
-    if scales.law.lack.share < scales.tolerance.left:
-        able = [each for each in able if explained_share(each, scales.law) >= HALF_TAKEN_SHARE]
+def _able_to_take_a_part(scales: Scales) -> list[Judged]:
+    """Give the effects that take a part beyond doubt, best first: of what may be form, half at least."""
+    able = [each for each in scales.usable if takes_part(each, scales.law, scales.problem)]
+    least = HALF_TAKEN_SHARE if scales.law.lack.share < scales.tolerance.left else 0.0
+    return [each for each in able if explained_share(each, scales.law) >= least]
+
+
+def _part(
+    able: Sequence[Judged],
+    rivals: Sequence[Judged],
+    promises: Sequence[Promise],
+    pair: Judged | None,
+    scales: Scales,
+) -> Weighed | None:
+    """Name the effect that clearly takes most of what is missing, though much remains; None where none does.
+
+    Args:
+        able: effects that take a part beyond doubt, best first.
+        rivals: those of them that can't be told from the best.
+        promises: what these promise, at least.
+        pair: the best two effects together.
+        scales: all candidates.
+    """
     if not able:
         return None
-    near = _near(able[0], able, scales.problem)
-    same = [each for each in near if _same_part(each, able[0], promises, scales)]
-    other_part = [each.effects[0] for each in near if not any(each is one for one in same)]
+    same = [each for each in rivals if _same_part(each, able[0], promises, scales)]
+    other_part = [each.effects[0] for each in rivals if not any(each is one for one in same)]
     alike = _without_general([able[0], *same])
     best = _likeliest_of(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
