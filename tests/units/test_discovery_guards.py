@@ -115,9 +115,18 @@ def test_of_few_levels_more_are_asked_for(levels, hint, monkeypatch):
     """Where two amplitudes stay, they may not determine a term that follows the amplitude, whatever it is."""
     monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, edge: judged)
     loops = SimpleNamespace(amplitude_mm=np.tile(levels, 4), frequency_Hz=np.full(4 * len(levels), 2.0))
-    guard = beyond_the_tests(1.0, 2.0, SimpleNamespace(loops=loops))
+    guard = beyond_the_tests(100.0, 120.0, SimpleNamespace(loops=loops))
     assert not guard.passed
     assert ("tests at more amplitudes would tell more" in guard.words) == hint
+    assert "amplitudes (100 -> 120 squares)" in guard.words
+
+
+def test_as_well_means_the_same_beyond_the_tests(monkeypatch):
+    """A stop had been refused for 601 squares where the law without it left 592: they can't be told apart."""
+    monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, edge: judged)
+    loops = SimpleNamespace(amplitude_mm=np.tile([0.2, 0.5, 1.0], 4), frequency_Hz=np.full(12, 2.0))
+    asked = [beyond_the_tests(592.0, with_it, SimpleNamespace(loops=loops)).passed for with_it in (601.0, 602.0)]
+    assert asked == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -184,9 +193,18 @@ def test_an_error_that_falls_too_rarely_says_so(gains, passed, monkeypatch):
     errors = {"before": np.full(3, 20.0), "after": 20.0 - np.array(gains)}
     monkeypatch.setattr(guards, "squared_errors", lambda law, loops: errors[law])
     unseen = SimpleNamespace(samples=np.full(3, 100), force_rms_N=np.full(3, 10.0))
-    guard = confirmed("before", "after", unseen, np.arange(3))
+    guard = confirmed("before", "after", unseen)
     assert guard.passed == passed
     assert ("of draws of them only, not in more than 97.5%" in guard.words) != passed
+
+
+def test_of_two_groups_one_that_gains_nothing_does_not_decide(monkeypatch):
+    """A term had been refused that took 0.50 to 0.36 %: one of two groups lost a trifle, and groups were drawn."""
+    gains = np.array([5.0, 4.0, 6.0, 5.0, -0.5, 0.3, -0.2, 0.1])
+    errors = {"before": np.full(8, 20.0), "after": 20.0 - gains}
+    monkeypatch.setattr(guards, "squared_errors", lambda law, loops: errors[law])
+    unseen = SimpleNamespace(samples=np.full(8, 100), force_rms_N=np.full(8, 10.0))
+    assert confirmed("before", "after", unseen).passed
 
 
 def test_what_a_term_explains_itself_is_no_chance():

@@ -149,7 +149,7 @@ def search(
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
-    bar = _Bar(law, listed, _rows(loops, kept), groups[kept])
+    bar = _Bar(law, listed, _rows(loops, kept))
     own = _asked(_Basis(law), problem, every, bar, jobs, progress)
     heard = [own] if isinstance(own, Found) else []
     for basis in _without_last_effects(law, problem):
@@ -193,13 +193,12 @@ class _Bar:
     Attributes:
         law: the law as it is.
         listed: the catalogue's best effects in it, on the same tests.
-        unseen, groups: the tests that were kept back, and the group of each.
+        unseen: the tests that were kept back.
     """
 
     law: Judged
     listed: Sequence[Judged]
     unseen: Loops
-    groups: npt.NDArray[np.intp]
 
 
 def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
@@ -360,7 +359,7 @@ class _Hearing:
             beyond_chance(float(self.explained[place]), self.by_chance(place)),
             comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
             beyond_the_tests(law, found, problem),
-            confirmed(law.result.law, found.result.law, self.bar.unseen, self.bar.groups),
+            confirmed(law.result.law, found.result.law, self.bar.unseen),
             not_in_the_catalogue(found, [*replaced, *self.bar.listed], problem),
         )
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
