@@ -5,6 +5,7 @@ And a law may hold several.
 
 import json
 import tomllib
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 from pipeclamp_identification.discovery import guards
 from pipeclamp_identification.discovery.columns import Column
-from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
+from pipeclamp_identification.discovery.discover import Refitted, beside, best_heard, left_to_hear, to_better
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
     beyond_the_tests,
@@ -244,3 +245,33 @@ def test_signs_are_turned_in_sums_over_groups():
         strength = products[~own].sum() / np.sum(free[~own] ** 2)
         expected += 2 * strength * products[own].sum() - strength**2 * np.sum(free[own] ** 2)
     assert found.explained(signs)[0] == pytest.approx(expected, rel=1e-5)
+
+
+def refitted(strength, fitted, jacobian, residual):
+    """A spring that was fitted together with a law of one parameter."""
+    term = next(one for one in terms((), {}) if one.declaration.id == "found_periodic_spring")
+    result = SimpleNamespace(fitted=fitted, law=SimpleNamespace(values={"F_x": strength, "y_x": 0.1, "k": 1.0}))
+    judged = SimpleNamespace(result=result, fitted=SimpleNamespace(residual=residual, jacobian=jacobian))
+    return Refitted(judged, term, Column(term, {"y_x": 0.1}, np.zeros_like(residual), True))
+
+
+def test_what_a_term_explains_is_asked_where_the_law_was_fitted_with_it():
+    """A relaxation that took 562 squares to 278 had been refused, for beside the law alone it explained 9."""
+    random = np.random.default_rng(4)
+    groups = np.repeat(np.arange(8), 3)
+    change, tangent, noise = random.standard_normal((3, 24, 5))
+    residual = 0.1 * noise  # of the law with the term
+    one = refitted(
+        2.0, ("k", "F_x", "y_x"), np.stack([-tangent, -change, random.standard_normal((24, 5))], 2), residual
+    )
+    own = beside(one, groups).explained()[-1]
+    assert own == pytest.approx(np.sum((2.0 * change) ** 2), rel=0.2)
+    lookalike = screened([replace(one.column, change=change)], 2.0 * change, change[:, :, None], groups)
+    assert lookalike.explained()[0] < 1e-6 * own  # the law alone, whose tangents do what the term does
+    assert beside(one, groups, [one.column]).without(-1).by_chance() < 0.1 * own
+
+
+def test_a_term_whose_strength_ended_at_its_bound_explains_nothing():
+    random = np.random.default_rng(4)
+    one = refitted(0.0, ("k",), random.standard_normal((24, 5, 1)), random.standard_normal((24, 5)))
+    assert beside(one, np.repeat(np.arange(8), 3)).explained()[-1] == 0.0

@@ -307,6 +307,30 @@ class Refitted:
         return len(self.term.declaration.parameters)
 
 
+def beside(one: Refitted, groups: npt.NDArray[np.intp], others: Sequence[Column] = ()) -> Screened:
+    """Screen other columns, and a refitted term as the last, on what the law that was fitted with it leaves without it.
+
+    That law's parameters may lie far from where the law alone has them, and so do its tangents: of the law alone they
+    may leave next to nothing of a term that takes half of the squares.
+
+    Args:
+        one: the term.
+        groups: of each run, shape (R,).
+        others: what is screened too.
+    """
+    result, fitted = one.judged.result, one.judged.fitted
+    own = {table.symbol for table in one.term.declaration.parameters}
+    tangents = [place for place, name in enumerate(result.fitted) if name not in own]
+    tangents += range(len(result.fitted), fitted.jacobian.shape[2])  # factors of groups
+    linear = RATE if one.term.family == "factor" else STRENGTH
+    change = np.zeros_like(fitted.residual)
+    if linear in result.fitted:
+        change = -fitted.jacobian[:, :, result.fitted.index(linear)]
+    residual = fitted.residual + result.law.values[linear] * change
+    columns = [*others, replace(one.column, change=change)]
+    return screened(columns, residual, fitted.jacobian[:, :, tangents], groups)
+
+
 @dataclass(frozen=True)
 class _Hearing:
     """What terms are asked with.
@@ -329,20 +353,24 @@ class _Hearing:
     def screened(self) -> Screened:
         """All that was screened, and after it each refitted term at its fitted values."""
         law, problem = self.evaluation.law, self.evaluation.problem
-        columns = [*self.columns, *(one.column for one in self.refitted)]
-        return screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+        return screened(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
+
+    @property
+    def _every(self) -> list[Column]:
+        return [*self.columns, *(one.column for one in self.refitted)]
 
     def by_chance(self, place: int) -> float:
         """Give what the best of all terms explains by chance of what one of the refitted leaves.
 
         What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
         """
-        return self.screened.without(len(self.columns) + place).by_chance()
+        return beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
 
     @cached_property
     def explained(self) -> Array:
-        """The squares that each refitted term explains."""
-        return self.screened.explained()[len(self.columns) :]
+        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
+        groups = self.evaluation.problem.groups
+        return np.array([beside(one, groups).explained()[-1] for one in self.refitted])
 
     def alike(self, place: int) -> npt.NDArray[np.bool_]:
         """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
