@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
-from pipeclamp_identification.diagnosis.named import in_vain_on
+from pipeclamp_identification.diagnosis.named import WITH, in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
     Contender,
     Judged,
@@ -149,7 +149,7 @@ def search(
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
-    bar = _Bar(law, listed, _rows(loops, kept))
+    bar = _Bar(law, listed, _rows(loops, kept), found.effects)
     own = _asked(_Basis(law), problem, every, bar, jobs, progress)
     heard = [own] if isinstance(own, Found) else []
     for basis in _without_last_effects(law, problem):
@@ -168,9 +168,9 @@ def to_better(candidates: Sequence[Judged], in_vain: Collection[str]) -> Sequenc
 
     Args:
         candidates: of the diagnosis, best first.
-        in_vain: effects that were tried on the same tests and didn't lower the error.
+        in_vain: effects that were tried on the same tests and didn't lower the error; of two together both names.
     """
-    return [one for one in candidates if len(one.effects) > 1 or one.effects[0] not in in_vain][:LISTED]
+    return [one for one in candidates if WITH.join(one.effects) not in in_vain][:LISTED]
 
 
 @dataclass(frozen=True)
@@ -194,11 +194,13 @@ class _Bar:
         law: the law as it is.
         listed: the catalogue's best effects in it, on the same tests.
         unseen: the tests that were kept back.
+        named: effects that the law's diagnosis names.
     """
 
     law: Judged
     listed: Sequence[Judged]
     unseen: Loops
+    named: Sequence[str]
 
 
 def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
@@ -387,8 +389,10 @@ class _Hearing:
             beyond_chance(float(self.explained[place]), self.by_chance(place)),
             comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
             beyond_the_tests(law, found, problem),
-            confirmed(law.result.law, found.result.law, self.bar.unseen),
-            not_in_the_catalogue(found, [*replaced, *self.bar.listed], problem),
+            confirmed(law.result.law, found.result.law, self.bar.unseen, problem),
+            not_in_the_catalogue(
+                found, [*replaced, *self.bar.listed], problem, named=self.bar.named, own=bool(replaced)
+            ),
         )
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
         return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone)
