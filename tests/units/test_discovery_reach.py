@@ -58,6 +58,61 @@ def test_the_grammar_imitates(name):
     assert best < CLOSELY
 
 
+def bent(expression, starts, wanted, **signals):
+    """The share of a force that no values of an expression's own parameters reach."""
+    values = function(expression)
+
+    def miss(log):
+        return misses(wanted, values(**REFERENCES, **signals, **dict(zip(starts, np.exp(log), strict=True))))
+
+    return minimize(miss, np.log(list(starts.values())), method="Nelder-Mead", options={"maxfev": 2000}).fun
+
+
+@pytest.mark.parametrize(
+    "wanted", [V / (1 + (V / 10) ** 2), V * (1 + (V / 6) ** 2) ** -0.2, SIDE * -np.expm1(-SPEED / 6)],
+    ids=["a brake whose own currents push its field away", "a melt", "a paste"],
+)  # fmt: skip
+def test_one_damping_bends_by_any_power(wanted):
+    """Beyond a speed its force may fall, as an eddy-current brake's does: no term of the grammar had."""
+    term = next(one for one in terms((), {}) if one.declaration.id == "found_bent_damping")
+    force = term.effect.force.subs(sp.Symbol(STRENGTH, real=True), 1)
+    assert bent(force, {"v_x": 5.0, "p_x": 1.0}, wanted, v=V) < CLOSELY
+
+
+def test_a_stiffness_may_fall_by_a_step_over_the_temperature():
+    T = np.linspace(290.0, 570.0, 30)
+    wanted = 1 / (1 + np.exp(-(T - 420.0) / 20.0))
+    (step,) = (one for one in terms(("T",), {}) if one.declaration.id == "found_stiffness_step_t")
+    (factor,) = step.effect.scales.values()
+    slope = sp.diff(sp.log(factor), sp.Symbol(RATE, real=True))
+    assert bent(slope, {"l_x": 400.0, "w_x": 30.0}, wanted, T=T) < CLOSELY
+
+
+def test_a_stop_may_be_nearer_when_hot():
+    """A clearance that a hot pipe takes up; a stop that is only scaled with the temperature is another."""
+    y, T = (axis.ravel() for axis in np.meshgrid(np.linspace(-1.0, 1.0, 41), np.linspace(293.15, 573.15, 5)))
+    wanted = np.sign(y) * np.maximum(np.abs(y) - 0.7 * (1 - (T - 293.15) / 400), 0.0)
+    by_id = {term.declaration.id: term for term in terms(("T",), {})}
+    known = {"y": y, "T": T, "y_r": 0.002}
+    for name, others, near in (
+        ("found_moved_stop_both_1", {"y_x": 0.5, "m_x": 0.05}, True),
+        ("found_stop_both_1_by_t", {"y_x": 0.5, "s_x": 0.5}, False),
+    ):
+        force = by_id[name].effect.force.subs(sp.Symbol(STRENGTH, real=True), 1)
+        assert (bent(force, others, wanted, **known) < CLOSELY) == near
+
+
+def test_a_further_column_may_scale_a_term_by_a_power():
+    """A field's force rises steeply at first, then less and less; an exponential of the field rises the other way."""
+    field = np.linspace(2.0, 20.0, 19)
+    wanted = np.tanh(field / 12)
+    by_id = {term.declaration.id: term for term in terms((), {"field": 20.0})}
+    term = by_id["found_viscous_damping_by_field_power"]
+    assert term.declaration.conditions == ("field",)
+    force = term.effect.force.subs(sp.Symbol(STRENGTH, real=True), 1)
+    assert bent(force, {"s_x": 0.5}, wanted, v=1.0, u_field=field) < CLOSELY
+
+
 def test_a_factor_may_have_a_peak():
     """As damping of a relaxation has over the frequency: a power and what levels off have none."""
     f = np.geomspace(0.5, 20.0, 30)

@@ -15,3 +15,12 @@ def test_who_gets_no_term_reads_what_was_tried_and_where_the_rest_lies():
         assert words.startswith("Nothing is proposed: no term explains more than chance.")
         assert ("348 terms were tried" in words) == told
         assert ("the law as it is leaves 4 N; most of it lies in harmonic 3." in words) == told
+
+
+def test_where_the_rest_lies_is_in_the_answer_too():
+    """Programs had to diagnose again for it; and where nothing can be said of it, the sentence had been empty."""
+    for rest in (("the law as it is leaves 4 N",), ()):
+        search = Search(SimpleNamespace(left_over=lambda rest=rest: rest), None, 348, "no term explains enough")
+        proposal = Proposal(search, None, None, None, None, None, (), search.reason, ())
+        assert proposal.answer().left_over == rest
+        assert any("Where the rest lies" in line for line in discovery_words(proposal)) == bool(rest)

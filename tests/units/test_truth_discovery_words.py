@@ -26,7 +26,7 @@ OWN_WORD = 0.05
 CLOSELY = 8
 """Terms, best at their starts, whose parameters are fitted."""
 LAWS = (
-    "detents", "thermal_stop", "unequal_stops", "eddy_brake", "warm_flow", "cavitating_film", "thinning_oil",
+    "detents", "thermal_stop", "unequal_stops", "thickening_paste", "warm_flow", "cavitating_film", "thinning_oil",
     "yielding_paste", "damped_contact", "shifted_flow", "glass_transition", "payne", "moving_peak", "running_in",
     "field_friction",
 )  # fmt: skip

@@ -10,13 +10,16 @@ from beyond.plain import ACTIVATION
 
 MIDDLE_FREQUENCY, MIDDLE_AMPLITUDE, MIDDLE_TEMPERATURE = 3.0, 0.4, 400.0
 """Hz, mm and K about which a factor turns."""
+GLASSY = 12000.0
+"""K, of the activation."""
 SATURATES = 8.0
 """Level of the further column at which a field's force saturates; the column has 5, 10 and 20."""
 
 
 def glass_transition(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Stiffness that falls by a step about a temperature."""
-    return Part(stiffness=1 - size / (1 + np.exp(-(motion.T - shape["contact"]) / 20.0)))
+    """Stiffness that a polymer loses as heat lets its chains follow the motion: later, where that is faster."""
+    slower = motion.f / MIDDLE_FREQUENCY * np.exp(GLASSY * (1 / motion.T - 1 / shape["contact"]))
+    return Part(stiffness=1 - size / (1 + slower**2))
 
 
 def payne(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -32,8 +35,8 @@ def moving_peak(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: 
 
 
 def running_in(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Damping that grows with the logarithm of cycles, as contacts run in."""
-    return Part(damping=1 + size * np.log1p(motion.cycles_seen / (0.3 * shape["cycles"])))
+    """Damping that grows as contacts run in: fast at first, and slowly for long."""
+    return Part(damping=1 - size * np.expm1(-np.sqrt(motion.cycles_seen / shape["cycles"])))
 
 
 def field_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:

@@ -17,6 +17,12 @@ HOTTER = 300.0
 """K by which a gap that closes with temperature would close altogether."""
 ACTIVATION = 2500.0
 """K."""
+SHARPER = 0.1
+"""By which the tops of a serration are sharper than its valleys; 0 for a sine."""
+LOCKED, LOCKS_WITHIN = 3.0, 0.25
+"""By how much the viscosity rises, and within which share of the speed at which it does."""
+THINNEST = 0.25
+"""Last viscosity over the first."""
 TORN = 0.15
 """Force at which a film tears, over its viscous force at the middle and `SPEED`."""
 DAMPED = 1 / 60.0
@@ -24,14 +30,15 @@ DAMPED = 1 / 60.0
 
 
 def detents(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A periodic potential with several valleys within the stroke, as of a serrated or threaded seat."""
-    return Part(force=size * typical(base) * np.sin(2 * np.pi * motion.y / (2.5 * shape["limit"])))
+    """A periodic potential with several valleys within the stroke, as of a serrated seat: broad valleys, sharp tops."""
+    x = 2 * np.pi * motion.y / (2.5 * shape["limit"])
+    return Part(force=size * typical(base) * np.sin(x) / (1 + SHARPER**2 + 2 * SHARPER * np.cos(x)) ** 2)
 
 
 def thermal_stop(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A stop on both sides whose clearance the hot pipe takes up."""
+    """A round stop on both sides whose clearance the hot pipe takes up."""
     gap = shape["stop"] * (1 - (motion.T - T0) / HOTTER)
-    return Part(force=size * base.k10 * np.sign(motion.y) * np.maximum(np.abs(motion.y) - gap, 0.0))
+    return Part(force=size * base.k10 * np.sign(motion.y) * np.maximum(np.abs(motion.y) - gap, 0.0) ** 1.5)
 
 
 def unequal_stops(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -41,10 +48,10 @@ def unequal_stops(motion: Motion, base: BaseLaw, rough: bool, size: float, shape
     return Part(force=size * base.k10 * np.copysign(1.0, shape["sign"]) * (near - far))
 
 
-def eddy_brake(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A brake whose own currents push its field away: beyond a speed its force falls."""
-    speed = motion.v / (10 * shape["speed"])
-    return Part(force=size * typical(base) * 2 * speed / (1 + speed**2))
+def thickening_paste(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """A dense suspension whose grains lock beyond a speed: its viscosity rises by a step."""
+    locked = 1 / (1 + np.exp(-(np.abs(motion.v) / (8 * shape["speed"]) - 1) / LOCKS_WITHIN))
+    return Part(force=size * typical(base) * motion.v / SPEED * (1 + LOCKED * locked))
 
 
 def warm_flow(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -61,8 +68,8 @@ def cavitating_film(motion: Motion, base: BaseLaw, rough: bool, size: float, sha
 
 
 def thinning_oil(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """A melt or silicone oil that thins beyond a rate of shear."""
-    thinned = (1 + (motion.v / (6 * shape["speed"])) ** 2) ** ((0.2 - 1) / 2)
+    """A melt or silicone oil that thins beyond a rate of shear, from one viscosity to another."""
+    thinned = THINNEST + (1 - THINNEST) / (1 + (motion.v / (6 * shape["speed"])) ** 2)
     return Part(force=size * typical(base) * motion.v / SPEED * thinned)
 
 

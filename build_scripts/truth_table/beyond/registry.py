@@ -35,17 +35,20 @@ def _law(kind: Kind, equation: str, source: str, *families: str) -> Beyond:
 
 LAWS: dict[str, Beyond] = {
     "detents": _law(
-        Kind(plain.detents), "F = F_s sin(2 pi y/l), l < A",
-        "Tomlinson 1929, Phil. Mag. 7(46): a molecular theory of friction", SPRING,
+        Kind(plain.detents), "F = F_s sin(x) / (1 + r^2 + 2 r cos(x))^2, x = 2 pi y/l, l < A",
+        "Peyrard and Remoissenet 1982, Phys. Rev. B 26(6)", SPRING,
     ),
     "thermal_stop": _law(
-        Kind(plain.thermal_stop, most=5.0), "F = k (|y| - g_0 (1 - (T - T_0)/T_g))+ sgn(y)", CLOSED, SPRING,
+        Kind(plain.thermal_stop, most=5.0), "F = k (|y| - g_0 (1 - (T - T_0)/T_g))+^1.5 sgn(y)",
+        "Hertz 1882, J. reine angew. Math. 92: a round contact", SPRING,
     ),
     "unequal_stops": _law(
         Kind(plain.unequal_stops, most=5.0), "F = k ((y - a)+ - (-y - 3 a)+)", CLOSED, SPRING,
     ),
-    "eddy_brake": _law(
-        Kind(plain.eddy_brake), "F = 2 F_m (v/v_c) / (1 + (v/v_c)^2)", "Wouterse 1991, IEE Proc. B 138(4)", DAMPER,
+    "thickening_paste": _law(
+        Kind(plain.thickening_paste, most=3.0), "F = c v (1 + b/(1 + exp(-(|v|/v_c - 1)/w)))",
+        "after Galindo-Rosales, Rubio-Hernandez and Sevilla 2011, J. Non-Newton. Fluid Mech. 166(5-6): a viscosity "
+        "between two, here by a step", DAMPER,
     ),
     "warm_flow": _law(
         Kind(plain.warm_flow), "F = F_e T/T_0 asinh(v/v_e exp(B (1/T - 1/T_0)))", "Eyring 1936, J. Chem. Phys. 4(4)",
@@ -56,8 +59,8 @@ LAWS: dict[str, Beyond] = {
         "Reynolds 1886, Phil. Trans. R. Soc. 177; torn as in Dowson and Taylor 1979, Annu. Rev. Fluid Mech. 11", DAMPER,
     ),
     "thinning_oil": _law(
-        Kind(plain.thinning_oil, most=3.0), "F = c v (1 + (v/v_c)^2)^((n - 1)/2)",
-        "Carreau 1972, Trans. Soc. Rheol. 16(1)", DAMPER,
+        Kind(plain.thinning_oil, most=3.0), "F = c v (m + (1 - m)/(1 + (v/v_c)^2))",
+        "Cross 1965, J. Colloid Sci. 20(5), with an exponent of 2", DAMPER,
     ),
     "yielding_paste": _law(
         Kind(plain.yielding_paste, most=1.5), "F = F_y sgn(v) (1 - exp(-|v|/v_p))",
@@ -117,7 +120,8 @@ LAWS: dict[str, Beyond] = {
         "Bliman and Sorine 1995, Proc. 3rd European Control Conference", ELEMENT, DAMPER,
     ),
     "glass_transition": _law(
-        Kind(factors.glass_transition), "k *= 1 - s/(1 + exp(-(T - T_g)/w))", CLOSED, FACTOR,
+        Kind(factors.glass_transition), "k *= 1 - s/(1 + x^2), x = f/f_c exp(B (1/T - 1/T_g))",
+        "Ferry 1980, Viscoelastic Properties of Polymers: one relaxation, time and temperature superposed", FACTOR,
     ),
     "payne": _law(
         Kind(factors.payne, most=1.5), "k *= 1 + s/(1 + (A/A_c)^(2 m)), m = 1.5",
@@ -128,7 +132,8 @@ LAWS: dict[str, Beyond] = {
         "Zener 1948, Elasticity and Anelasticity of Metals", FACTOR,
     ),
     "running_in": _law(
-        Kind(factors.running_in, needs="cycles"), "c *= 1 + s ln(1 + N/N_c)", CLOSED, FACTOR,
+        Kind(factors.running_in, needs="cycles"), "c *= 1 + s (1 - exp(-(N/N_c)^0.5))",
+        "Kohlrausch 1854, Ann. Phys. Chem. 91: a stretched exponential", FACTOR,
     ),
     "field_friction": _law(
         Kind(factors.field_friction, needs="condition"), "F = F_m tanh(u/u_s) tanh(v/v_s)",

@@ -19,7 +19,9 @@ def discovery_words(proposal: Proposal) -> list[str]:
         if found:
             words.append(f"The best term: {proposal.formula()}.")
         if proposal.search.tried:
-            words += [tried, f"Where the rest lies: {'; '.join(proposal.search.diagnosed.left_over())}."]
+            words.append(tried)
+        if rest := proposal.left_over():
+            words.append(f"Where the rest lies: {'; '.join(rest)}.")
         return words
     before, after = proposal.heldout
     scatter = f"; {proposal.noise_nrmse:.2%} is scatter" if proposal.noise_nrmse is not None else ""

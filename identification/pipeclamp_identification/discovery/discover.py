@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed, diagnosed
-from pipeclamp_identification.diagnosis.named import in_vain_on
+from pipeclamp_identification.diagnosis.named import WITH, in_vain_on
 from pipeclamp_identification.diagnosis.problem import (
     Contender,
     Judged,
@@ -149,7 +149,7 @@ def search(
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
-    bar = _Bar(law, listed, _rows(loops, kept), groups[kept])
+    bar = _Bar(law, listed, _rows(loops, kept), found.effects)
     own = _asked(_Basis(law), problem, every, bar, jobs, progress)
     heard = [own] if isinstance(own, Found) else []
     for basis in _without_last_effects(law, problem):
@@ -168,9 +168,9 @@ def to_better(candidates: Sequence[Judged], in_vain: Collection[str]) -> Sequenc
 
     Args:
         candidates: of the diagnosis, best first.
-        in_vain: effects that were tried on the same tests and didn't lower the error.
+        in_vain: effects that were tried on the same tests and didn't lower the error; of two together both names.
     """
-    return [one for one in candidates if len(one.effects) > 1 or one.effects[0] not in in_vain][:LISTED]
+    return [one for one in candidates if WITH.join(one.effects) not in in_vain][:LISTED]
 
 
 @dataclass(frozen=True)
@@ -193,13 +193,14 @@ class _Bar:
     Attributes:
         law: the law as it is.
         listed: the catalogue's best effects in it, on the same tests.
-        unseen, groups: the tests that were kept back, and the group of each.
+        unseen: the tests that were kept back.
+        named: effects that the law's diagnosis names.
     """
 
     law: Judged
     listed: Sequence[Judged]
     unseen: Loops
-    groups: npt.NDArray[np.intp]
+    named: Sequence[str]
 
 
 def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
@@ -308,6 +309,30 @@ class Refitted:
         return len(self.term.declaration.parameters)
 
 
+def beside(one: Refitted, groups: npt.NDArray[np.intp], others: Sequence[Column] = ()) -> Screened:
+    """Screen other columns, and a refitted term as the last, on what the law that was fitted with it leaves without it.
+
+    That law's parameters may lie far from where the law alone has them, and so do its tangents: of the law alone they
+    may leave next to nothing of a term that takes half of the squares.
+
+    Args:
+        one: the term.
+        groups: of each run, shape (R,).
+        others: what is screened too.
+    """
+    result, fitted = one.judged.result, one.judged.fitted
+    own = {table.symbol for table in one.term.declaration.parameters}
+    tangents = [place for place, name in enumerate(result.fitted) if name not in own]
+    tangents += range(len(result.fitted), fitted.jacobian.shape[2])  # factors of groups
+    linear = RATE if one.term.family == "factor" else STRENGTH
+    change = np.zeros_like(fitted.residual)
+    if linear in result.fitted:
+        change = -fitted.jacobian[:, :, result.fitted.index(linear)]
+    residual = fitted.residual + result.law.values[linear] * change
+    columns = [*others, replace(one.column, change=change)]
+    return screened(columns, residual, fitted.jacobian[:, :, tangents], groups)
+
+
 @dataclass(frozen=True)
 class _Hearing:
     """What terms are asked with.
@@ -330,20 +355,24 @@ class _Hearing:
     def screened(self) -> Screened:
         """All that was screened, and after it each refitted term at its fitted values."""
         law, problem = self.evaluation.law, self.evaluation.problem
-        columns = [*self.columns, *(one.column for one in self.refitted)]
-        return screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
+        return screened(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
+
+    @property
+    def _every(self) -> list[Column]:
+        return [*self.columns, *(one.column for one in self.refitted)]
 
     def by_chance(self, place: int) -> float:
         """Give what the best of all terms explains by chance of what one of the refitted leaves.
 
         What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
         """
-        return self.screened.without(len(self.columns) + place).by_chance()
+        return beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
 
     @cached_property
     def explained(self) -> Array:
-        """The squares that each refitted term explains."""
-        return self.screened.explained()[len(self.columns) :]
+        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
+        groups = self.evaluation.problem.groups
+        return np.array([beside(one, groups).explained()[-1] for one in self.refitted])
 
     def alike(self, place: int) -> npt.NDArray[np.bool_]:
         """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
@@ -360,8 +389,10 @@ class _Hearing:
             beyond_chance(float(self.explained[place]), self.by_chance(place)),
             comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
             beyond_the_tests(law, found, problem),
-            confirmed(law.result.law, found.result.law, self.bar.unseen, self.bar.groups),
-            not_in_the_catalogue(found, [*replaced, *self.bar.listed], problem),
+            confirmed(law.result.law, found.result.law, self.bar.unseen, problem),
+            not_in_the_catalogue(
+                found, [*replaced, *self.bar.listed], problem, named=self.bar.named, own=bool(replaced)
+            ),
         )
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
         return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone)

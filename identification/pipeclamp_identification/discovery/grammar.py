@@ -88,7 +88,8 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
         varied: of A, f, T and N those that vary over the tests.
         conditions: further columns that vary, with the largest magnitude of each.
     """
-    scales = [None, *(name for name in SCALED if name in varied), *conditions]
+    scales = [None, *(one for name, one in SCALED.items() if name in varied)]
+    scales += [scale for name, size in conditions.items() for scale in _scales_of(name, size)]
     shapes: list[tuple[Family, _Shape]] = [
         *(("spring", shape) for shape in _springs()),
         *(("damper", shape) for shape in _dampers()),
@@ -96,10 +97,51 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
     ]
     for (family, shape), scale in itertools.product(shapes, scales):
         if 1 + len(shape.parameters) + (scale is not None) <= MOST_PARAMETERS:
-            yield _force_term(family, shape, scale, conditions)
+            yield _force_term(family, shape, scale)
+    if "T" in varied:
+        for family, shape in _moved_by_temperature():
+            yield _force_term(family, shape, None)
     signals = [*(name for name in LEVELS if name in varied), *conditions]
     for role, signal in itertools.product(ROLES, signals):
         yield from _factors(role, signal, conditions)
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """What a term that adds a force is scaled by.
+
+    Attributes:
+        name: as ids have it.
+        factor: > 0, with the exponent `s_x`.
+        words: what it is.
+        condition: the further column that it needs; empty where it is A, f or T.
+    """
+
+    name: str
+    factor: str
+    words: str
+    condition: str = ""
+
+
+SCALED = {
+    "A": _Scale("A", "(A / A_0)**s_x", "the amplitude"),
+    "f": _Scale("f", "(f / f_0)**s_x", "the frequency"),
+    "T": _Scale("T", "(T / T_0)**s_x", "the temperature"),
+}
+"""By A, f and T."""
+
+
+def _scales_of(column: str, size: float) -> tuple[_Scale, ...]:
+    """Give by what a term may follow a further column: exponentially, or with a power of it, which a field has."""
+    name, share = _named(column), f"{_named(column)} / {size:.6g}"
+    return (
+        _Scale(name, f"exp(s_x * {share})", column, column),
+        _Scale(f"{name}_power", f"(abs({share}) + {ABOVE_ZERO})**s_x", f"a power of {column}", column),
+    )
+
+
+ABOVE_ZERO = 0.001
+"""Share of a further column's largest value that is added to it, for it may be zero."""
 
 
 def _length(meaning: str, *shares: float, of: str = "A_highest") -> Entry:
@@ -151,6 +193,10 @@ def _springs() -> Iterator[_Shape]:
         "growing_spring", "(exp(y / y_x) - exp(-y / y_x)) / 2", "a spring whose force grows exponentially",
         (_length("displacement by which it grows e times", 0.15, 0.3, 1.0),), signed=True,
     )  # fmt: skip
+    yield _Shape(
+        "periodic_spring", "sin(y / y_x)", "a spring with a valley after each stretch of the way, as detents have",
+        (_length("stretch from valley to valley over 2 pi", *PERIODS),), signed=True,
+    )  # fmt: skip
     growth = _length("displacement by which it grows e times", 0.3, 1.0)
     for side, way in (("positive", "y"), ("negative", "-y")):
         yield _Shape(
@@ -173,6 +219,10 @@ CLOSING = {
 }
 """Share of a clearance that is left, by the side on which it closes."""
 SIDES = {"positive": "the positive side", "negative": "the negative side", "both": "both sides"}
+
+
+PERIODS = (0.03, 0.045, 0.07, 0.1, 0.15, 0.22, 0.33, 0.5)
+"""Over the largest amplitude: a period is found only from a start that is near it."""
 
 
 PLACES = (
@@ -211,6 +261,9 @@ def _dampers() -> Iterator[_Shape]:
         ("saturating_damping", "tanh(v / v_x)", "damping that levels off with velocity", (_velocity(speed, 0.3, 2.0),)),
         ("thinning_damping", f"v / ({SIZE_V} + v_x)", "damping that thins with velocity, levelling off in the end",
          (_velocity(speed, 0.3, 2.0),)),
+        ("bent_damping", "v / v_0 * (1 + (v / v_x)**2)**(-p_x / 2)",
+         "damping that bends beyond a velocity, where it thins, levels off or falls",
+         (_velocity(speed, 0.5, 3.0), _exponent("exponent that is lost beyond it", 0.6, 2.0, upper=3.0))),
         ("relief_damping", f"{SIGN_V} * max({SIZE_V} - v_x, 0) / v_0", "damping that begins beyond a velocity",
          (_velocity("velocity from which it acts", 1.0, 4.0),)),
         ("forward_damping", "max(v, 0) / v_0", "damping while the displacement rises only", ()),
@@ -225,6 +278,12 @@ def _dampers() -> Iterator[_Shape]:
 
 def _velocity(meaning: str, *shares: float) -> Entry:
     return {**FAST, "meaning": meaning, "start": tuple(f"{share} * A_typical * f_typical" for share in shares)}
+
+
+TIME: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
+        "upper": "100 / f_lowest", "start": ("0.03 / f_typical", "0.3 / f_typical")}  # fmt: skip
+LEAST_LIMIT = 0.001
+"""Where nothing holds, an element yields within this share of its way."""
 
 
 def _elements() -> Iterator[_Shape]:
@@ -243,6 +302,13 @@ def _elements() -> Iterator[_Shape]:
             f"slip{place}", "z_x", f"dry friction{where or ' of one strength'}", (way, *own),
             state(f"min(max({trial}, -({limit})), {limit})"), stored, plain="slip" if place else "",
         )  # fmt: skip
+        way_on, whole = "sign(y - y_previous)", f"({limit})"
+        left = f"exp(-abs(y - y_previous) / (w_x * max({whole}, {LEAST_LIMIT})))"
+        yield _Shape(
+            f"smooth_slip{place}", "z_x", f"dry friction that yields smoothly{where}", (way, *own),
+            state(f"{way_on} * {whole} + (z_x - {way_on} * {whole}) * {left}"), stored,
+            plain="smooth_slip" if place else "",
+        )  # fmt: skip
     for power, words in ((0.5, "softens"), (2, "stiffens"), (3, "stiffens much")):
         yield _Shape(
             f"bent_slip_{str(power).replace('.', 'p')}", f"z_x * sqrt(z_x**2 + 1e-6)**{power - 1}",
@@ -254,60 +320,74 @@ def _elements() -> Iterator[_Shape]:
         "slip_after_play", "(max(z_x - g_x, 0) - max(-z_x - g_x, 0)) / (1 - g_x)",
         "dry friction through a spring with play", (way, play), state(f"min(max({trial}, -1), 1)"),
     )  # fmt: skip
-    time: Entry = {"symbol": "t_x", "unit": "s", "meaning": "time in which it relaxes", "lower": "0.001 / f_highest",
-            "upper": "100 / f_lowest", "start": ("0.03 / f_typical", "0.3 / f_typical")}  # fmt: skip
     for power in (1, 2):
         yield _Shape(
             f"relaxing_{power}", "z_x",
-            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (way, time),
+            f"a spring whose force creeps away, the faster the larger it is (power {power + 1})", (way, TIME),
             state(f"({trial}) / (1 + h / t_x * abs({trial})**{power})"), stored,
         )  # fmt: skip
 
 
-SCALED = {
-    "A": ("(A / A_0)**s_x", "amplitude"),
-    "f": ("(f / f_0)**s_x", "frequency"),
-    "T": ("(T / T_0)**s_x", "temperature"),
-}
-"""By what a term that adds a force may be scaled, and how it is called."""
+def _moved_by_temperature() -> Iterator[tuple[Family, _Shape]]:
+    """Give springs that begin at a place, and elements that relax in a time, which temperature moves."""
+    warmer = "(T - T_0) / 100"
+    moves: Entry = {**LONG, "symbol": "m_x", "meaning": "by which it is nearer for each 100 K", "neutral": 0.0,
+             "lower": "-A_highest", "upper": "A_highest", "start": ("0.1 * A_highest", "-0.1 * A_highest")}  # fmt: skip
+    kink = _length("displacement from which it acts at 20 °C", 0.3, 0.6, 0.9)
+    place = f"y_x - m_x * {warmer}"
+    for order, grows in ((1, "linearly"), (2, "with the square")):
+        for name, sign, gone, where in (
+            ("both", SIGN_Y, f"{SIZE_Y} - max({place}, 0)", "both sides"),
+            ("positive", "1", f"y - ({place})", SIDES["positive"]),
+            ("negative", "-1", f"-y - ({place})", SIDES["negative"]),
+        ):
+            yield "spring", _Shape(
+                f"moved_stop_{name}_{order}", f"{sign} * (max({gone}, 0) / A_0)**{order}",
+                f"a spring that begins beyond a displacement on {where}, which temperature moves, and grows {grows}",
+                (kink, moves),
+            )  # fmt: skip
+    trial = "z_x + (y - y_previous) / A_0"
+    yield "element", _Shape(
+        "warm_relaxing", "z_x", "a spring whose force creeps away in a time that temperature changes",
+        (TIME, _scaling("by how much the time's logarithm falls for each 100 K", 1.0, -1.0)),
+        {"symbol": "z_x", "unit": "-", "meaning": "strain of the element",
+         "update": f"({trial}) / (1 + h / t_x * exp(s_x * {warmer}))"},
+        f"{STRENGTH} * A_0 * z_x**2 / 2",
+    )  # fmt: skip
 
 
-def _force_term(family: Family, shape: _Shape, scale: str | None, conditions: Mapping[str, float]) -> Term:
-    """Give a term that adds a force, alone or scaled by a power of A, f or T, or exponentially by a further column."""
-    factor, words = "", ""
-    further: tuple[Entry, ...] = ()
-    if scale is not None:
-        factor, name = SCALED.get(scale) or (f"exp(s_x * {_named(scale)} / {conditions[scale]:.6g})", scale)
-        words = f", scaled with {'the ' if scale in SCALED else ''}{name}"
-        further = (_scaling(f"by how much it follows {scale}", -0.5, 0.5),)
+def _force_term(family: Family, shape: _Shape, scale: _Scale | None) -> Term:
+    """Give a term that adds a force, alone or scaled by what follows A, f, T or a further column."""
+    words = f", scaled with {scale.words}" if scale else ""
+    further = (_scaling(f"by how much it follows {scale.words}", -0.5, 0.5),) if scale else ()
     strength: Entry = {"symbol": STRENGTH, "unit": "N", "meaning": "force of the term", "start": "0.05 * F_typical"}
     if not shape.signed:
         strength = {**strength, "lower": 0.0}
-    scaled = f"{STRENGTH} * {factor}" if factor else STRENGTH
+    scaled = f"{STRENGTH} * {scale.factor}" if scale else STRENGTH
     term = _term(
         family, _name(shape.name, scale), f"{shape.acts_like}{words}",
         parameters=(strength, *shape.parameters, *further), force=f"{scaled} * ({shape.expression})",
         states=(shape.state,) if shape.state else (), energy=shape.energy.replace(STRENGTH, scaled),
-        conditions=(scale,) if scale in conditions else (),
+        conditions=(scale.condition,) if scale and scale.condition else (),
     )  # fmt: skip
     names = {shape.name, shape.plain} - {""}
     shorter = {_name(one, each) for one in names for each in {scale, None}} - {_name(shape.name, scale)}
     return replace(term, shorter=tuple(sorted(map(_id, shorter))))
 
 
-def _name(shape: str, scale: str | None) -> str:
+def _name(shape: str, scale: _Scale | None) -> str:
     """Give the name of a term that adds a force."""
-    return f"{shape}{f'_by_{_named(scale)}' if scale else ''}"
+    return f"{shape}{f'_by_{scale.name}' if scale else ''}"
 
 
 LEVELS = {
-    "A": ("A / A_0", "0.5 * A_typical", "A_typical", "mm", "amplitude"),
-    "f": ("f / f_0", "f_lowest", "f_typical", "Hz", "frequency"),
-    "T": ("(T - T_0) / 100", "T_lowest + 0.3 * (T_highest - T_lowest)", "T_lowest + 0.6 * (T_highest - T_lowest)", "K",
-          "temperature"),
-    "N": ("N / 1000", "0.1 * N_highest", "0.4 * N_highest", "-", "number of cycles"),
+    "A": ("A / A_0", "0.5 * A_typical", "A_typical", "A_highest", "mm", "amplitude"),
+    "f": ("f / f_0", "f_lowest", "f_typical", "f_highest", "Hz", "frequency"),
+    "T": ("(T - T_0) / 100", "T_lowest + 0.3 * (T_highest - T_lowest)", "T_lowest + 0.6 * (T_highest - T_lowest)",
+          "(T_highest - T_lowest)", "K", "temperature"),
+    "N": ("N / 1000", "0.1 * N_highest", "0.4 * N_highest", "N_highest", "-", "number of cycles"),
 }  # fmt: skip
-"""Signals that a factor may follow: without its dimension, two levels at which it may bend, its unit, its name."""
+"""Signals that a factor may follow: without its dimension, two levels at which it may bend, its range, unit, name."""
 
 
 def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterator[Term]:
@@ -315,20 +395,25 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
     if signal in conditions:
         plain, unit, name, size = _named(signal), "in its name", signal, f"{conditions[signal]:.6g}"
         pure, bends = f"{plain} / {size}", tuple[object, ...](share * conditions[signal] for share in (0.3, 0.6))
-        above = f"abs({pure}) + 0.001"  # a column may be zero
+        above, reach = f"abs({pure}) + {ABOVE_ZERO}", size
     else:
-        pure, low, high, unit, name = LEVELS[signal]
+        pure, low, high, reach, unit, name = LEVELS[signal]
         bends = (low, high)
         plain, size = signal, {"A": "A_0", "f": "f_0", "T": "100", "N": "1000"}[signal]
         above = {"T": "T / T_0", "N": "1 + N"}.get(signal, pure)
     level: Entry = {"symbol": "l_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
-    forms = [
+    width: Entry = {"symbol": "w_x", "unit": unit, "meaning": f"change of {signal} in which it steps",
+             "start": (f"0.05 * {reach}", f"0.15 * {reach}"), "lower": f"0.01 * {reach}", "upper": reach}  # fmt: skip
+    forms: list[tuple[str, str, str, tuple[Entry, ...]]] = [
         ("power", f"log({above})", "changes with a power of", ()),
         ("exponential", pure, "changes exponentially with", ()),
         ("bent", f"({pure})**2", "changes with the square of", ()),
         ("beyond", f"max({plain} - l_x, 0) / {size}", "changes beyond a level of", (level,)),
         ("levelling", f"{plain} / (abs({plain}) + abs(l_x))", "changes and levels off with", (level,)),
+        ("step", f"(1 + tanh(({plain} - l_x) / w_x)) / 2", "steps at a level of", (level, width)),
     ]
+    if signal != "T":
+        forms.append(("growing", f"log(1 + abs({plain} / l_x))", "changes with a power of, beyond a level,", (level,)))
     if signal in ("A", "f"):
         peak = f"2 * {plain} * l_x / ({plain}**2 + l_x**2)"
         forms.append(("peak", peak, "has a peak, or a trough, at a level of", (level,)))

@@ -52,6 +52,9 @@ class DiscoveryAnswer(AnswerModel):
     tried: int = Field(description="terms that were evaluated")
     reason: str = Field(description="why nothing is proposed; empty where something is")
     next_test: str | None = Field(description="the test that would tell the term from its rivals, in words")
+    left_over: tuple[str, ...] = Field(
+        description="where the rest lies, where nothing is proposed; most important first"
+    )
     spare: tuple[str, ...] = Field(description="effects that went: the law does as well without them, with the term")
 
 
@@ -111,8 +114,13 @@ class Proposal:
             tried=self.search.tried,
             reason=self.reason,
             next_test=found.next_test or None if found else None,
+            left_over=self.left_over(),
             spare=self.spare,
         )
+
+    def left_over(self) -> tuple[str, ...]:
+        """Say where the rest lies, where a term was sought and none is proposed."""
+        return () if self.proposed or not self.search.tried else self.search.diagnosed.left_over()
 
     def formula(self) -> str | None:
         """Give the best term's formula with its fitted values; None where there is none."""

@@ -45,6 +45,8 @@ def _tests(loops: Loops) -> Motion:
     A, f, T = np.array(list(itertools.product(amplitudes, frequencies, temperatures))).T
     motion = sinusoids(A, f, T)
     middle = {condition_signal(name): float(np.median(values)) for name, values in loops.conditions.items()}
+    if np.all(np.isfinite(loops.cycle)):
+        middle["N"] = float(np.median(loops.cycle))
     if np.all(np.isfinite(loops.density_g_cm3)):
         middle["rho"] = float(np.median(loops.density_g_cm3))
     further = {name: np.full((len(A), 1), value) for name, value in middle.items()}

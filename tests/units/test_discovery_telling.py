@@ -1,0 +1,28 @@
+"""The sine that tells a found term from its rival, whatever the two follow."""
+
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.discovery.grammar import terms
+from pipeclamp_identification.discovery.telling import telling_test
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.law.bundled import open_law
+from pipeclamp_models.law.file import law_of
+from pipeclamp_models.law.law import Law, with_effect
+
+
+def test_terms_that_follow_the_cycles_are_told_apart_at_a_number_of_them(tmp_path):
+    """Two factors that follow the cycles ended the search: "the law depends on N, which the tests don't state"."""
+    law = law_of(open_law("emwm2"))
+    plan = rig.TestPlan((0.2, 1.0), (1.0, 4.0), (20.0,), seed=1)
+    write_campaign(tmp_path / "campaign", rig.virtual_runs(law, plan), name="virtual", notes="")
+    loops = loops_of(read_campaign(tmp_path / "campaign"))
+    by_id = {term.declaration.id: term for term in terms(("A", "f", "N"), {})}
+
+    def following(name, **own):
+        structure = with_effect(law.structure.with_declared([by_id[name].declaration]), name)
+        return Law(structure, {**law.values, **own}, law.v_r, law.y_r)
+
+    one = following("found_damping_levelling_n", s_x=0.3, l_x=20.0)
+    other = following("found_damping_growing_n", s_x=0.1, l_x=20.0)
+    assert "there they differ by" in telling_test(one, other, loops)
