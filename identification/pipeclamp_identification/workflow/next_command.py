@@ -6,10 +6,15 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePath
 
-from pipeclamp_identification.workflow.tests import Diagnosed
+from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.diagnosis.limits import limits_words
+from pipeclamp_identification.workflow.along_free import along_free
+from pipeclamp_identification.workflow.tests import Diagnosed, Held
 
 NEXT_TEST = "next_test"
 """What the next test's drive signal and its campaign are called, where nobody has named them."""
+PLANNED = "planned"
+"""Likewise the folder of a campaign that is planned."""
 
 
 def next_command(
@@ -54,16 +59,20 @@ def after_change(law: str, tests: str) -> str:
     return _line("diagnose", law, tests)
 
 
-def after_comparison(law: str, tests: str, *, loops: bool) -> str:
-    """Give the shell line to run after a comparison: what is missing, if anything.
+def after_comparison(law: str, tests: str, held: Held) -> str:
+    """Give the shell line to run after a comparison: what is missing, if anything, or the tests that would tell.
 
     Args:
         law, tests: as for `next_command`.
-        loops: whether any run is a loop, which a diagnosis asks for: not where all motions are free.
+        held: the law against the tests. A diagnosis asks for loops: free motions alone call for the clamp's FMU where
+            scatter explains what the law errs along them, else for a campaign of sines that reaches as far as they do.
     """
-    if not loops:
+    if not isinstance(held, Comparison) or held.runs:
+        return _line("diagnose", law, tests, "--report", "diagnosis.html")
+    found = along_free(held.free)
+    if found.scatter_explains:
         return _line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
-    return _line("diagnose", law, tests, "--report", "diagnosis.html")
+    return _line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(found.reach))
 
 
 def after_discovery(
