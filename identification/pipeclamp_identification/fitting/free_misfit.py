@@ -55,6 +55,7 @@ class FreeMisfit:
         remembers: whether the law has states; otherwise A and f are all that it knows of the motion's past.
         on_sines: the law's error as a share of the force on the sines that it was identified from, on left-out ones
             where its file knows that; None where it tells neither.
+        scatter_on_sines: cycle-to-cycle scatter of those sines, as a share of their force; None where it isn't known.
     """
 
     run: str
@@ -73,6 +74,7 @@ class FreeMisfit:
     nrmse_without: float | None = None
     remembers: bool = True
     on_sines: float | None = None
+    scatter_on_sines: float | None = None
 
     @property
     def squared_error(self) -> float:
@@ -115,9 +117,9 @@ def free_misfits(
     used = _usable(law, runs, temperature, others)
     ranges = _range(file, "A"), _range(file, "f")
     found = (_with_constant(law, run, T, ranges) for run, T in zip(runs, used, strict=True))
-    on_sines = _on_sines(file)
+    on_sines, scatter = _on_sines(file), file.fit.noise_nrmse if file.fit else None
     return tuple(
-        replace(misfit, temperature_K=float(np.mean(T)), on_sines=on_sines)
+        replace(misfit, temperature_K=float(np.mean(T)), on_sines=on_sines, scatter_on_sines=scatter)
         for misfit, T in zip(found, temperature, strict=True)
     )
 
