@@ -108,7 +108,7 @@ class Scales:
     @property
     def form_allowed(self) -> bool:
         """Whether what is missing is so small that it may be the form of the effects that the law has."""
-        return self.law.lack.share < self.tolerance.form
+        return _may_be_form(self.law, self.tolerance)
 
     @property
     def usable(self) -> list[Judged]:
@@ -117,7 +117,7 @@ class Scales:
         A general effect whose special case leaves about as much isn't among them.
         """
         able = _able(self.candidates, self.law)
-        return [each for each in able if not _simpler(each, able, self.law)]
+        return [each for each in able if not _simpler(each, able, self.law, self.tolerance)]
 
     @property
     def sound(self) -> list[Judged]:
@@ -126,12 +126,7 @@ class Scales:
 
     def explains(self, candidate: Judged) -> bool:
         """Tell whether a law leaves over next to nothing of what is missing, or what may be form."""
-        left, missing = candidate.lack.sure_share, self.law.lack.share
-        taken = explained_share(candidate, self.law)
-        if left > HALF_LEFT_SHARE * missing or taken < (HALF_TAKEN_SHARE if self.form_allowed else MATERIAL_PART_SHARE):
-            return False
-        next_to_nothing = left < self.tolerance.left and left < UNEXPLAINED_SHARE * missing
-        return is_adequate(candidate.lack, self.tolerance) or next_to_nothing or left < self.tolerance.form
+        return _explains(candidate, self.law, self.tolerance)
 
 
 def weigh(
@@ -259,7 +254,8 @@ def _better_fit_words(best: Judged, better: Judged, *, general: bool) -> str:
 def _generals(special: Judged, scales: Scales) -> list[Judged]:
     """Give the effects that were left aside for a special case of them, best first."""
     able = _able(scales.candidates, scales.law)
-    return ranked(each for each in able if special in _simpler(each, able, scales.law) and each.may_be_cause)
+    general = [each for each in able if special in _simpler(each, able, scales.law, scales.tolerance)]
+    return ranked(each for each in general if each.may_be_cause)
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
@@ -377,27 +373,43 @@ def _able(candidates: Sequence[Judged], law: Judged) -> list[Judged]:
     return [each for each in candidates if not each.objections and _betters(each, law)]
 
 
-def _simpler(candidate: Judged, able: Sequence[Judged], law: Judged) -> list[Judged]:
-    return [other for other in able if _leaves_as_little(other, candidate, law)]
+def _simpler(candidate: Judged, able: Sequence[Judged], law: Judged, tolerance: Tolerance) -> list[Judged]:
+    return [other for other in able if _leaves_as_little(other, candidate, law, tolerance)]
 
 
-def simpler_words(candidate: Judged, candidates: Sequence[Judged], law: Judged) -> list[str]:
+def simpler_words(candidate: Judged, candidates: Sequence[Judged], law: Judged, tolerance: Tolerance) -> list[str]:
     """Say which special cases of an effect leave about as little, so that it isn't named; arguments as in `Scales`."""
     if len(candidate.effects) > 1:
         return []
-    found = _simpler(candidate, _able(candidates, law), law)
+    found = _simpler(candidate, _able(candidates, law), law, tolerance)
     return [f"{other.effects[0]}, a special case of it, leaves about as little" for other in found]
 
 
-def _leaves_as_little(special: Judged, general: Judged, law: Judged) -> bool:
+def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: Tolerance) -> bool:
     """Tell whether a special case of an effect leaves over no more than twice of what the effect does, in N.
 
-    Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too.
+    Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too. And
+    where the effect explains what is missing, so must it.
     """
     if not _is_special_case(_added(special), _added(general)):
         return False
     takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
-    return takes_half and explained_share(general, special) < HALF_TAKEN_SHARE
+    if not takes_half or explained_share(general, special) >= HALF_TAKEN_SHARE:
+        return False
+    return _explains(special, law, tolerance) or not _explains(general, law, tolerance)
+
+
+def _may_be_form(law: Judged, tolerance: Tolerance) -> bool:
+    return law.lack.share < tolerance.form
+
+
+def _explains(candidate: Judged, law: Judged, tolerance: Tolerance) -> bool:
+    left, missing = candidate.lack.sure_share, law.lack.share
+    least = HALF_TAKEN_SHARE if _may_be_form(law, tolerance) else MATERIAL_PART_SHARE
+    if left > HALF_LEFT_SHARE * missing or explained_share(candidate, law) < least:
+        return False
+    next_to_nothing = left < tolerance.left and left < UNEXPLAINED_SHARE * missing
+    return is_adequate(candidate.lack, tolerance) or next_to_nothing or left < tolerance.form
 
 
 def _is_special_case(effect: Effect, general: Effect) -> bool:

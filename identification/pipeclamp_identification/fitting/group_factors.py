@@ -98,6 +98,7 @@ class GroupFactors:
         kinds: what each difference is of, a number for each column and quantity, shape (K,).
         spreads: standard deviation of each, shape (K,).
         values: of each, as a first estimate, shape (K,).
+        own: signals of the conditions that are constant inside each group, beside which the groups differ.
     """
 
     directions: Array
@@ -105,6 +106,7 @@ class GroupFactors:
     kinds: Rows
     spreads: Array
     values: Array
+    own: frozenset[str] = frozenset()
 
     def rows(self, chosen: Rows) -> GroupFactors:
         """Give them for some of the rows."""

@@ -19,6 +19,7 @@ from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.signals import signal_of
 from pipeclamp_models.realise.force import LawForce
 
 Quantity = Literal["stiffness", "damping", "mean_force"]
@@ -57,8 +58,9 @@ class Groups:
         names: of the groups.
         of_run: the group of each run, strangers in the one that they behave like, blank where there is none.
         counts: runs of each group.
+        own: conditions that are constant inside each group.
         contrasts: differences that a fit may give the groups, orthonormal, one a column, shape (G, K): none that
-            follows a condition which is constant inside each group, for that is for an effect to explain.
+            follows such a condition, for that is for an effect to explain.
         differ: quantities in which the groups differ beyond chance.
         chances: that chance alone makes so much, by quantity.
         shares: of stiffness and damping, and mean forces in N, of each group, by quantity that differs.
@@ -72,6 +74,7 @@ class Groups:
     names: tuple[str, ...]
     of_run: Mapping[str, str]
     counts: tuple[int, ...]
+    own: tuple[str, ...]
     contrasts: Array
     differ: tuple[Quantity, ...]
     chances: Mapping[Quantity, float]
@@ -155,7 +158,10 @@ def factors_of(found: Sequence[Groups], loops: Loops, observations: LoopObservat
                 values.append(float(contrast @ one.shares[quantity].values))
     if not directions:
         return None
-    return GroupFactors(np.stack(directions), np.stack(members), np.array(kinds), np.array(spreads), np.array(values))
+    own = frozenset(signal_of(column) for one in found if one.differ for column in one.own)
+    return GroupFactors(
+        np.stack(directions), np.stack(members), np.array(kinds), np.array(spreads), np.array(values), own
+    )
 
 
 def _changes(observations: LoopObservations) -> dict[Quantity, Array]:
@@ -298,6 +304,7 @@ def _groups_of(
         names=tuple(names),
         of_run=dict(zip(runs.names, labels, strict=True)),
         counts=tuple(labels.count(name) for name in names),
+        own=tuple(lines),
         contrasts=contrasts_of(len(names), conditions.of_groups(lines, labels, names)),
         differ=differ,
         chances=chances,
