@@ -30,3 +30,15 @@ def test_a_law_whose_elements_never_slip_leaves_the_mean_of_such_runs_open(tmp_p
     assert np.any(adrift)
     assert np.all(changes[:, adrift, 0] == 0.0)
     assert np.any(changes)
+
+
+def test_what_relaxes_slowly_is_walked_until_it_repeats(tmp_path):
+    """After two cycles it had been taken for settled, with the force of rest at the start still in it."""
+    plan = rig.TestPlan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0,), seed=1)
+    write_campaign(tmp_path / "campaign", rig.virtual_runs(law_of(open_law("emwm2")), plan), name="virtual", notes="")
+    structure = Structure("power")
+    problem, fitted = prepare(structure, loops_of(read_campaign(tmp_path / "campaign")))
+    evaluation = Evaluation(problem, judge((), structure, [fitted.law.values], problem))
+    (slow,) = (term for term in terms(("T",), {}) if term.declaration.id == "found_warm_relaxing")
+    (state,) = evaluation._states(slow.effect, {"t_x": 0.5, "s_x": 0.0}).values()
+    assert np.all(np.abs(state.mean(axis=1)) < 0.02 * np.max(np.abs(state), axis=1))

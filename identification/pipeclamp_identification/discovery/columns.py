@@ -24,8 +24,10 @@ from pipeclamp_models.realise.force import LawForce, force_of_law
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.sizes import data_sizes, number_of
 
-CYCLES = 2
-"""Cycles after which an element that slips or creeps is taken for settled."""
+MOST_CYCLES = 12
+"""Cycles after which an element is taken for settled: one that slips is after one, one that relaxes slowly is not."""
+SETTLED = 1e-3
+"""Share of its largest state by which it may still change from cycle to cycle."""
 PROBE = "found_scaled"
 
 
@@ -167,11 +169,14 @@ class Evaluation:
         }
         now = np.zeros(len(self.motion.y))
         trajectory = np.empty_like(self.motion.y)
-        for _ in range(CYCLES):
+        for _ in range(MOST_CYCLES):
+            before = now
             for place in range(trajectory.shape[1]):
                 here = {key: value[:, place] for key, value in moving.items()}
                 now = np.asarray(update(**still, **here, **values, **{name: now}), dtype=np.float64)
                 trajectory[:, place] = now
+            if np.max(np.abs(now - before)) <= SETTLED * np.max(np.abs(trajectory)):
+                break
         return {name: trajectory}
 
 

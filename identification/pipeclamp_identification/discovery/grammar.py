@@ -349,7 +349,8 @@ def _moved_by_temperature() -> Iterator[tuple[Family, _Shape]]:
     trial = "z_x + (y - y_previous) / A_0"
     yield "element", _Shape(
         "warm_relaxing", "z_x", "a spring whose force creeps away in a time that temperature changes",
-        (TIME, _scaling("by how much the time's logarithm falls for each 100 K", 1.0, -1.0)),
+        ({**TIME, "start": tuple(f"{share} / f_typical" for share in (0.05, 0.2, 0.8))},
+         _scaling("by how much the time's logarithm falls for each 100 K", 0.5, -0.5)),
         {"symbol": "z_x", "unit": "-", "meaning": "strain of the element",
          "update": f"({trial}) / (1 + h / t_x * exp(s_x * {warmer}))"},
         f"{STRENGTH} * A_0 * z_x**2 / 2",
