@@ -132,6 +132,25 @@ def test_suspects_change_nothing_at_zero_and_something_elsewhere(comparison):
     assert response == pytest.approx(stated.response, rel=1e-3)
 
 
+def test_what_is_but_seen_otherwise_moves_as_stated(comparison):
+    """No other branch is looked for there: the clamps move alike to the last digit."""
+    model = with_mounts(comparison.model)
+    stated = predict(model, comparison.measurement, comparison.prediction)
+    alike = set()
+    for suspect in suspects_of(comparison.model, comparison.measurement.description):
+        other = changed(model, (suspect,), suspect.starts[-1])
+        if suspect.side != "measurement":
+            assert not other.moves_as(model) or suspect.id == "clamps.temperature", suspect.id
+            continue
+        moved = predict(other, comparison.measurement, stated).clamps
+        assert other.moves_as(model) == np.allclose(moved, stated.clamps, rtol=1e-9), suspect.id
+        alike |= {suspect.id} if other.moves_as(model) else set()
+    assert alike == {
+        *(f"sensor:middle.{what}" for what in ("gain", "phase", "delay", "position")), "excitation.phase",
+        "excitation.delay",
+    }  # fmt: skip
+
+
 def test_where_a_force_acts_is_a_suspect_and_moves_the_force_alone(comparison):
     model = comparison.model
     assert not any(one.id == "excitation.position" for one in suspects_of(model, comparison.measurement.description))
