@@ -1,9 +1,10 @@
 """The grammar: every term that may be proposed, as a declaration, enumerated.
 
-Four families: a spring (the force is the derivative of a potential), a damper (that of a convex dissipation potential
-in v, times a factor >= 0 of y), an element that slips (one state, whose stored energy can only be given back or lost),
-and a factor > 0 on a coefficient of the law. A spring, a damper or an element may itself be scaled by a power of a
-condition. A force in N multiplies what has no dimension; lengths and times are parameters or reference values.
+Four families: a spring (the force is the derivative of a potential), a damper (the force never drives the motion; but
+for one that may fall with v it is that of a convex dissipation potential in v, times a factor >= 0 of y), an element
+that slips (one state, whose stored energy can only be given back or lost), and a factor > 0 on a coefficient of the
+law. A spring, a damper or an element may itself be scaled by a power of a condition. A force in N multiplies what has
+no dimension; lengths and times are parameters or reference values.
 """
 
 from __future__ import annotations
