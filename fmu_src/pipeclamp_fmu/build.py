@@ -28,10 +28,8 @@ from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_models.realise.c import c_source
-from pipeclamp_models.realise.stepping import (
-    parameter_values,
-    stepping,
-)
+from pipeclamp_models.realise.scalar_law import parameter_values
+from pipeclamp_models.realise.stepping import stepping
 
 
 def version() -> str:

@@ -94,6 +94,10 @@ def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pa
     room = f"{faded}.map(([one, title]) => one.getBoundingClientRect().right - title.getBoundingClientRect().right)"
     assert page.evaluate(f"{room}.length") > 0
     assert page.evaluate(f"{room}.every((left) => left >= 48)"), "titles end where the picture begins to fade"
+    entries = "[...document.querySelectorAll('figure.more .legendtext')].map((one) => one.getBoundingClientRect())"
+    assert page.evaluate(f"{entries}.length") > 4
+    seen = "({ left, right }) => left >= 16 && right <= 420 - 16 - 48"
+    assert page.evaluate(f"{entries}.every({seen})"), "and so do legends' entries"
     page.set_viewport_size({"width": 1300, "height": 900})
     page.wait_for_function("document.querySelector('#section-1 .picture').layout.yaxis.title?.text?.startsWith('RMS')")
 

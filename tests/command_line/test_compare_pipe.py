@@ -46,6 +46,7 @@ def test_the_answer_the_words_and_the_report(pipeclamp, bench):
     assert len(found["sines"]) == 5
     assert f"errs by {found['nrmse']:.2%}" in done.stdout
     assert "phase" not in done.stdout, "none was measured"
+    assert done.stdout.splitlines()[-1].startswith("Next"), "every verdict ends with what to do"
     assert "Response at midspan" in report.read_text(encoding="utf-8")
 
 

@@ -25,7 +25,8 @@ from pipeclamp_models.realise.c import c_source
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion, sinusoids
 from pipeclamp_models.realise.scalar import python_source
-from pipeclamp_models.realise.stepping import conditions_of, parameter_values, stepping
+from pipeclamp_models.realise.scalar_law import parameter_values
+from pipeclamp_models.realise.stepping import conditions_of, stepping
 
 ARGUMENTS = {"condition": "condition:current_A"}
 DECLARED = tuple(read_declaration(path) for path in sorted((Path(__file__).parent / "declared").glob("*.toml")))

@@ -20,12 +20,12 @@ from pipeclamp_fmu.native.compiler import default_platforms
 from pipeclamp_fmu.native.packing import write_native_fmu
 from pipeclamp_fmu.slaves.loading import instance_of
 from pipeclamp_fmu.slaves.values_file import values_text
-from pipeclamp_fmu.slaves.within_step import walk
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import CoefficientEntry, Interval
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.steps.within_step import walk
 
 CLAMP = ("base", "clamp")
 IN_AN_FMU = [

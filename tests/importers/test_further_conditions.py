@@ -10,9 +10,9 @@ from fmpy.validation import validate_fmu
 from pipeclamp_fmu.build import build_clamp, build_native_clamp
 from pipeclamp_fmu.contents.clamp_of_law import clamp_model
 from pipeclamp_fmu.native.compiler import system_compiler
-from pipeclamp_fmu.slaves.within_step import walk
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import write_law
+from pipeclamp_models.steps.within_step import walk
 from pipeclamp_system.cosim.run import run_system
 from pipeclamp_system.cosim.variables import clamp_parameters
 from pipeclamp_system.description.system import read_system

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeclamp_fmu.slaves.within_step import turning, walk
+from pipeclamp_models.steps.within_step import turning, walk
 from pipeclamp_system.cosim.energy import received_work
 
 A, F = 0.6, 3.0

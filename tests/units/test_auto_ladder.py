@@ -175,7 +175,9 @@ def test_an_effect_that_went_does_not_come_back_in_the_place_of_another(monkeypa
     assert (went.effect, tried.effect) == ("oil_damper", "bouc_wen")
 
 
-def test_an_effect_that_went_is_not_named_at_the_end(monkeypatch):
+@pytest.mark.parametrize("most", [3, 12])
+def test_an_effect_that_went_is_not_named_at_the_end(most, monkeypatch):
+    """Nor is the next diagnosis to name it: also where the ladder ends for its length."""
     answers = {
         (): found("missing", "part", "oil_damper"),
         ("oil_damper",): found("missing", "part", "memory"),
@@ -188,8 +190,9 @@ def test_an_effect_that_went_is_not_named_at_the_end(monkeypatch):
         return SimpleNamespace(effect=f"- {effect}", after=law("memory"), heldout=(0.0100, 0.0101))
 
     monkeypatch.setattr(change, "remove_effect", remove)
-    settled = auto.add_until_settled(law(), tests, command="test")
+    settled = auto.add_until_settled(law(), tests, command="test", most=most)
     assert settled.found.verdict == "unknown"
+    assert [one.effect for one in settled.told("tests").diagnosis.in_vain] == ["oil_damper"]
     (reason,) = settled.found.reasons
     assert reason.startswith("oil_damper went, for the law did as well without it (1.00% -> 1.01%)")
 

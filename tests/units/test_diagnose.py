@@ -9,6 +9,7 @@ import pytest
 from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
+from pipeclamp.studio.bench import with_candidate
 from pipeclamp.studio.overview import waterfall_of
 from pipeclamp.studio.told import told_of
 from pipeclamp_identification.campaign import rig
@@ -132,6 +133,13 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
         on_page = plain(diagnosis_page(file, answer, "")[0].figures[0])["data"]
         in_studio = json.loads(waterfall_of(file, told_of(answer, file, "")).specification)["data"]
         assert in_studio == on_page, "the studio promises what the page does"
+    told, both = told_of(found, file, ""), " + ".join(found.together)
+    assert [rung.label for rung in told.promised] == [f"+ {both}"], "neither is promised anything alone"
+    assert told.offered == (",".join(found.together),)
+    (candidate,) = (each for each in told.candidates if each.name in told.offered)
+    assert candidate.heldout_nrmse == told.promised[0].heldout_nrmse
+    assert with_candidate(file, candidate.effects, candidate.values).structure.effects[-2:] == found.together
+    assert told.meant(candidate.name) == "part"
     settled = add_until_settled(file, RecordTests(tests), command="test")
     first, second = settled.ladder
     added = [(rung.change.effect, rung.kind) for rung in (first, second)]

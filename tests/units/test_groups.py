@@ -121,6 +121,23 @@ def test_a_condition_that_is_the_specimens_own_goes_first(tmp_path):
     assert "left to the effect that follows it" in groups_answer((found,))[0].words[-1]
 
 
+def test_what_a_specimens_density_does_is_left_to_its_effect_where_it_is_no_line_either(tmp_path):
+    """A cube of the density is no line in it: specimens differ beside one, and had been given all of it."""
+    said = _drawn()
+    density = {"S1": 2.2, "S2": 3.1, "S3": 1.6}
+    folder = _copy(
+        bundled_campaign("clamp_a"), tmp_path / "c", said,
+        change=lambda name, force: (density[name] / 2.2) ** 3 * force,
+        further={"density_g_cm3": [density[name] for name in said]},
+    )  # fmt: skip
+    problem, first = prepare(LAW, loops_of(read_campaign(folder)))
+    (found,) = first.groups
+    assert "stiffness" in found.differ
+    assert found.contrasts.T @ [density[name] for name in found.names] == pytest.approx(0.0, abs=1e-12)
+    assert found.contrasts.shape == (3, 1)
+    assert judge((), LAW, [first.law.values], problem).lack.share > 3.0
+
+
 def test_a_run_of_another_specimen_is_told(tmp_path):
     true = _drawn()
     said = true.copy()

@@ -45,7 +45,9 @@ def test_units_are_found_in_names(name, unit):
         ("force", "kN", 1e3, 0), ("force", "lbf", 4.4482216152605, 0), ("force", "kp", 9.80665, 0),
         ("force", "0.2 kN", 200, 0), ("displacement", "in", 25.4, 0), ("displacement", "µm", 1e-3, 0),
         ("time", "ms", 1e-3, 0), ("temperature", "K", 1, -273.15), ("temperature", "°F", 5 / 9, -160 / 9),
-        ("temperature", "deg_F", 5 / 9, -160 / 9),
+        ("temperature", "deg_F", 5 / 9, -160 / 9), ("temperature", "Degrees Celsius", 1, 0), ("force", "Newtons", 1, 0),
+        ("force", "KILONEWTONS", 1e3, 0), ("force", "Pounds", 4.4482216152605, 0),
+        ("displacement", "Micrometres", 1e-3, 0), ("time", "Milliseconds", 1e-3, 0),
     ],
 )  # fmt: skip
 def test_units_are_turned_into_ours(quantity, unit, factor, offset):

@@ -50,6 +50,10 @@ LAYOUTS = {
     "decimal commas in quotes": named('"t [s]","y [mm]","F [N]"', delimiter=",", decimal=",", quote='"'),
     "LabVIEW": named("Time [s]\tWeg [mm]\tKraft [N]\tComment", delimiter="\t", header=LABVIEW),
     "LabVIEW's own units": named("X_Value\tWeg\tLoad Cell\tComment", delimiter="\t", header=Y_UNITS),
+    "LabVIEW's own units in words": named(
+        "X_Value\tWeg\tLoad Cell\tComment", delimiter="\t",
+        header=Y_UNITS.replace("mm\tN", "Millimeters\tNewtons"),
+    ),
     "LabVIEW without a time": "".join(
         f"\t{line.partition(chr(9))[2]}\t\n" if line[0].isdigit() else f"{line}\n"
         for line in named("X_Value\tWeg\tLoad Cell\tComment", delimiter="\t", header=Y_UNITS).splitlines()

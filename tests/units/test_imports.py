@@ -15,7 +15,7 @@ ROOTS = {
 }
 """Packages in the order in which they may import each other, and their folders."""
 ROOMS = {
-    "pipeclamp_models": ("base", "equations", "effects", "law", "realise", "pipe"),
+    "pipeclamp_models": ("base", "equations", "effects", "law", "steps", "realise", "pipe"),
     "pipeclamp_fmu": ("slaves", "describe", "contents", "python", "native"),
     "pipeclamp_system": ("description", "fmus", "coupling", "transient", "cosim", "steady", "bands", "study"),
     "pipeclamp_identification": (

@@ -6,6 +6,7 @@ import pytest
 
 from pipeclamp.pages.sections import comparison_page
 from pipeclamp.pages.waterfall import ESTIMATED, LEFT_OUT, USED, Rung, rungs_of, waterfall_picture, with_promised
+from pipeclamp.show.views import comparison_view, laws_view
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.comparison.compare import compare
@@ -53,16 +54,18 @@ def test_what_each_rung_took_is_told(climbed):
 
 def test_laws_of_one_name_are_told_apart(climbed):
     tests, base, added, _ = climbed
-    held = [(file, tests.compare(file)) for file in (base, added, added)]
+    held = [(file, tests.compare(file)) for file in (base, added, added, base)]
     labels = [law.label for law in laws_held(held)]
-    assert labels == ["law", "law: damping_temperature", "law (2)"]
+    assert labels == ["law", "law: damping_temperature", "law (2)", "law: power"]
     answer, difference, *details = comparison_page(held)
     assert difference.explorer["laws"] == labels
-    assert answer.paragraphs[0].startswith("law (2): RMS error")
-    along = next(section for section in details if section.title == "Along the loop")
-    assert along.paragraphs[0] == "Of law (2).", "which law it is of"
     errors = [row[2] for row in answer.tables[0].rows]
-    assert errors[0] > errors[1] == errors[2]
+    assert errors[3] == errors[0] > errors[1] == errors[2]
+    least = "law: damping_temperature errs least of the 4 laws; all that follows is about it."
+    assert answer.paragraphs[:2] == [least, *comparison_view(held[1][1]).lines[:1]]
+    assert laws_view(held).lines == [least, *comparison_view(held[1][1]).lines]
+    along = next(section for section in details if section.title == "Along the loop")
+    assert along.paragraphs[0] == "Of law: damping_temperature.", "which law it is of"
 
 
 def test_an_estimated_error_never_takes_the_place_of_that_of_fits(climbed):

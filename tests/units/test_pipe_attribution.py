@@ -26,6 +26,7 @@ from pipeclamp_identification.attribution.suspects import suspects_of, with_moun
 from pipeclamp_identification.attribution.verdict import Attribution, Candidate, _judged, attribute
 from pipeclamp_identification.on_pipe.prediction import predict
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
+from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
 from pipeclamp_models.pipe.description import Excitation
 
 PIPE = """
@@ -131,6 +132,25 @@ def test_suspects_change_nothing_at_zero_and_something_elsewhere(comparison):
     assert response == pytest.approx(stated.response, rel=1e-3)
 
 
+def test_what_is_but_seen_otherwise_moves_as_stated(comparison):
+    """No other branch is looked for there: the clamps move alike to the last digit."""
+    model = with_mounts(comparison.model)
+    stated = predict(model, comparison.measurement, comparison.prediction)
+    alike = set()
+    for suspect in suspects_of(comparison.model, comparison.measurement.description):
+        other = changed(model, (suspect,), suspect.starts[-1])
+        if suspect.side != "measurement":
+            assert not other.moves_as(model) or suspect.id == "clamps.temperature", suspect.id
+            continue
+        moved = predict(other, comparison.measurement, stated).clamps
+        assert other.moves_as(model) == np.allclose(moved, stated.clamps, rtol=1e-9), suspect.id
+        alike |= {suspect.id} if other.moves_as(model) else set()
+    assert alike == {
+        *(f"sensor:middle.{what}" for what in ("gain", "phase", "delay", "position")), "excitation.phase",
+        "excitation.delay",
+    }  # fmt: skip
+
+
 def test_where_a_force_acts_is_a_suspect_and_moves_the_force_alone(comparison):
     model = comparison.model
     assert not any(one.id == "excitation.position" for one in suspects_of(model, comparison.measurement.description))
@@ -157,10 +177,38 @@ def test_two_ends_that_look_alike_are_ambiguous_and_a_test_is_proposed(compared,
     if named == {"left.stiffness", "right.stiffness"}:
         assert "a probe at" in proposal.test
         assert any("it is a support's stiffness" in words for words in attribution_words(found, proposal))
-    answer, response, tried, *_ = attributed_sections(Attributed(compared, found, proposal))
+    attributed = Attributed(compared, found, proposal)
+    following = after_pipe_comparison(attributed, "system.toml", "measured", reported=True)
+    answer, response, tried, *_ = attributed_sections(attributed, following)
+    assert answer.command == "pipeclamp compare system.toml measured"
+    assert answer.paragraphs[-1] == "Next, once that is measured too, run the command below."
     assert answer.paragraphs[0].startswith("Ambiguous: one of these is wrong"), "the verdict before how much it errs"
     assert response.figures and tried.title == "What was tried"
     assert "Ambiguous" in render("test", "", [answer, response, tried])
+
+
+@pytest.mark.parametrize(
+    ("verdict", "reported", "words"),
+    [
+        ("complete", False, "Next: pipeclamp cosim my.toml -o cosim.csv --report cosim.html"),
+        ("wrong", False, "Next, once it is put right: pipeclamp compare my.toml measured"),
+        ("ambiguous", False, "Next, once it is known which, and put right: pipeclamp compare my.toml measured"),
+        ("unknown", False, "Next: pipeclamp compare my.toml measured --report compare.html"),
+        ("unknown", True, "Next, once another level or probe is measured: pipeclamp compare my.toml measured"),
+    ],
+)
+def test_each_verdict_ends_with_what_comes_next(compared, found, verdict, reported, words):
+    judged = Attributed(compared, replace(found, verdict=verdict), None)
+    assert after_pipe_comparison(judged, "my.toml", "measured", reported=reported).words() == words
+
+
+def test_what_comes_next_where_nothing_can_be_asked_or_the_branch_is_not_known(compared, found):
+    untold = replace(found, verdict="unknown", branch_unknown=True)
+    swept = "Next, once it says which way it was swept: pipeclamp compare my.toml measured"
+    more = "Next, once more is measured: pipeclamp compare my.toml measured"
+    for judged, words in ((untold, swept), (None, more)):
+        following = after_pipe_comparison(Attributed(compared, judged, None), "my.toml", "measured", reported=False)
+        assert following.words() == words
 
 
 def test_a_temperature_that_nothing_tells_has_no_number():

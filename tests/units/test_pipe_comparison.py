@@ -18,6 +18,7 @@ from pipeclamp_identification.on_pipe.answer import sines_answer
 from pipeclamp_identification.on_pipe.sines import PipeComparison, compare_pipe
 from pipeclamp_identification.on_pipe.where import highest_peaks, how_much, where_words
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.harmonics import DOUBTFUL
 
 MEASUREMENT = """
@@ -182,6 +183,21 @@ def test_a_sweep_stays_on_its_branch(folds):
     assert all(any("direction" in words for words in where_words(found)) for found in (up, down))
     upper, lower = (np.abs(found.prediction.clamps[several, 0]) for found in (up, down))
     assert np.all(upper > 1.2 * lower)
+
+
+def test_a_fold_that_both_ends_lead_round_is_followed_once(folds, monkeypatch):
+    """What is found from its upper end is the same way back, and a sweep down takes its motions in that order."""
+    bench, down = folds["down"]
+    followed, follow = [], SteadySystem.path
+
+    def path(self, first, last):
+        followed.append((first, last))
+        return follow(self, first, last)
+
+    monkeypatch.setattr(SteadySystem, "path", path)
+    again = compared(bench)
+    assert followed == [(FOLD[0], FOLD[-1])]
+    assert again.prediction.response == pytest.approx(down.prediction.response, rel=1e-6)
 
 
 def test_without_a_direction_the_nearest_branch_is_compared(folds):

@@ -21,6 +21,7 @@ from pipeclamp_identification.attribution.verdict import attribute
 from pipeclamp_identification.on_pipe.answer import records_answer
 from pipeclamp_identification.on_pipe.records import RecordsComparison, compare_records
 from pipeclamp_identification.on_pipe.sines import compare_pipe
+from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.pipe.description import Place, parse_pipe
@@ -151,7 +152,10 @@ def test_sines_and_a_record_are_asked_together(bench):
     (bench / "sines.csv").write_text(head + "".join(lines), encoding="utf-8")
     held = compare_measured(bench / "system.toml", bench)
     found = attributed(held, lambda what: None)
-    told = attributed_view(found).answer
+    following = after_pipe_comparison(found, "system.toml", "measured", reported=False)
+    view = attributed_view(found, following)
+    assert view.lines[-1].startswith("Next: pipeclamp ")
+    told = view.answer
     answer = told.to_dict()
     assert SystemComparisonAnswer.model_validate(answer) == told
     assert list(answer) == ["nrmse", "noise_nrmse", "probes", "sines", "where", "over_time", "attribution"]
@@ -160,7 +164,7 @@ def test_sines_and_a_record_are_asked_together(bench):
     assert answer["attribution"]["verdict"] == "complete"
     assert len(answer["sines"]) == 8
     assert [record["file"] for record in answer["over_time"]["records"]] == ["sweep.csv"]
-    titles = [section.title for section in attributed_sections(found)]
+    titles = [section.title for section in attributed_sections(found, following)]
     assert len(set(titles)) == len(titles)
 
 

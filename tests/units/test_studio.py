@@ -20,14 +20,14 @@ from studio_server import running
 import pipeclamp as pc
 from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
 from pipeclamp.studio.on_pipe import system_text
-from pipeclamp.studio.project import Project
-from pipeclamp.studio.told import stamp
+from pipeclamp.studio.project import Project, _precedes
+from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.law.file import law_of
+from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_system.description.system import SystemDescription
 
 PLAN = rig.TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
@@ -131,6 +131,38 @@ def test_a_job_that_is_cancelled_leaves_nothing_and_keeps_nobody_waiting(studio,
     ended = studio.done(job)
     assert ended["state"] == "cancelled"
     assert sorted(path.name for path in home.iterdir()) == before
+
+
+def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, home):
+    """Each is a step of its own in the law's history, and remembered as a part, as on the command line."""
+    law, both = read_law(home / "law1.json"), ("viscous", "asymmetry")
+    fitted = pc.identify(campaign, effects=both)
+    of_both = ToldCandidate(
+        name="viscous,asymmetry", does="one; other", looks_like="this", told_apart_by="that", heldout_nrmse=0.004,
+        explained=0.9, against=(), effects=both, values=fitted.values,
+    )  # fmt: skip
+    promised = ToldRung(label="+ viscous + asymmetry", heldout_nrmse=0.004, explained=0.9)
+    told = Told(
+        law_command=stamp(law), verdict="missing", kind="part", effects=both[:1], together=both, headline="Part",
+        words=("both",), rung=("both",), lines=(), heldout_nrmse=0.01, candidates=(of_both,), promised=(promised,),
+        next_test="", drive=False,
+    )  # fmt: skip
+    (home / "law1.told.json").write_text(told.json_text(), encoding="utf-8")
+    page = studio.ask("/c/virtual/laws/law1")[2].decode()
+    assert '<button class="primary" type="button" data-start="add" data-effect="viscous,asymmetry">Add' in page
+    assert "pipeclamp add" in page and "viscous,asymmetry" in page and "--as part" in page
+    before = set(home.glob("law*.json"))
+    done = studio.done(studio.json(JOBS, {"kind": "add", "law": "law1", "effect": "viscous,asymmetry"}))
+    assert done["title"] == "Add viscous and asymmetry and fit everything again"
+    made = home / f"{done['result']['law']}.json"
+    assert made not in before
+    added = read_law(made)
+    assert added.effects == both
+    assert [(step.step, step.kind) for step in added.history[-2:]] == [(f"+ {name}", "part") for name in both]
+    assert Project("virtual", home).parent(made.stem) == "law1"
+    assert _precedes(law, added) and not _precedes(added, law)
+    made.unlink()
+    (home / "law1.told.json").unlink()
 
 
 def test_a_search_for_a_term_that_tests_cannot_serve_is_told(studio, home):

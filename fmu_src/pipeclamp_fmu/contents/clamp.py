@@ -22,7 +22,7 @@ from pipeclamp_fmu.slaves import clamp as clamp_slave
 from pipeclamp_fmu.slaves import own_motion
 from pipeclamp_fmu.slaves.one_module import source_text, with_inlined
 from pipeclamp_fmu.slaves.values_file import values_text
-from pipeclamp_models.realise import tracker
+from pipeclamp_models.steps import tracker
 
 MARGIN = 10.0
 """min and max of variables lie this factor beyond the law's range: further out a value is a mistake of units."""
@@ -44,8 +44,9 @@ def clamp_module(model: ClampModel) -> str:
             model.source,
         ]
     )
-    slaves = (f"pipeclamp_fmu.slaves.{name}" for name in ("own_motion", "plain", "values_file", "within_step"))
-    parts = {module: source_text(module) for module in (*slaves, "pipeclamp_models.realise.tracker")}
+    slaves = (f"pipeclamp_fmu.slaves.{name}" for name in ("own_motion", "plain", "values_file"))
+    steps = (f"pipeclamp_models.steps.{name}" for name in ("tracker", "within_step"))
+    parts = {module: source_text(module) for module in (*slaves, *steps)}
     return with_inlined(source_text("pipeclamp_fmu.slaves.clamp"), {**parts, "pipeclamp_fmu.slaves.stand_in_law": law})
 
 

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeclamp_fmu.contents.behind import Behind
-from pipeclamp_fmu.contents.passivity import Interval, ScalarLaw, loaded
+from pipeclamp_fmu.contents.passivity import Interval
 from pipeclamp_fmu.describe.variables import Range
 from pipeclamp_models.equations.symbols import REFERENCES, T_0
 from pipeclamp_models.law.file import FitQuality, HistoryStep
+from pipeclamp_models.realise.scalar_law import ScalarLaw, loaded
 
 TEMPERATURES = (1.0, 2000.0)
 """min and max of temperatures, K: above absolute zero, and above what any steel stands."""

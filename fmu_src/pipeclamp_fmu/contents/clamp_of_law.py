@@ -9,12 +9,11 @@ from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.file import Interval, LawFile, law_of
-from pipeclamp_models.realise.scalar import python_source
+from pipeclamp_models.realise.scalar_law import parameter_values, source_of
 from pipeclamp_models.realise.stepping import (
     CONDITIONS_FIRST,
     conditions_of,
     parameter_symbols,
-    parameter_values,
 )
 from pipeclamp_models.realise.text import equation_lines
 
@@ -48,7 +47,7 @@ def clamp_model(file: LawFile, told: Start = USUAL) -> ClampModel:
     entries = [(name, file.coefficients[name]) for name in equations.names]
     return ClampModel(
         name=file.name,
-        source=python_source(law.structure),
+        source=source_of(law.structure),
         coefficients=tuple(
             Entry(name, *described[name], value) for name, value in zip(names, parameter_values(law), strict=True)
         ),

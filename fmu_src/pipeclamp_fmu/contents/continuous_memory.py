@@ -1,25 +1,13 @@
-"""Which laws' memory jumps in a step, however short: it can't be continuous states, and needs short ways."""
+"""Which laws' memory can be continuous states, and in how many parts a clamp's own step is walked."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from typing import Any
 
 from pipeclamp_fmu.contents.clamp_model import ClampModel
 from pipeclamp_models.base.errors import UserError
-
-SAMPLES = 200
-"""Places on a cycle at which short steps are tried."""
-
-SHORT = 1e-7
-"""A step so short that it moves what moves at all by far less than a jump, in periods."""
-
-JUMP = 1e-3
-"""Of a state's largest value: what it moves by in a short step is no jump below it."""
-
-PARTS = 16
-"""In which a step is walked of a law whose memory jumps: at a part's end instead of the step's. Play's force errs by
-4 % of its rms in 12 steps a cycle without, and by 0.4 % with them."""
+from pipeclamp_models.steps import jumps
+from pipeclamp_models.steps.within_step import Step
 
 REMEDY = "build the FMU without --memory-as-states"
 
@@ -51,34 +39,16 @@ def require_states(model: ClampModel) -> None:
 
 def parts_of_step(model: ClampModel) -> int:
     """Give in how many parts a clamp's own step is walked."""
-    return PARTS if jumping(model) else 1
+    return jumps.parts_of_step(*_in_the_middle(model))
 
 
 def jumping(model: ClampModel) -> list[str]:
-    """Give the names of the states that a short step moves by a jump, somewhere on one of two cycles."""
-    A, f, T = model.range_A[1], model.range_f[1], model.temperature
-    law = model.law
-    k = law.coefficients(A, f, T, *(entry.scale * entry.start for entry in model.further))
-    found: set[int] = set()
-    for share, mean in ((1.0, 0.0), (0.3, 0.6)):
-        motion = [_place(A * share, A * mean, f, n) for n in range(2 * SAMPLES + 1)]
-        states: Sequence[float] = [value for _, value in law.states]
-        sizes, moves = [0.0] * len(states), [0.0] * len(states)
-        before = motion[0][0]
-        for y, v in motion[1:]:
-            _, _, states = law.step(k, states, before, y, v, 1 / (f * SAMPLES))
-            for turned in (v, -v):
-                h = SHORT / f
-                here = law.step(k, states, y, y, turned, 0.0)[2]
-                ahead = law.step(k, here, y, y + h * turned, turned, h)[2]
-                moves = [max(most, abs(b - a)) for most, a, b in zip(moves, here, ahead, strict=True)]
-            sizes = [max(most, abs(value)) for most, value in zip(sizes, states, strict=True)]
-            before = y
-        found |= {n for n, (move, size) in enumerate(zip(moves, sizes, strict=True)) if move > JUMP * size}
-    return [law.states[n][0] for n in sorted(found)]
+    """Give the names of the states that jump."""
+    return [model.law.states[place][0] for place in jumps.jumping(*_in_the_middle(model))]
 
 
-def _place(amplitude: float, mean: float, f: float, n: int) -> tuple[float, float]:
-    """Give displacement and velocity at a sample of a cycle."""
-    theta = 2 * math.pi * (n + 0.5) / SAMPLES
-    return mean + amplitude * math.sin(theta), 2 * math.pi * f * amplitude * math.cos(theta)
+def _in_the_middle(model: ClampModel) -> tuple[Step, Any, list[float], float, float]:
+    """Give what `jumps.jumping` takes, with the further conditions in the middle of their ranges."""
+    law, A, f = model.law, model.range_A[1], model.range_f[1]
+    k = law.coefficients(A, f, model.temperature, *(entry.scale * entry.start for entry in model.further))
+    return law.step, k, [value for _, value in law.states], A, f

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
-from pipeclamp_fmu.contents.passivity import loaded
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import Role
 from pipeclamp_models.law.compose import Composed
 from pipeclamp_models.law.file import LawFile, law_of
+from pipeclamp_models.realise.scalar_law import loaded
 
 END = 1.96
 """Standard deviations from the middle to the end of a band that holds 95 %."""

@@ -10,10 +10,10 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.realise.scalar_law import ScalarLaw
 
 Interval = tuple[float, float]
 
@@ -34,22 +34,6 @@ FINER = 4
 
 RESOLVED = 1e-5
 """Share of the energy moved below which the fine quadrature can't tell dissipation from none: kinks cost it 1e-6."""
-
-
-@dataclass(frozen=True)
-class ScalarLaw:
-    """A generated law with its values, ready to be called; see `pipeclamp.realise.scalar.python_source`."""
-
-    states: tuple[tuple[str, float], ...]
-    coefficients: Callable[..., Any]
-    step: Callable[..., tuple[float, float, tuple[float, ...]]]
-
-
-def loaded(source: str, values: Sequence[float]) -> ScalarLaw:
-    """Load a law's generated source with values for its parameters, as the FMU does."""
-    scope: dict[str, Any] = {"math": math}
-    exec(source, scope)
-    return ScalarLaw(scope["STATES"], partial(scope["coefficients"], tuple(values)), scope["step"])
 
 
 @dataclass(frozen=True)

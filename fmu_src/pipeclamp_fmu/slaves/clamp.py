@@ -40,8 +40,8 @@ from pipeclamp_fmu.slaves.stand_in_law import (
     step,
 )
 from pipeclamp_fmu.slaves.values_file import read_values
-from pipeclamp_fmu.slaves.within_step import walk
-from pipeclamp_models.realise.tracker import SLACK, Interval, held, start_tracking, tracked
+from pipeclamp_models.steps.tracker import SLACK, Interval, held, start_tracking, tracked
+from pipeclamp_models.steps.within_step import walk
 
 MM = 1000.0
 """mm in a metre: the law is in mm, the FMU's boundary in m."""

@@ -18,6 +18,8 @@ COEFFICIENTS = ("k10", "k1_A", "k30", "c0", "c_T", "alpha0", "alpha_f", "k_s", "
 """Names of the law's coefficients, in the order in which it takes them."""
 
 STATES: tuple[tuple[str, float], ...] = (("z", 0.0),)
+CONDITIONS: tuple[str, ...] = ()
+"""Names of the further conditions in the law's source."""
 
 
 def coefficients(p: Sequence[float], A: float, f: float, T: float, *further: float) -> tuple[float, ...]:

@@ -378,13 +378,16 @@ class SteadySystem:
 
         The curve begins at the first frequency; where it ends before the last one, the list does too.
         """
+        return [self.state(point.unknowns, point.parameter) for point in self.path(first, last)]
+
+    def path(self, first: float, last: float) -> list[Solution]:
+        """Give the solutions that `curve` evaluates, which takes as long as to find them."""
         start = self.start(first)
         if start is None:
             return []
         if not self._clamps:
-            return [self.state(start, frequency) for frequency in np.linspace(first, last, 200).tolist()]
-        path = follow(self.over_frequency(), Solution(first, start), last, float(self.sizes(start[None])[0]))
-        return [self.state(point.unknowns, point.parameter) for point in path]
+            return [Solution(frequency, start) for frequency in np.linspace(first, last, 200).tolist()]
+        return list(follow(self.over_frequency(), Solution(first, start), last, float(self.sizes(start[None])[0])))
 
     def followed(self, first: float, last: float) -> FollowedResponse:
         """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached."""
@@ -398,17 +401,21 @@ class SteadySystem:
 
     def solutions(self, states: Sequence[SteadyState], frequency: float) -> list[Array]:
         """Give the unknowns, (m,) each, where a curve passes a frequency (Hz), in the order in which it does."""
+        path = [Solution(state.frequency, packed(state.balanced[None])[0]) for state in states]
+        return self.passing(path, frequency)
+
+    def passing(self, path: Sequence[Solution], frequency: float) -> list[Array]:
+        """Give the unknowns, (m,) each, where a path passes a frequency (Hz), in the order in which it does."""
         found = []
-        for before, after in pairwise(states):
-            if (before.frequency - frequency) * (after.frequency - frequency) < 0:
-                one, other = (Solution(state.frequency, packed(state.balanced[None])[0]) for state in (before, after))
-                met = between(self.over_frequency(), one, other, frequency) if self._clamps else one.unknowns
+        for before, after in pairwise(path):
+            if (before.parameter - frequency) * (after.parameter - frequency) < 0:
+                met = between(self.over_frequency(), before, after, frequency) if self._clamps else before.unknowns
                 if met is not None:
                     found.append(met)
-            if before.frequency == frequency:
-                found.append(packed(before.balanced[None])[0])
-        if states and states[-1].frequency == frequency:
-            found.append(packed(states[-1].balanced[None])[0])
+            if before.parameter == frequency:
+                found.append(before.unknowns)
+        if path and path[-1].parameter == frequency:
+            found.append(path[-1].unknowns)
         return found
 
     def crossings(self, states: Sequence[SteadyState], frequency: float) -> list[SteadyState]:

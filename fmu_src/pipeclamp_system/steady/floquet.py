@@ -21,7 +21,7 @@ from scipy.linalg import block_diag
 from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.states import composed
-from pipeclamp_models.realise.tracker import AVERAGING
+from pipeclamp_models.steps.tracker import AVERAGING
 from pipeclamp_system.steady.tangents import AMPLITUDE, BEFORE, Tangents, V, Y
 from pipeclamp_system.transient.modal_step import modal_step
 

@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from pipeclamp_fmu.contents.passivity import loaded
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.pipe.modes import ReducedPipe
-from pipeclamp_models.realise.scalar import python_source
-from pipeclamp_models.realise.stepping import parameter_values
+from pipeclamp_models.realise.scalar_law import scalar_law
 
 RATE_STEP = 1e-5
 """Seconds over which a history state's update is turned into a rate: short beside any motion here, but no shorter.
@@ -49,7 +47,7 @@ class ClampEquations:
 
 def clamp_equations(law: Law, amplitude: float, frequency: float, temperature: float) -> ClampEquations:
     """Give a law's equations at an amplitude (mm), frequency (Hz) and temperature (K): those that its FMU runs."""
-    scalar = loaded(python_source(law.structure), parameter_values(law))
+    scalar = scalar_law(law)
     start = tuple(float(value) for _, value in scalar.states)
     return ClampEquations(start, scalar.coefficients(amplitude, frequency, temperature), scalar.step)
 

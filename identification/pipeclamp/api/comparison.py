@@ -62,7 +62,7 @@ class Comparison(Shown):
         """Give the page, as `pipeclamp compare --report` writes it."""
         from pipeclamp.pages.sections import comparison_page, comparison_title
 
-        following = after_comparison(self.law.origin, self.tests.origin, loops=self.tests.tests.has_loops)
+        following = after_comparison(self.law.origin, self.tests.origin, self._held)
         page = comparison_page([(self.law.file, self._held)], following)
         return *comparison_title([self.law.file], self.tests.name), page
 
@@ -101,7 +101,7 @@ class LawsComparison(Shown):
     """Several laws held against the same tests.
 
     Attributes:
-        laws, tests: what was compared; the page and the sentences are about the last law.
+        laws, tests: what was compared; sentences, and details of the page, are about the law that errs least.
 
     `compare_laws` makes one; its example shows what it holds.
     """
@@ -124,10 +124,11 @@ class LawsComparison(Shown):
     def page(self) -> tuple[str, str, Sequence[Section]]:
         """Give the page, as `pipeclamp compare --report` writes it."""
         from pipeclamp.pages.sections import comparison_page, comparison_title
+        from pipeclamp_identification.comparison.laws import least_error
 
-        best = min(range(len(self.laws)), key=lambda place: self._held[place][1].nrmse)
+        best = least_error([held for _, held in self._held])
         title = comparison_title([file for file, _ in self._held], self.tests.name)
-        following = after_comparison(self.laws[best].origin, self.tests.origin, loops=self.tests.tests.has_loops)
+        following = after_comparison(self.laws[best].origin, self.tests.origin, self._held[best][1])
         return *title, comparison_page(self._held, following)
 
     def to_frame(self) -> pl.DataFrame:
@@ -149,7 +150,7 @@ def compare_laws(laws: Sequence[Law | PathOrName], tests: Tests | PathOrName) ->
     """Hold several laws against the same tests: which errs by how much, and what each leaves over.
 
     Args:
-        laws: the laws, or their files or bundled names; the one that the page is to be about last.
+        laws: the laws, or their files or bundled names.
         tests: the tests, or their folder or bundled name.
 
     Raises:

@@ -289,6 +289,7 @@ def compare(
     if bands is not None:
         raise UsageError("--bands: a law held against its own tests has none; expected SYSTEM.toml and MEASURED")
     from pipeclamp.show.views import comparison_view, laws_view
+    from pipeclamp_identification.comparison.laws import least_error
     from pipeclamp_identification.comparison.names import named_apart
     from pipeclamp_identification.workflow.next_command import after_comparison
 
@@ -297,8 +298,8 @@ def compare(
         tests = read_and_tell(campaign, strict, tell, free=True)
         held = [(file, tests.compare(file)) for file in files]
         view = comparison_view(held[0][1]) if len(held) == 1 else laws_view(held)
-    best = min(range(len(held)), key=lambda index: held[index][1].nrmse)
-    following = after_comparison(laws[best], str(campaign), loops=tests.has_loops)
+    best = least_error([against for _, against in held])
+    following = after_comparison(laws[best], str(campaign), held[best][1])
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import comparison_page, comparison_title

@@ -16,6 +16,7 @@ def compare_on_pipe(
     from pipeclamp_identification.attribution.attributed import attributed
     from pipeclamp_identification.attribution.compared import compare_measured
     from pipeclamp_identification.on_pipe.bands import pipe_bands, refuse_bands
+    from pipeclamp_identification.workflow.next_on_pipe import after_pipe_comparison
 
     with told("compare") as tell:
         if bands is not None:
@@ -26,11 +27,12 @@ def compare_on_pipe(
         if bands is not None and held.sines:
             tell("bands")
             found = replace(found, bands=pipe_bands(system, held.sines, bands))
+    following = after_pipe_comparison(found, str(system), str(measured), reported=report is not None)
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.system.on_pipe import attributed_sections
 
         title = f"{held.system.name} against {held.description.name}"
         about = held.description.notes or "pipe and clamps"
-        write_report(report, title, about, attributed_sections(found), command_called())
-    show(attributed_view(found), json)
+        write_report(report, title, about, attributed_sections(found, following), command_called())
+    show(attributed_view(found, following), json)

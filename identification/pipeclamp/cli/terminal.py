@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from pipeclamp_models.law.file import LawFile
 
 WIDE = 150
+NEXT = ("Next:", "Next,")
+"""What a line begins with that holds the command to run next."""
 MARKED = "bold red"
 """Style of what isn't to be trusted."""
 
@@ -208,7 +210,8 @@ def show(view: View, json_path: Path | None) -> None:
     for table in view.tables:
         print_table(table)
     for line in view.lines:
-        console().print(line, highlight=False, markup=False)
+        # a command is copied as it stands
+        console().print(line, highlight=False, markup=False, soft_wrap=line.startswith(NEXT))
 
 
 def say(lines: Sequence[str], *, soft_wrap: bool = True) -> None:

@@ -20,10 +20,10 @@ from pipeclamp.pages.error_pictures import (
 from pipeclamp.pages.explorer import explored
 from pipeclamp.pages.free_comparison import free_sections
 from pipeclamp.pages.page import Section
-from pipeclamp.show.comparison import how_much, parts_table, worst_table
+from pipeclamp.show.comparison import found_words, how_much, parts_table, worst_table
 from pipeclamp_identification.comparison import breakdown
 from pipeclamp_identification.comparison.breakdown import Breakdown, Condition, phase_edges
-from pipeclamp_identification.comparison.compare import Comparison, where_words
+from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import HeldLaw
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.loops.scatter import PHASE_BINS
@@ -39,7 +39,7 @@ HARMONICS_SHOWN = 12
 
 def answer_words(comparison: Comparison) -> list[str]:
     """Say how much a law errs, where, and what to know of the tests."""
-    words = [*how_much(comparison), *where_words(comparison)]
+    words = [*how_much(comparison), *found_words(comparison)]
     if comparison.outside:
         count = len(comparison.outside)
         several = "runs lie" if count > 1 else "run lies"

@@ -37,11 +37,15 @@ def diagnosis_answer(answer: Diagnosed) -> Section:
 
 
 def promised(diagnosis: Diagnosis) -> list[Rung]:
-    """Give the law as it is, and what the effects that the answer names, or the best one, would make of it."""
+    """Give the law as it is, and what the effects that the answer names, or the best one, would make of it.
+
+    Of two that help only together neither is promised anything alone: they are added at once.
+    """
     named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
     # what runs at the same stated conditions differ by is promised to no effect
     best = [] if diagnosis.found.unstated else diagnosis.candidates[:1]
-    alone = named or best
+    both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
+    alone = [] if both else named or best
     together = [diagnosis.pair] if diagnosis.pair else []
     return [
         Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),

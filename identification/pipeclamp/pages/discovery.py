@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipeclamp.pages.page import Card, Section
-from pipeclamp.pages.sections import comparison_page
+from pipeclamp.pages.sections import laws_sections
 from pipeclamp.pages.sketch import sketch
 from pipeclamp.pages.waterfall import rungs_of, waterfall_picture
 from pipeclamp.show.discovery import discovery_words, guards_table, rivals_table
@@ -35,5 +35,5 @@ def discovery_page(proposal: Proposal, laws: Sequence[tuple[LawFile, Held]], nex
     if proposal.found and proposal.found.rivals:
         tables.append(rivals_table(proposal))
     evidence = [Section("Evidence", (), tables, cards=cards)] if tables or cards else []
-    _, difference, *details = comparison_page(laws)
+    difference, *details = laws_sections(laws, about=len(laws) - 1)
     return [answer, difference, *evidence, *details]

@@ -15,12 +15,12 @@ from pipeclamp.pages.metric_diagnosis import metric_diagnosis_answer, metric_pro
 from pipeclamp.pages.metrics import metrics_sections
 from pipeclamp.pages.page import Section
 from pipeclamp.pages.waterfall import OF_FORCE, OF_METRICS, Rung, rungs_of, waterfall_picture, with_promised
-from pipeclamp.show.law import fit_words, laws_table, parameters_table, stages_table
+from pipeclamp.show.law import fit_words, laws_table, least_words, parameters_table, stages_table
 from pipeclamp.show.metric_comparison import metric_comparison_words, metric_worst_table
 from pipeclamp.show.metrics import metric_table
 from pipeclamp.show.views import scatter_of
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.comparison.laws import laws_held, stages_held
+from pipeclamp_identification.comparison.laws import laws_held, least_error, stages_held
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
@@ -88,25 +88,33 @@ def _(found: MetricDiagnosed) -> _Parts:
 
 
 def comparison_page(laws: Sequence[tuple[LawFile, Held]], next_command: str = "") -> list[Section]:
-    """Give the page of laws held against the same tests, the one that the page is about last.
+    """Give the page of laws held against the same tests; what isn't drawn of all is of the one that errs least.
 
     Args:
         laws: each law's file, and how it stands; of a single law the stages of its history are shown too.
         next_command: the shell line to run next.
     """
-    file, held = laws[-1]
-    tables, parameters = [], stages_table(file)
-    words, details = _answer(held), _details(held)
+    best = least_error([against for _, against in laws])
+    file, held = laws[best]
+    words, tables = _answer(held), []
     if len(laws) > 1:
-        # what isn't drawn of all laws is of this one
-        label = labels_of([one for one, _ in laws])[-1]
-        words = [f"{label}: {words[0]}", *words[1:]]
-        details = [replace(section, paragraphs=[f"Of {label}.", *section.paragraphs]) for section in details]
+        words = [least_words([one for one, _ in laws], best), *words]
         tables = [laws_table([(one, against.nrmse, scatter_of(against)) for one, against in laws])]
-        parameters = parameters_table([one for one, _ in laws])
-    further = [Section("Parameters", (), [parameters])] if parameters else []
     answer = Section("Answer", words, tables, _falling(file, ()), next_command)
-    return [answer, *_difference(laws), *details, *further]
+    return [answer, *laws_sections(laws, best)]
+
+
+def laws_sections(laws: Sequence[tuple[LawFile, Held]], about: int) -> list[Section]:
+    """Give difference, parameters, and details of the law at a place, of laws held against the same tests."""
+    file, held = laws[about]
+    files = [one for one, _ in laws]
+    details, parameters = _details(held), stages_table(file)
+    if len(laws) > 1:
+        label = labels_of(files)[about]
+        details = [replace(section, paragraphs=[f"Of {label}.", *section.paragraphs]) for section in details]
+        parameters = parameters_table(files)
+    further = [Section("Parameters", (), [parameters])] if parameters else []
+    return [*_difference(laws, about), *details, *further]
 
 
 def comparison_title(files: Sequence[LawFile], tests: str) -> tuple[str, str]:
@@ -131,7 +139,7 @@ def diagnosis_page(file: LawFile, found: AnyDiagnosed, next_command: str) -> lis
     words = [*parts.answer.paragraphs, how_much]
     figures = [*_falling(file, parts.rungs), *parts.answer.figures]
     answer = replace(parts.answer, paragraphs=words, figures=figures, command=next_command)
-    difference = _difference([(file, parts.held)])
+    difference = _difference([(file, parts.held)], 0)
     if difference and (found.verdict == "unknown" or found.kind == "part"):
         # what is left over is the first thing to look at
         answer, difference = replace(answer, explorer=difference[0].explorer), []
@@ -142,7 +150,7 @@ def diagnosis_page(file: LawFile, found: AnyDiagnosed, next_command: str) -> lis
 def law_page(file: LawFile, held: Held) -> list[Section]:
     """Give the page of a law and of how it stands against the tests that it was fitted to."""
     answer = Section("Answer", _answer(held), figures=_falling(file, ()))
-    return [answer, *_difference([(file, held)]), *law_sections(file), *_details(held)]
+    return [answer, *_difference([(file, held)], 0), *law_sections(file), *_details(held)]
 
 
 def law_alone_page(file: LawFile) -> list[Section]:
@@ -164,12 +172,12 @@ def metrics_page(tests: Tests) -> list[Section]:
     raise TypeError(f"no page of the metrics of {type(tests).__name__}")
 
 
-def _difference(laws: Sequence[tuple[LawFile, Held]]) -> list[Section]:
+def _difference(laws: Sequence[tuple[LawFile, Held]], about: int) -> list[Section]:
     """Show records less laws, or less the stages of the only one; metrics alone hold no difference to show."""
-    records = [(file, held) for file, held in laws if isinstance(held, Comparison)]
-    if not records or not records[-1][1].runs:
+    file, held = laws[about]
+    if not isinstance(held, Comparison) or not held.runs:
         return []
-    file, held = records[-1]
+    records = [(one, against) for one, against in laws if isinstance(against, Comparison)]
     return [difference_section(held, laws_held(records) if len(records) > 1 else stages_held(file, held))]
 
 

@@ -13,6 +13,7 @@ from pipeclamp_identification.comparison.breakdown import (
 )
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
 from pipeclamp_identification.fitting.misfit import overall_nrmse
+from pipeclamp_identification.workflow.along_free import along_free
 
 RUNS_PRINTED = 8
 """Runs that a terminal shows, worst first."""
@@ -29,6 +30,12 @@ def how_much(comparison: Comparison) -> list[str]:
     words = [f"{free} of free motion; no motion repeats, so that no scatter can be known."]
     words += [f"{_MEAN_TAKEN}: {run.run}." for run in comparison.free if run.adrift]
     return [*words, *(_errs(comparison, " of sines") if comparison.runs else [])]
+
+
+def found_words(comparison: Comparison) -> list[str]:
+    """Say where the error sits; of free motions alone also what it calls for, which else a diagnosis tells."""
+    alone = comparison.free and not comparison.runs
+    return [*where_words(comparison), *([along_free(comparison.free).words()] if alone else [])]
 
 
 def _runs(count: int) -> str:
@@ -128,5 +135,5 @@ def comparison_view(comparison: Comparison) -> View:
             *([worst_table(comparison, most=RUNS_PRINTED)] if comparison.runs else []),
             *([free_table(comparison)] if comparison.free else []),
         ],
-        [*how_much(comparison), *where_words(comparison)],
+        [*how_much(comparison), *found_words(comparison)],
     )

@@ -31,7 +31,7 @@ def against(candidate: Judged, diagnosis: Diagnosis) -> list[str]:
         for name, (before, after) in errors.items()
         if after > WORSE * before
     )
-    simpler = simpler_words(candidate, diagnosis.candidates, law)
+    simpler = simpler_words(candidate, diagnosis.candidates, law, diagnosis.tolerance)
     return [*candidate.objections, *candidate.reservations, *worse, *simpler]
 
 

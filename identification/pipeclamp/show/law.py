@@ -103,6 +103,11 @@ def laws_table(laws: Sequence[tuple[LawFile, float, float | None]]) -> Table:
     return Table(header, rows, "the same runs; 1 is as good as can be")
 
 
+def least_words(files: Sequence[LawFile], place: int) -> str:
+    """Say which of several laws errs least, and that what follows is about it."""
+    return f"{labels_of(files)[place]} errs least of the {len(files)} laws; all that follows is about it."
+
+
 def parameters_table(files: Sequence[LawFile]) -> Table:
     """Give the parameters of laws side by side."""
     names = dict.fromkeys(name for law in files for name in law.coefficients)

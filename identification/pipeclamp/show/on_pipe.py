@@ -14,6 +14,7 @@ from pipeclamp_identification.attribution.verdict import FEWEST, Attribution, Ca
 from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
 from pipeclamp_identification.on_pipe.where import how_much, where_words
+from pipeclamp_identification.workflow.next_on_pipe import NextStep
 
 CANDIDATES_PRINTED = 8
 
@@ -99,8 +100,8 @@ def candidate_table(found: Attribution, most: int | None = None) -> Table:
     return Table(header, [*rows, stated], caption)
 
 
-def attributed_view(found: Attributed) -> View:
-    """Tell how a coupled model stands against what was measured, and what may be wrong."""
+def attributed_view(found: Attributed, following: NextStep) -> View:
+    """Tell how a coupled model stands against what was measured, what may be wrong, and what comes next."""
     sines, records, attribution = found.compared.sines, found.compared.records, found.attribution
     tables: list[Table] = []
     lines: list[str] = []
@@ -112,4 +113,5 @@ def attributed_view(found: Attributed) -> View:
         lines += records_words(records)
     if attribution:
         tables.append(candidate_table(attribution, most=CANDIDATES_PRINTED))
-    return View(system_comparison_answer(found), tables, [*lines, *attribution_words(attribution, found.proposal)])
+    lines += [*attribution_words(attribution, found.proposal), following.words()]
+    return View(system_comparison_answer(found), tables, lines)

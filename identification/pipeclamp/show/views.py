@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from functools import singledispatch
 
 from pipeclamp.show import comparison, metric_comparison, metrics
-from pipeclamp.show.law import laws_table
+from pipeclamp.show.law import laws_table, least_words
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.comparison.names import labels_of
+from pipeclamp_identification.comparison.laws import least_error
 from pipeclamp_identification.metrics_only.law import MetricComparison
 from pipeclamp_identification.workflow.laws_answer import LawComparison, LawsComparisonAnswer
 from pipeclamp_identification.workflow.on_metrics import MetricTests
@@ -51,7 +51,7 @@ def _(held: MetricComparison) -> View:
 
 
 def laws_view(laws: Sequence[tuple[LawFile, Held]]) -> View:
-    """Tell how several laws stand against the same tests, and where the last one fails."""
+    """Tell how several laws stand against the same tests, and where the one fails that errs least."""
     views = [comparison_view(held) for _, held in laws]
     answers = [
         LawComparison.model_validate(
@@ -60,9 +60,9 @@ def laws_view(laws: Sequence[tuple[LawFile, Held]]) -> View:
         for (file, _), view in zip(laws, views, strict=True)
     ]
     table = laws_table([(file, held.nrmse, scatter_of(held)) for file, held in laws])
-    label = labels_of(file for file, _ in laws)[-1]
-    last = [f"{label}: {line}" for line in views[-1].lines]
-    return View(LawsComparisonAnswer(laws=tuple(answers)), [table], last)
+    best = least_error([held for _, held in laws])
+    lines = [least_words([file for file, _ in laws], best), *views[best].lines]
+    return View(LawsComparisonAnswer(laws=tuple(answers)), [table], lines)
 
 
 def scatter_of(held: Held) -> float | None:

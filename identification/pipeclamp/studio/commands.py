@@ -38,8 +38,13 @@ def identify_task(project: Project, base: str) -> tuple[Task, str]:
     return Task("identify", f"Fit the base law {base}", command, given), law
 
 
+def named(effect: str) -> str:
+    """Give an effect as it is said; several, which `add` takes with commas between them, with words."""
+    return " and ".join(effect.split(","))
+
+
 def add_line(project: Project, of: str, effect: str, kind: Kind | None, law: str) -> str:
-    """Give the line that adds an effect, which the diagnosis means so."""
+    """Give the line that adds an effect, or several with commas between them, which the diagnosis means so."""
     meant = ("--as", kind) if kind == "part" else ()
     given = project.shown(f"{of}.json"), effect, project.campaign, "-o", project.shown(f"{law}.json")
     return line("add", *given, *meant)
@@ -53,7 +58,7 @@ def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple
         "campaign": project.campaign, "of": str(project.path_of(of)), "effect": effect, "kind": kind,
         "law": project.shown(f"{law}.json"), "command": _last_parts(command),
     }  # fmt: skip
-    return Task("add", f"Add {effect} and fit everything again", command, given, of), law
+    return Task("add", f"Add {named(effect)} and fit everything again", command, given, of), law
 
 
 def diagnose_line(project: Project, law: str, limits: str = "") -> str:

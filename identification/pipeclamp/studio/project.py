@@ -130,16 +130,17 @@ class Project:
     def parent(self, name: str) -> str | None:
         """Give the law that a law was made from; None of a first one.
 
-        Where the session doesn't tell, as of laws that commands wrote, it is the one with all but the last effect.
+        Where the session doesn't tell, as of laws that commands wrote, it is the one with most of its first effects.
         """
         known, laws = {step.law: step.of for step in self.steps if step.law}, self.laws()
         if name in known:
             return known[name] if known[name] in laws else None
         file = self.law(name)
         before = [other for other in laws[: laws.index(name)] if _precedes(self.law(other), file)]
-        return before[-1] if before else None
+        return max(reversed(before), key=lambda other: len(self.law(other).effects), default=None)
 
 
 def _precedes(one: LawFile, other: LawFile) -> bool:
-    """Tell whether a law has all effects of another but the last, on the same base."""
-    return (one.base, one.effects) == (other.base, other.effects[:-1]) and len(other.effects) > 0
+    """Tell whether a law has the first effects of another, but not all, on the same base."""
+    count = len(one.effects)
+    return count < len(other.effects) and (one.base, one.effects) == (other.base, other.effects[:count])

@@ -118,4 +118,5 @@ def _environment() -> jinja2.Environment:
     environment = templates_of("pipeclamp.studio")
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
     environment.filters["sentence"] = sentence
+    environment.filters["named"] = commands.named
     return environment

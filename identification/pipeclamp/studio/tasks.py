@@ -24,12 +24,13 @@ def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str
 def add(
     tell: Progress, *, campaign: str, of: str, effect: str, kind: Kind | None, law: str, command: str
 ) -> dict[str, Any]:
-    """Add an effect to a law, refit everything and write it."""
-    from pipeclamp_identification.workflow.change import add_effect
+    """Add an effect to a law, or several with commas between them, refit everything and write it."""
+    from pipeclamp_identification.workflow.change import add_effects
 
     tests = _tests(tell, campaign)
-    change = add_effect(read_law(Path(of)), effect, tests, command=command, date=now(), kind=kind, progress=tell)
-    return _written(change.after, law)
+    given: dict[str, Any] = {"command": command, "date": now(), "kind": kind, "progress": tell}
+    steps = add_effects(read_law(Path(of)), effect.split(","), tests, **given)
+    return _written(steps[-1].after, law)
 
 
 def diagnose(

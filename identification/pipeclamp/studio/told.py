@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from pydantic import Field
 
@@ -17,9 +17,9 @@ from pipeclamp_models.law.file import Kind, LawFile, Verdict
 
 
 class ToldCandidate(AnswerModel):
-    """An effect that a diagnosis fitted with the law."""
+    """An effect that a diagnosis fitted with the law, or two that it names together."""
 
-    name: str = Field(description="as `add` takes it")
+    name: str = Field(description="as `add` takes it: two with a comma between them")
     does: str
     looks_like: str
     told_apart_by: str
@@ -45,6 +45,7 @@ class Told(AnswerModel):
     verdict: Verdict
     kind: Kind | None
     effects: tuple[str, ...]
+    together: tuple[str, ...] = Field((), description="two effects that help only together, of which one is named")
     headline: str
     words: tuple[str, ...]
     rung: tuple[str, ...]
@@ -55,9 +56,14 @@ class Told(AnswerModel):
     next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
     drive: bool = Field(description="whether there is a drive signal for it")
 
+    @property
+    def offered(self) -> tuple[str, ...]:
+        """What is named, as `add` takes it: two that help only together at once."""
+        return (_at_once(self.together),) if self.together else self.effects
+
     def meant(self, effect: str) -> Kind | None:
         """Say how an effect is meant; None where it isn't named."""
-        return self.kind if effect in self.effects else None
+        return self.kind if effect in (*self.effects, *self.offered) else None
 
 
 def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
@@ -67,18 +73,20 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
     from pipeclamp.pages.waterfall import ESTIMATED
 
     diagnosis = found.diagnosis
+    both = [diagnosis.found.named] if diagnosis.found.named and found.together else []
     return Told(
         law_command=stamp(file),
         verdict=found.verdict,
         kind=found.kind,
         effects=found.effects,
+        together=found.together,
         headline=found.headline(),
         words=tuple(found.words()),
         rung=_rung(found),
         lines=tuple(verdict_lines(found, next_command, None)),
         heldout_nrmse=diagnosis.law.heldout_nrmse,
         candidates=tuple(
-            _candidate(each, diagnosis) for each in diagnosis.candidates if _is_finite(each.result.law.values)
+            _candidate(each, diagnosis) for each in (*both, *diagnosis.candidates) if _is_finite(each.result.law.values)
         ),
         promised=tuple(
             ToldRung(label=rung.label, heldout_nrmse=rung.errors[ESTIMATED], explained=rung.explained)
@@ -88,6 +96,11 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         next_test=found.proposal.words() if found.proposal else found.no_test,
         drive=found.proposal is not None,
     )
+
+
+def _at_once(effects: Sequence[str]) -> str:
+    """Give effects as `add` takes them."""
+    return ",".join(effects)
 
 
 def _rung(found: Diagnosed) -> tuple[str, ...]:
@@ -108,13 +121,13 @@ def _is_finite(values: Mapping[str, float]) -> bool:
 
 def _candidate(judged: Judged, diagnosis: Diagnosis) -> ToldCandidate:
     law = diagnosis.law
-    name = judged.effects[0]
-    effect = next(effect for effect in judged.result.equations.effects if effect.name == name)
+    known = {effect.name: effect for effect in judged.result.equations.effects}
+    effects = [known[name] for name in judged.effects]
     return ToldCandidate(
-        name=name,
-        does=effect.does,
-        looks_like=effect.looks_like,
-        told_apart_by=effect.told_apart_by,
+        name=_at_once(judged.effects),
+        does="; ".join(effect.does for effect in effects),
+        looks_like="; ".join(effect.looks_like for effect in effects),
+        told_apart_by="; ".join(effect.told_apart_by for effect in effects),
         heldout_nrmse=judged.heldout_nrmse,
         explained=explained_share(judged, law),
         against=tuple(against(judged, diagnosis)),

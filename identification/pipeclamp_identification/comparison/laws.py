@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.names import labels_of
@@ -11,6 +12,14 @@ from pipeclamp_identification.fitting.misfit import RunMisfit, misfits, overall_
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.file import LawFile, law_at
 from pipeclamp_models.law.law import Law
+
+
+class Errs(Protocol):
+    """A law that was held against tests."""
+
+    @property
+    def nrmse(self) -> float:
+        """Error over all runs, as a share."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +40,11 @@ class HeldLaw:
     def nrmse(self) -> float:
         """Error over all samples as a share of the force."""
         return overall_nrmse(self.runs)
+
+
+def least_error(held: Sequence[Errs]) -> int:
+    """Give the place of the law that errs least of several held against the same tests; of equal ones the first."""
+    return min(range(len(held)), key=lambda place: held[place].nrmse)
 
 
 def stages_held(file: LawFile, comparison: Comparison) -> tuple[HeldLaw, ...]:

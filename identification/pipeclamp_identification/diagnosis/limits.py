@@ -118,8 +118,12 @@ def _ends(name: str, text: str) -> Range:
 
 
 def limits_words(limits: Limits) -> str:
-    """Say what a rig can do, as `parse_limits` reads it."""
-    words = ["{}={:.3g}..{:.3g}".format(symbol, *limits.range(symbol)) for symbol in RANGES]
+    """Say what a rig can do, as `parse_limits` reads it; ends that aren't limited are left out."""
+    words = []
+    for symbol in RANGES:
+        low, high = limits.range(symbol)
+        ends = f"{low:.3g}" if low > LOWEST[symbol] else "", f"{high:.3g}" if math.isfinite(high) else ""
+        words += ["{}={}..{}".format(symbol, *ends)] if any(ends) else []
     largest = {symbol: getattr(limits, name) for symbol, name in LARGEST.items()}
     return ",".join([*words, *(f"{symbol}=..{end:.3g}" for symbol, end in largest.items() if math.isfinite(end))])
 

@@ -247,7 +247,8 @@ def judge(
     lean = replace(result, law_force=replace(result.law_force, jacobian=None))
     return Judged(
         effects, lean, fitted, score, lack, error, further,
-        objections(effects, result), reservations(effects, result), akaike,
+        objections(effects, result), (*reservations(effects, result), *of_groups(effects, structure, problem.factors)),
+        akaike,
     )  # fmt: skip
 
 
@@ -360,6 +361,20 @@ def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
         if _may_be_one_memory(structure.effect(one), structure.effect(other))
     ]
     return (*at_bounds, *alike, *together)
+
+
+def of_groups(effects: tuple[str, ...], structure: Structure, factors: GroupFactors | None) -> tuple[str, ...]:
+    """Say which effects follow a condition of the groups' own, beside which the groups differ all the same.
+
+    What they take may then be the groups' too: three specimens that differ by chance lie near some curve of a density.
+    """
+    if factors is None:
+        return ()
+    follows = {
+        name: {str(symbol) for parameter in structure.effect(name).parameters for symbol in parameter.follows}
+        for name in effects
+    }
+    return tuple(f"the groups still differ beside {name}" for name in effects if follows[name] & factors.own)
 
 
 def _may_be_one_memory(one: Effect, other: Effect) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -121,12 +121,19 @@ def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[st
     return first.result.cost - costs[best], {**promise.starts[best], **first.result.law.values}, promise
 
 
-def screened(structure: Structure, problem: Problem, law: Judged, tell: Callable[[str], None]) -> list[Promise]:
-    """Screen every effect by one step; most promising first."""
+def screened(
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    tell: Callable[[str], None],
+    ids: Collection[str] | None = None,
+) -> list[Promise]:
+    """Screen every effect, or those of some ids, by one step; most promising first."""
     promises = []
     as_it_is = unfitted(structure, problem.coarse, law.result.law.values).law_force
     unseen = (law.fitted.residual - problem.coarse.residual(as_it_is)).ravel()
-    for name in candidate_names(structure, problem.loops.conditions):
+    names = candidate_names(structure, problem.loops.conditions)
+    for name in names if ids is None else [name for name in names if effect_id(name) in ids]:
         tell(f"screen {name}")
         promise = _promise(structure, name, problem, law, unseen)
         if promise is not None:

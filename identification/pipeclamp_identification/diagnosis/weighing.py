@@ -108,7 +108,7 @@ class Scales:
     @property
     def form_allowed(self) -> bool:
         """Whether what is missing is so small that it may be the form of the effects that the law has."""
-        return self.law.lack.share < self.tolerance.form
+        return _may_be_form(self.law, self.tolerance)
 
     @property
     def usable(self) -> list[Judged]:
@@ -117,7 +117,7 @@ class Scales:
         A general effect whose special case leaves about as much isn't among them.
         """
         able = _able(self.candidates, self.law)
-        return [each for each in able if not _simpler(each, able)]
+        return [each for each in able if not _simpler(each, able, self.law, self.tolerance)]
 
     @property
     def sound(self) -> list[Judged]:
@@ -126,12 +126,7 @@ class Scales:
 
     def explains(self, candidate: Judged) -> bool:
         """Tell whether a law leaves over next to nothing of what is missing, or what may be form."""
-        left, missing = candidate.lack.sure_share, self.law.lack.share
-        taken = explained_share(candidate, self.law)
-        if left > HALF_LEFT_SHARE * missing or taken < (HALF_TAKEN_SHARE if self.form_allowed else MATERIAL_PART_SHARE):
-            return False
-        next_to_nothing = left < self.tolerance.left and left < UNEXPLAINED_SHARE * missing
-        return is_adequate(candidate.lack, self.tolerance) or next_to_nothing or left < self.tolerance.form
+        return _explains(candidate, self.law, self.tolerance)
 
 
 def weigh(
@@ -170,16 +165,18 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         if best is not None:
             return _cause(best, sound, scales)
     if usable and not scales.form_allowed:
-        promises = screened(structure, problem, law, scales.tell)
-        able = [each for each in usable if takes_part(each, law, problem)]
+        able = _able_to_take_a_part(scales)
+        rivals = _near(able[0], able, problem) if able else []
+        in_pairs = sound and causes and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
+        ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
+        promises = screened(structure, problem, law, scales.tell, ids)
         weighed = None
         if sound and causes:
             scales.tell("two effects together")
-            near = not able or able[0].lack.share < NEAR_NOISE_SHARE
-            found = pairs(structure, problem, law, sound, promises if near else (), scales.jobs, scales.tell)
+            found = pairs(structure, problem, law, sound, promises if in_pairs else (), scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = _cause_of_two(found, sound, scales)
-        weighed = weighed or _part(able, promises, pair, scales) or _part_of_two(pair, sound, scales)
+        weighed = weighed or _part(able, rivals, promises, pair, scales) or _part_of_two(pair, sound, scales)
         if weighed is not None:
             return weighed
     if scales.form_allowed:
@@ -234,11 +231,10 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     if len(names) > 1:
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
     generals = _generals(best, scales)
-    if better := [each for each in generals if not _near(each, [best], scales.problem)]:
-        fits = f"{better[0].effects[0]}, of which it is a special case, fits these tests clearly better"
-        reason = (
-            f"{best.effects[0]} leaves little over, but {fits}: which of the two it is, its exact form would decide"
-        )
+    others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
+    if better := [each for each in (*generals, *others) if not _near(each, [best], scales.problem)]:
+        general = _is_special_case(_added(best), _added(better[0]))
+        reason = _better_fit_words(best, better[0], general=general)
         return Weighed("missing", names, "part", best, None, (reason,))
     reason = f"{best.effects[0]} explains it and no rival comes near"
     if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
@@ -246,10 +242,20 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     return Weighed("missing", names, "cause", best, None, (reason,))
 
 
+def _better_fit_words(best: Judged, better: Judged, *, general: bool) -> str:
+    """Say why an effect that leaves little over is no cause: another fits all tests better beyond doubt."""
+    leaves = f"{best.effects[0]} leaves little over, but {better.effects[0]}"
+    if general:
+        fits_better = "of which it is a special case, fits these tests clearly better"
+        return f"{leaves}, {fits_better}: which of the two it is, its exact form would decide"
+    return f"{leaves}, which leaves more in N, fits the weak harmonics clearly better: neither has the exact form"
+
+
 def _generals(special: Judged, scales: Scales) -> list[Judged]:
     """Give the effects that were left aside for a special case of them, best first."""
     able = _able(scales.candidates, scales.law)
-    return ranked(each for each in able if special in _simpler(each, able) and each.may_be_cause)
+    general = [each for each in able if special in _simpler(each, able, scales.law, scales.tolerance)]
+    return ranked(each for each in general if each.may_be_cause)
 
 
 def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
@@ -277,15 +283,33 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
 
 
-def _part(able: Sequence[Judged], promises: Sequence[Promise], pair: Judged | None, scales: Scales) -> Weighed | None:
-    """Name the effect that clearly takes most of what is missing, though much remains; None where none does."""
-    if scales.law.lack.share < scales.tolerance.left:
-        able = [each for each in able if explained_share(each, scales.law) >= HALF_TAKEN_SHARE]
+def _able_to_take_a_part(scales: Scales) -> list[Judged]:
+    """Give the effects that take a part beyond doubt, best first: of what may be form, half at least."""
+    able = [each for each in scales.usable if takes_part(each, scales.law, scales.problem)]
+    least = HALF_TAKEN_SHARE if scales.law.lack.share < scales.tolerance.left else 0.0
+    return [each for each in able if explained_share(each, scales.law) >= least]
+
+
+def _part(
+    able: Sequence[Judged],
+    rivals: Sequence[Judged],
+    promises: Sequence[Promise],
+    pair: Judged | None,
+    scales: Scales,
+) -> Weighed | None:
+    """Name the effect that clearly takes most of what is missing, though much remains; None where none does.
+
+    Args:
+        able: effects that take a part beyond doubt, best first.
+        rivals: those of them that can't be told from the best.
+        promises: what these promise, at least.
+        pair: the best two effects together.
+        scales: all candidates.
+    """
     if not able:
         return None
-    near = _near(able[0], able, scales.problem)
-    same = [each for each in near if _same_part(each, able[0], promises, scales)]
-    other_part = [each.effects[0] for each in near if not any(each is one for one in same)]
+    same = [each for each in rivals if _same_part(each, able[0], promises, scales)]
+    other_part = [each.effects[0] for each in rivals if not any(each is one for one in same)]
     alike = _without_general([able[0], *same])
     best = _likeliest_of(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
@@ -349,22 +373,43 @@ def _able(candidates: Sequence[Judged], law: Judged) -> list[Judged]:
     return [each for each in candidates if not each.objections and _betters(each, law)]
 
 
-def _simpler(candidate: Judged, able: Sequence[Judged]) -> list[Judged]:
-    return [other for other in able if _leaves_as_little(other, candidate)]
+def _simpler(candidate: Judged, able: Sequence[Judged], law: Judged, tolerance: Tolerance) -> list[Judged]:
+    return [other for other in able if _leaves_as_little(other, candidate, law, tolerance)]
 
 
-def simpler_words(candidate: Judged, candidates: Sequence[Judged], law: Judged) -> list[str]:
+def simpler_words(candidate: Judged, candidates: Sequence[Judged], law: Judged, tolerance: Tolerance) -> list[str]:
     """Say which special cases of an effect leave about as little, so that it isn't named; arguments as in `Scales`."""
     if len(candidate.effects) > 1:
         return []
-    found = _simpler(candidate, _able(candidates, law))
+    found = _simpler(candidate, _able(candidates, law), law, tolerance)
     return [f"{other.effects[0]}, a special case of it, leaves about as little" for other in found]
 
 
-def _leaves_as_little(special: Judged, general: Judged) -> bool:
-    """Tell whether a special case of an effect leaves over no more than twice of what the effect does."""
-    alike = _is_special_case(_added(special), _added(general))
-    return alike and explained_share(general, special) < HALF_TAKEN_SHARE
+def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: Tolerance) -> bool:
+    """Tell whether a special case of an effect leaves over no more than twice of what the effect does, in N.
+
+    Of a weak effect scatter hides that: in units of the noise it must take half of what the effect takes, too. And
+    where the effect explains what is missing, so must it.
+    """
+    if not _is_special_case(_added(special), _added(general)):
+        return False
+    takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
+    if not takes_half or explained_share(general, special) >= HALF_TAKEN_SHARE:
+        return False
+    return _explains(special, law, tolerance) or not _explains(general, law, tolerance)
+
+
+def _may_be_form(law: Judged, tolerance: Tolerance) -> bool:
+    return law.lack.share < tolerance.form
+
+
+def _explains(candidate: Judged, law: Judged, tolerance: Tolerance) -> bool:
+    left, missing = candidate.lack.sure_share, law.lack.share
+    least = HALF_TAKEN_SHARE if _may_be_form(law, tolerance) else MATERIAL_PART_SHARE
+    if left > HALF_LEFT_SHARE * missing or explained_share(candidate, law) < least:
+        return False
+    next_to_nothing = left < tolerance.left and left < UNEXPLAINED_SHARE * missing
+    return is_adequate(candidate.lack, tolerance) or next_to_nothing or left < tolerance.form
 
 
 def _is_special_case(effect: Effect, general: Effect) -> bool:

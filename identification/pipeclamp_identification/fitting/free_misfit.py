@@ -20,8 +20,11 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
-from pipeclamp_models.realise.motion import Motion
-from pipeclamp_models.realise.tracker import Interval, held, start_tracking, tracked
+from pipeclamp_models.realise.motion import Motion, refuse_unknown_conditions
+from pipeclamp_models.realise.scalar_law import scalar_law
+from pipeclamp_models.steps.jumps import parts_of_step
+from pipeclamp_models.steps.tracker import Interval, held, start_tracking, tracked
+from pipeclamp_models.steps.ways import ways_along
 
 REMEMBERED = 0.5
 """A law remembers its beginning to a record's end where another beginning shows there, by more than this share of what
@@ -52,6 +55,7 @@ class FreeMisfit:
         remembers: whether the law has states; otherwise A and f are all that it knows of the motion's past.
         on_sines: the law's error as a share of the force on the sines that it was identified from, on left-out ones
             where its file knows that; None where it tells neither.
+        scatter_on_sines: cycle-to-cycle scatter of those sines, as a share of their force; None where it isn't known.
     """
 
     run: str
@@ -70,6 +74,7 @@ class FreeMisfit:
     nrmse_without: float | None = None
     remembers: bool = True
     on_sines: float | None = None
+    scatter_on_sines: float | None = None
 
     @property
     def squared_error(self) -> float:
@@ -112,9 +117,9 @@ def free_misfits(
     used = _usable(law, runs, temperature, others)
     ranges = _range(file, "A"), _range(file, "f")
     found = (_with_constant(law, run, T, ranges) for run, T in zip(runs, used, strict=True))
-    on_sines = _on_sines(file)
+    on_sines, scatter = _on_sines(file), file.fit.noise_nrmse if file.fit else None
     return tuple(
-        replace(misfit, temperature_K=float(np.mean(T)), on_sines=on_sines)
+        replace(misfit, temperature_K=float(np.mean(T)), on_sines=on_sines, scatter_on_sines=scatter)
         for misfit, T in zip(found, temperature, strict=True)
     )
 
@@ -220,25 +225,42 @@ def _law_motion(
 ) -> tuple[Motion, tuple[Array, Array]]:
     """Give a run's motion for the law to be evaluated on, and A and f before they are held inside the law's range."""
     smooth = run.motion
-    step, y, v = smooth.step, smooth.y[None], smooth.v[None]
-    tracks = tracked_along(step, smooth.y, smooth.v, ranges)
+    y, v = smooth.y[None], smooth.v[None]
+    rest, h = np.full((1, 1), smooth.y[0]), np.full((1, 1), smooth.step)
+    tracks = tracked_along(smooth.step, smooth.y, smooth.v, ranges)
     A, f = (np.clip(values, *interval) for values, interval in zip(tracks, ranges, strict=True))
-    way = np.abs(np.diff(smooth.y, prepend=smooth.y[0])) / (4 * A)
-    slow = {
+    conditions = {
         "A": A[None],
         "f": f[None],
         "T": np.atleast_2d(temperature),
-        # as the FMU counts: those that have passed before the step
-        "N": run.first_cycle + np.concatenate([[0.0], np.cumsum(way)[:-1]])[None],
+        "N": np.full((1, 1), run.first_cycle),
         "rho": np.full((1, 1), math.nan if run.density_g_cm3 is None else run.density_g_cm3),
         **{condition_signal(name): np.full((1, 1), value) for name, value in run.conditions.items()},
     }
     columns = {"rho": "density_g_cm3", **{condition_signal(name): name for name in run.conditions}}
     for signal, column in columns.items():
-        if signal in slow_signals(law) and not np.all(np.isfinite(slow[signal])):
+        if signal in slow_signals(law) and not np.all(np.isfinite(conditions[signal])):
             raise UserError(f"the law depends on {column}, which isn't known for {run.name}; fill it in in runs.csv")
-    rest = np.full((1, 1), smooth.y[0])
-    return Motion(y, v, smooth.a[None], slow, np.full((1, 1), step), periodic=False, rest=rest), tracks
+    motion = Motion(y, v, smooth.a[None], conditions, h, periodic=False, rest=rest)
+    refuse_unknown_conditions(sorted(law.equations.slow_signals), motion)
+    ways = ways_along(y, v, h, rest, _parts(law, conditions, ranges))
+    counted = np.cumsum(ways.length / (4 * A), axis=1)[:, :-1]
+    cycles = run.first_cycle + np.pad(counted, ((0, 0), (1, 0)))  # as the FMU counts: those that have passed before
+    return replace(motion, slow={**conditions, "N": cycles}, ways=ways), tracks
+
+
+def _parts(law: Law, conditions: Mapping[str, Array], ranges: tuple[Interval, Interval]) -> int:
+    """Give in how many parts an FMU of the law walks its steps: one where the law has no value in its range."""
+    if not law.equations.states:
+        return 1
+    scalar = scalar_law(law)
+    A, f = ranges[0][1], ranges[1][1]
+    T, *further = (float(np.mean(conditions[name])) for name in ("T", *scalar.further))
+    rest = [start for _, start in scalar.states]
+    try:
+        return parts_of_step(scalar.step, scalar.coefficients(A, f, T, *further), rest, A, f)
+    except (ArithmeticError, ValueError):
+        return 1
 
 
 def tracked_along(step: float, y: Array, v: Array, ranges: tuple[Interval, Interval]) -> tuple[Array, Array]:

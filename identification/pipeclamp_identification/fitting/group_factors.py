@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows
+from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce
 from pipeclamp_models.realise.motion import Motion
@@ -74,9 +75,17 @@ def mixed(quantity: Array, fixed: Array, member: Array) -> Mixed:
     )
 
 
-def contrasts_of(groups: int) -> Array:
-    """Give orthonormal differences between groups, one a column, shape (G, G - 1)."""
-    return np.asarray(np.linalg.svd(np.eye(groups) - 1 / groups)[0][:, : groups - 1])
+def contrasts_of(groups: int, beside: Array | None = None) -> Array:
+    """Give orthonormal differences between groups, one a column, shape (G, G - 1 - p).
+
+    Args:
+        groups: how many, G.
+        beside: numbers of each group that differences are to be sought beside, shape (G, p); none but a common one
+            where it is None.
+    """
+    common = np.ones((groups, 1))
+    taken = orthonormal(common if beside is None else np.concatenate([common, beside - beside.mean(axis=0)], axis=1))
+    return np.asarray(np.linalg.svd(np.eye(groups) - taken @ taken.T)[0][:, : groups - taken.shape[1]])
 
 
 @dataclass(frozen=True)
@@ -89,6 +98,7 @@ class GroupFactors:
         kinds: what each difference is of, a number for each column and quantity, shape (K,).
         spreads: standard deviation of each, shape (K,).
         values: of each, as a first estimate, shape (K,).
+        own: signals of the conditions that are constant inside each group, beside which the groups differ.
     """
 
     directions: Array
@@ -96,6 +106,7 @@ class GroupFactors:
     kinds: Rows
     spreads: Array
     values: Array
+    own: frozenset[str] = frozenset()
 
     def rows(self, chosen: Rows) -> GroupFactors:
         """Give them for some of the rows."""

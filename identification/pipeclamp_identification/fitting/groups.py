@@ -19,6 +19,7 @@ from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_identification.signals.levels import SAME_KELVIN, SAME_SHARE, group_names, number_levels
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.signals import signal_of
 from pipeclamp_models.realise.force import LawForce
 
 Quantity = Literal["stiffness", "damping", "mean_force"]
@@ -57,6 +58,9 @@ class Groups:
         names: of the groups.
         of_run: the group of each run, strangers in the one that they behave like, blank where there is none.
         counts: runs of each group.
+        own: conditions that are constant inside each group.
+        contrasts: differences that a fit may give the groups, orthonormal, one a column, shape (G, K): none that
+            follows such a condition, for that is for an effect to explain.
         differ: quantities in which the groups differ beyond chance.
         chances: that chance alone makes so much, by quantity.
         shares: of stiffness and damping, and mean forces in N, of each group, by quantity that differs.
@@ -70,6 +74,8 @@ class Groups:
     names: tuple[str, ...]
     of_run: Mapping[str, str]
     counts: tuple[int, ...]
+    own: tuple[str, ...]
+    contrasts: Array
     differ: tuple[Quantity, ...]
     chances: Mapping[Quantity, float]
     shares: Mapping[Quantity, Mixed]
@@ -141,7 +147,7 @@ def factors_of(found: Sequence[Groups], loops: Loops, observations: LoopObservat
         group = np.array([one.of_run[run] for run in loops.run])
         for quantity in one.differ:
             kind = len(set(kinds))
-            for contrast in contrasts_of(len(one.names)).T:
+            for contrast in one.contrasts.T:
                 member = np.sum(
                     [share * (group == name) for share, name in zip(contrast, one.names, strict=True)], axis=0
                 )
@@ -152,7 +158,10 @@ def factors_of(found: Sequence[Groups], loops: Loops, observations: LoopObservat
                 values.append(float(contrast @ one.shares[quantity].values))
     if not directions:
         return None
-    return GroupFactors(np.stack(directions), np.stack(members), np.array(kinds), np.array(spreads), np.array(values))
+    own = frozenset(signal_of(column) for one in found if one.differ for column in one.own)
+    return GroupFactors(
+        np.stack(directions), np.stack(members), np.array(kinds), np.array(spreads), np.array(values), own
+    )
 
 
 def _changes(observations: LoopObservations) -> dict[Quantity, Array]:
@@ -214,6 +223,12 @@ class _Conditions:
             if max(spans) <= 1e-9 * np.max(np.abs(values)):
                 found.append(name)
         return found
+
+    def of_groups(self, lines: Sequence[str], labels: Sequence[str], names: Sequence[str]) -> Array:
+        """Give conditions that are constant inside each group, as shares of their range, shape (G, p)."""
+        first = [labels.index(name) for name in names]
+        columns = [self.further[name][first] / np.ptp(self.further[name]) for name in lines]
+        return np.stack(columns, axis=1) if columns else np.zeros((len(names), 0))
 
     def basis(self, lines: Sequence[str], leave: Sequence[str] = (), others: Sequence[Sequence[str]] = ()) -> Array:
         """Give orthonormal functions, shape (R, p): lines in some conditions, constants in the levels of others."""
@@ -289,6 +304,8 @@ def _groups_of(
         names=tuple(names),
         of_run=dict(zip(runs.names, labels, strict=True)),
         counts=tuple(labels.count(name) for name in names),
+        own=tuple(lines),
+        contrasts=contrasts_of(len(names), conditions.of_groups(lines, labels, names)),
         differ=differ,
         chances=chances,
         shares={quantity: shares[quantity] for quantity in differ},

@@ -12,6 +12,7 @@ from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.importing.columns import Column, columns_option
 from pipeclamp_identification.importing.naming import SEGMENT
 from pipeclamp_identification.importing.raw import LabelColumn, RawTable
+from pipeclamp_identification.importing.samples.codes import without_codes
 from pipeclamp_identification.importing.samples.repair import mended_channel
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_models.base.arrays import Array, IntArray
@@ -80,7 +81,7 @@ def first_motion(table: RawTable, columns: Sequence[Column], timed: IntArray | N
     """
     column = next(one for one in columns if one.ours == "displacement")
     first = np.arange(min(LOOKED_AT, table.length)) if timed is None else timed[:LOOKED_AT]
-    return mended_channel("displacement_mm", _turned(table, column, first))
+    return mended_channel("displacement_mm", without_codes("displacement_mm", _turned(table, column, first))[0])
 
 
 def segment_of(table: RawTable, columns: Sequence[Column], timed: IntArray | None) -> Array | None:
@@ -129,10 +130,12 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
     rows = f"{lost} row{'s' if lost > 1 else ''}"
     told = [f"{rows} without time, or with a stamp that time goes back to or from, left aside"] if lost else []
     _refuse_below_zero(where, columns, values)
+    displacement, no_displacement = without_codes("displacement_mm", values["displacement"])
+    force, no_force = without_codes("force_N", values["force"])
     record = Record(
         time_s=values["time"],
-        displacement_mm=values["displacement"],
-        force_N=values["force"],
+        displacement_mm=displacement,
+        force_N=force,
         temperature_C=values.get("temperature"),
     )
     further = {
@@ -145,7 +148,7 @@ def trace_of(where: str, table: RawTable, columns: Sequence[Column], rate: float
         mended_channel("displacement_mm", record.displacement_mm),
         further,
         places.astype(np.float64),
-        tuple(told),
+        (*told, *no_displacement, *no_force),
     )
 
 

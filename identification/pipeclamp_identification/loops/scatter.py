@@ -6,6 +6,7 @@ import math
 from statistics import median
 
 import numpy as np
+import numpy.typing as npt
 
 from pipeclamp_identification.signals.between_cycles import between_cycles
 from pipeclamp_identification.signals.harmonics import unit_phasor
@@ -56,6 +57,29 @@ def phase_bin(phase: Array) -> IntArray:
     return np.asarray(place % PHASE_BINS)
 
 
+def off_neighbours(at: Array, residual: Array) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Return what each sample but the first and last differs by from the line through its two neighbours.
+
+    Its mean square is the noise variance, where the residual is smooth but for noise; see `noise_by_phase`.
+
+    Args:
+        at: (N,) phase in rad or time in s, ascending.
+        residual: (N,) force in N.
+
+    Returns:
+        the differences in N, scaled to the noise of one sample, and whether each is one of noise and no jump; (N - 2,).
+    """
+    spacing = np.maximum(np.diff(at), 1e-12)
+    before = spacing[1:] / (spacing[1:] + spacing[:-1])
+    off = residual[1:-1] - before * residual[:-2] - (1 - before) * residual[2:]
+    off /= np.sqrt(1 + before**2 + (1 - before) ** 2)
+    size = np.abs(off)
+    typical = float(np.median(size)) / 0.6745
+    # quantised readings at one place may agree exactly more often than not
+    usual = size <= JUMP_STANDARD_DEVIATIONS * typical if typical > 0.0 else np.ones(len(off), dtype=np.bool_)
+    return off, usual
+
+
 def noise_by_phase(phase: Array, residual: Array) -> tuple[float, Array]:
     """Return the rms of what is not periodic, and how its power spreads over the cycle, from neighbours in phase.
 
@@ -68,14 +92,7 @@ def noise_by_phase(phase: Array, residual: Array) -> tuple[float, Array]:
         phase: (N,) rad, ascending.
         residual: (N,) force without its harmonics.
     """
-    spacing = np.maximum(np.diff(phase), 1e-12)
-    before = spacing[1:] / (spacing[1:] + spacing[:-1])
-    off = residual[1:-1] - before * residual[:-2] - (1 - before) * residual[2:]
-    off /= np.sqrt(1 + before**2 + (1 - before) ** 2)
-    size = np.abs(off)
-    typical = float(np.median(size)) / 0.6745
-    # quantised readings of equal phase may agree exactly more often than not
-    usual = size <= JUMP_STANDARD_DEVIATIONS * typical if typical > 0.0 else np.ones(len(off), dtype=np.bool_)
+    off, usual = off_neighbours(phase, residual)
     squares = off[usual] ** 2
     power = np.bincount(phase_bin(phase[1:-1][usual]), squares, PHASE_BINS)
     whole = float(np.sum(power))

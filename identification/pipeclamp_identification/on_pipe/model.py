@@ -56,6 +56,16 @@ class CoupledModel:
         """The pipe in as many modes as the stated one."""
         return _reduced(self.pipe, self.stated)
 
+    def moves_as(self, other: CoupledModel) -> bool:
+        """Tell whether another model, made of the same one, moves alike: they differ in what is seen at most."""
+        pipe = self.pipe.model_copy(update={"probes": other.pipe.probes})
+        driven, known = (each.instrument for each in (self, other))
+        return (
+            pipe == other.pipe
+            and self.clamps is other.clamps
+            and (driven.excitation.gain, driven.frequency) == (known.excitation.gain, known.frequency)
+        )
+
     def system(
         self, temperature: float | None, excitation: Callable[[float], float], harmonics: int | None = None
     ) -> SteadySystem:

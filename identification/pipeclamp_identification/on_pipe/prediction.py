@@ -14,6 +14,7 @@ from pipeclamp_identification.signals.levels import number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.continuation import Solution
 from pipeclamp_system.steady.harmonics import packed, resized
 from pipeclamp_system.steady.points import Balanced, Operation, balance, fundamentals
 from pipeclamp_system.steady.states import SteadyState
@@ -200,8 +201,12 @@ def _first_states(
         upwards, downwards = _paths(system, float(frequency[0]), float(frequency[-1]))
         for place, row in zip(level.rows, own, strict=True):
             f, sweep = float(true.frequency[row]), measured.sweep[row]
-            paths = (upwards, downwards) if sweep >= 0 else (downwards, upwards)
-            everywhere = _apart([state for path in paths for state in system.crossings(path, f)])
+            if downwards is None:
+                paths = [upwards if sweep >= 0 else upwards[::-1]]
+            else:
+                paths = [upwards, downwards] if sweep >= 0 else [downwards, upwards]
+            met = (unknowns for path in paths for unknowns in system.passing(path, f))
+            everywhere = _apart([system.state(unknowns, f) for unknowns in met])
             found = [state for state in everywhere if state.stable]
             branches[place] = max(1, len(found))
             found = found or everywhere
@@ -243,9 +248,18 @@ def _seen(probes: Complex, row: int, measurement: PipeMeasurement, model: Couple
     return np.asarray(np.where(measured.phased[row], seen, np.abs(seen)), dtype=np.complex128)
 
 
-def _paths(system: SteadySystem, first: float, last: float) -> tuple[list[SteadyState], list[SteadyState]]:
-    """Follow the response over a range of frequencies (Hz) from its lower and from its upper end, each in its order."""
+def _paths(system: SteadySystem, first: float, last: float) -> tuple[list[Solution], list[Solution] | None]:
+    """Follow the response over a range of frequencies (Hz) from its lower and from its upper end, each in its order.
+
+    Where the one leads to the motion that the other begins with, the other is the same way back: None.
+    """
     if first == last:
-        state = system.at(first)
-        return ([] if state is None else [state]), []
-    return system.curve(first, last), system.curve(last, first)
+        start = system.start(first)
+        return ([] if start is None else [Solution(first, start)]), []
+    upwards = system.path(first, last)
+    if upwards and upwards[-1].parameter == last:
+        start = system.start(last)
+        ends = [upwards[-1].unknowns, *([] if start is None else [start])]
+        if len(_apart([system.state(unknowns, last) for unknowns in ends])) == 1:
+            return upwards, None
+    return upwards, system.path(last, first)

@@ -36,7 +36,9 @@ SPELLINGS: Mapping[str, str] = {
     "lbf": "lbf", "lbs": "lbf", "klbf": "kip", "kips": "kip", "tonf": "1000 kgf",
     "celsius": "degC", "deg c": "degC", "deg. c": "degC", "grad c": "degC", "° c": "degC", "degc": "degC",
     "fahrenheit": "degF", "deg f": "degF", "deg. f": "degF", "° f": "degF", "degf": "degF", "kelvin": "K",
-    "°c": "degC", "°f": "degF", "°k": "K", "deg k": "K",
+    "°c": "degC", "°f": "degF", "°k": "K", "deg k": "K", "degrees c": "degC", "degrees celsius": "degC",
+    "degree celsius": "degC", "deg celsius": "degC", "grad celsius": "degC", "degrees f": "degF",
+    "degrees fahrenheit": "degF", "pound": "lbf", "pounds": "lbf", "pounds-force": "lbf", "pound-force": "lbf",
     "秒": "s", "毫秒": "ms", "毫米": "mm", "牛": "N", "千牛": "kN", "초": "s",
     "с": "s", "сек": "s", "мс": "ms", "мм": "mm", "мкм": "um", "н": "N", "кн": "kN", "кгс": "kgf",
 }  # fmt: skip
@@ -64,6 +66,8 @@ SAME = 2e-3
 BRACKETED = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))\s*$", re.DOTALL)
 SLASHED = re.compile(r"^(.*\S)\s*/\s*([^\s/]+)\s*$", re.DOTALL)
 TRAILING = re.compile(r"^(.*\S)(?:\s*,\s*|\s+in\s+|[\s_]+)([^\s_,]+)\s*$", re.DOTALL)
+WORD = re.compile(r"[a-z]*(?:met(?:er|re)|newton|second|minute|volt|ampere|pascal|kelvin)s?", re.IGNORECASE)
+"""A unit's whole name, whose letters may be capitals, as in a heading; of symbols, and of other words, they tell."""
 NUMBERED = re.compile(r"^([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)\s*(.*)$", re.DOTALL)
 
 
@@ -206,8 +210,9 @@ def _conversion_to(ours: str, unit: str, quantity: Quantity) -> Conversion | Non
 
 
 def _spelled(text: str) -> str:
-    """Give a unit as pint spells it: "deg_F" and "Deg F" are degF."""
-    return SPELLINGS.get(text.casefold().replace("_", " "), text)
+    """Give a unit as pint spells it: "deg_F" and "Deg F" are degF, "Newtons" are newtons."""
+    plain = text.casefold() if WORD.fullmatch(text) else text
+    return SPELLINGS.get(text.casefold().replace("_", " "), plain)
 
 
 def _rounded(value: float) -> float:

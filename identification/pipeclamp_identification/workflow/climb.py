@@ -171,7 +171,7 @@ class Climber:
                 whole = found.verdict == "complete" and len(ladder) < self.most
                 simpler = self._with_something_simpler(file) if whole else None
                 if simpler is None:
-                    return Way(Settled(file, found, ladder), turns, met)
+                    return Way(Settled(file, found, ladder, went), turns, met)
                 ladder, file = (*ladder, simpler), simpler.change.after
                 continue
             tried = self._until_one_helps(file, found, gone)

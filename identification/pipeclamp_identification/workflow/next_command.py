@@ -6,10 +6,15 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePath
 
-from pipeclamp_identification.workflow.tests import Diagnosed
+from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.diagnosis.limits import limits_words
+from pipeclamp_identification.workflow.along_free import along_free
+from pipeclamp_identification.workflow.tests import Diagnosed, Held
 
 NEXT_TEST = "next_test"
 """What the next test's drive signal and its campaign are called, where nobody has named them."""
+PLANNED = "planned"
+"""Likewise the folder of a campaign that is planned."""
 
 
 def next_command(
@@ -26,44 +31,48 @@ def next_command(
     if found.verdict == "missing":
         effects = ",".join((declared or {}).get(name, name) for name in found.together or found.effects)
         meant = ("--as", "part") if found.kind == "part" else ()
-        return _line("add", law, effects, tests, "-o", _following(law), *meant)
+        return shell_line("add", law, effects, tests, "-o", _following(law), *meant)
     if found.verdict == "complete":
-        return _line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
+        return shell_line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
     if found.proposal:
         if driven:
-            return _line("join", tests, NEXT_TEST, "-o", f"{PurePath(tests).name}_and_{NEXT_TEST}")
-        return _line("diagnose", law, tests, "--drive", f"{NEXT_TEST}.csv")
+            return shell_line("join", tests, NEXT_TEST, "-o", f"{PurePath(tests).name}_and_{NEXT_TEST}")
+        return shell_line("diagnose", law, tests, "--drive", f"{NEXT_TEST}.csv")
     if found.calls_for_a_term:
         term = str(PurePath(law).with_name(f"{_stem(law)}_term.toml"))
-        return _line("discover", law, tests, "-o", term, "--auto", _following(law))
-    return _line("compare", law, tests, "--report", "compare.html")
+        return shell_line("discover", law, tests, "-o", term, "--auto", _following(law))
+    return shell_line("compare", law, tests, "--report", "compare.html")
 
 
 def after_import(tests: str) -> str:
     """Give the shell line to run after an import: a law of its tests; arguments as for `next_command`."""
-    return _line("identify", tests, "-o", "law.json")
+    return shell_line("identify", tests, "-o", "law.json")
 
 
 def after_identification(law: str, tests: str) -> str:
     """Give the shell line to run after an identification: where the law fails; arguments as for `next_command`."""
-    return _line("compare", law, tests, "--report", "compare.html")
+    return shell_line("compare", law, tests, "--report", "compare.html")
 
 
 def after_change(law: str, tests: str) -> str:
     """Give the shell line to run after an effect came or went: what is missing now; arguments as for `next_command`."""
-    return _line("diagnose", law, tests)
+    return shell_line("diagnose", law, tests)
 
 
-def after_comparison(law: str, tests: str, *, loops: bool) -> str:
-    """Give the shell line to run after a comparison: what is missing, if anything.
+def after_comparison(law: str, tests: str, held: Held) -> str:
+    """Give the shell line to run after a comparison: what is missing, if anything, or the tests that would tell.
 
     Args:
         law, tests: as for `next_command`.
-        loops: whether any run is a loop, which a diagnosis asks for: not where all motions are free.
+        held: the law against the tests. A diagnosis asks for loops: free motions alone call for the clamp's FMU where
+            scatter explains what the law errs along them, else for a campaign of sines that reaches as far as they do.
     """
-    if not loops:
-        return _line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
-    return _line("diagnose", law, tests, "--report", "diagnosis.html")
+    if not isinstance(held, Comparison) or held.runs:
+        return shell_line("diagnose", law, tests, "--report", "diagnosis.html")
+    found = along_free(held.free)
+    if found.scatter_explains:
+        return shell_line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
+    return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(found.reach))
 
 
 def after_discovery(
@@ -90,16 +99,16 @@ def after_discovery(
     if not proposed and found.verdict != "unknown":
         return next_command(found, law, tests, declared)
     if not proposed:
-        return _line("compare", law, tests, "--report", "compare.html")
+        return shell_line("compare", law, tests, "--report", "compare.html")
     if following:
-        return _line("diagnose", following, tests)
+        return shell_line("diagnose", following, tests)
     if instead:
-        return _line("discover", law, tests, "-o", effect, "--auto", _following(law))
-    return _line("add", law, effect, tests, "-o", _following(law))
+        return shell_line("discover", law, tests, "-o", effect, "--auto", _following(law))
+    return shell_line("add", law, effect, tests, "-o", _following(law))
 
 
-def _line(*words: str) -> str:
-    """Join words; double quotes are understood by the shells of Windows too."""
+def shell_line(*words: str) -> str:
+    """Join the words of a pipeclamp command; double quotes are understood by the shells of Windows too."""
     return " ".join(["pipeclamp", *(f'"{word}"' if re.search(r"\s", word) else word for word in words)])
 
 

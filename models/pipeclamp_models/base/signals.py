@@ -18,11 +18,18 @@ Role = Literal["stiffness", "damping", "slip"]
 
 CONDITION = "u_"
 """What the signal of a further column of runs.csv begins with, so that no column's name clashes with another symbol."""
+OWN_SIGNALS: Mapping[str, str] = {"density_g_cm3": "rho", "first_cycle": "N"}
+"""Columns of runs.csv that have a signal of their own; any other's is `condition_signal`."""
 
 
 def condition_signal(column: str) -> str:
     """Name the slow signal of a further column of runs.csv."""
     return CONDITION + re.sub(r"\W", "_", column)
+
+
+def signal_of(column: str) -> str:
+    """Name the slow signal of a column of runs.csv beside A, f and T."""
+    return OWN_SIGNALS.get(column, condition_signal(column))
 
 
 def size_of(signal: str) -> str:

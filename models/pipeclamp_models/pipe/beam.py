@@ -4,11 +4,8 @@ Between nodes (Paidoussis, Fluid-Structure Interactions 1, 2nd ed. 2014, chapter
 
     E I w'''' + (P + M U^2) w'' + 2 M U w_xt + m w_tt = 0.
 
-Each node has a displacement w and a rotation of the section, which is w' where shear is neglected. The elements' static
-shapes are exact (Friedman & Kosmatka, Computers & Structures 47 (1993) 473; Hermite's cubics for phi = 0), the mass is
-consistent. Alone, they overstate an eigenfrequency by (beta l)^4/1440 for elements of length l (beta^4 =
-omega^2 m/(E I)) and by (k l)^2/24 times the share of shear: inertia bends and shears an element further, between its
-nodes. That is counted too, see `modes`, and 2e-6 of a frequency is left.
+Each node has a displacement w and a rotation of the section, which is w' where shear is neglected; each element has
+inner shapes besides, by which its inertia bends and shears it between its nodes (`element`). The mass is consistent.
 
 The fluid enters and leaves along the pipe: at an end that can move, M U (w_t + U w') stays as the force of the flow,
 which is what makes a cantilever flutter.
@@ -16,6 +13,7 @@ which is what makes a cantilever flutter.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, inf, sqrt
@@ -27,13 +25,11 @@ from scipy.linalg import eigh
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
+from pipeclamp_models.pipe.element import Element
 
-ELEMENT_PHASE = 0.4
-"""beta l of the longest element at the highest frequency: inertia within it takes 2e-5 of an eigenfrequency."""
-SHEAR_WITHIN = 1e-4
-"""Share of an eigenfrequency that the shear within elements by their own inertia may take at most."""
-WITHIN = 1e-2
-"""Share of omega^2 up to which what inertia does within elements is counted; beyond it, modes are the mesh's."""
+ELEMENT_PHASE = 0.7
+"""Phase of the bending wave along the longest element, at the highest frequency: 1e-9 of an eigenfrequency are left
+where shear is neglected, 3e-6 of a pipe's that is as thick as its waves are long."""
 CLOSEST = 2e-4
 """Of the beam's length: nodes closer than this would cost the stiffness matrix its digits, which hold E I/l^3."""
 
@@ -70,28 +66,17 @@ class Beam:
     velocity: float = 0.0
 
     def wave_number(self, omega: float) -> float:
-        """Give beta in 1/m at an angular frequency in rad/s: beta^4 = omega^2 m/(E I)."""
-        return float((omega**2 * self.mass_per_length / self.bending_stiffness) ** 0.25)
-
-    def longest_element(self, omega: float) -> float:
-        """Give the length of elements, m, with which modes up to an angular frequency in rad/s are right.
-
-        A bending wave of wave number k has the share E I k^2/(E I k^2 + kappa G A) of its stiffness energy in shear; a
-        shear angle that is constant over elements of length l overstates that by (k l)^2/12.
-        """
-        bent = ELEMENT_PHASE / self.wave_number(omega)
-        if self.shear_stiffness == inf:
-            return bent
+        """Give that of bending waves at an angular frequency in rad/s, 1/m."""
         mass, inertia = self.mass_per_length * omega**2, self.rotary_inertia * omega**2
-        a, b = self.shear_stiffness * self.bending_stiffness, mass * self.bending_stiffness
-        b += inertia * self.shear_stiffness
-        squared = (b + sqrt(b**2 - 4 * a * mass * (inertia - self.shear_stiffness))) / (2 * a)
-        share = self.bending_stiffness * squared / (self.bending_stiffness * squared + self.shear_stiffness)
-        return float(min(bent, sqrt(24 * SHEAR_WITHIN / (share * squared))))
+        softness = 0.0 if self.shear_stiffness == inf else 1 / self.shear_stiffness
+        # E I k^4 = (inertia + E I softness mass) k^2 + mass (1 - softness inertia)
+        b = (inertia + self.bending_stiffness * softness * mass) / 2
+        squared = b + sqrt(b**2 + self.bending_stiffness * mass * (1 - softness * inertia))
+        return sqrt(squared / self.bending_stiffness)
 
-    def shear_ratio(self, length: float) -> float:
-        """Give phi = 12 E I/(kappa G A l^2) of an element of a length in m."""
-        return 12 * self.bending_stiffness / (self.shear_stiffness * length**2)
+    def element(self, length: float) -> Element:
+        """Give an element of a length in m."""
+        return Element(length, self.bending_stiffness, 12 * self.bending_stiffness / (self.shear_stiffness * length**2))
 
 
 @dataclass(frozen=True)
@@ -147,8 +132,8 @@ class Assembly:
 
     Attributes:
         nodes: positions, m, (n,).
-        shear_ratios: phi of each element, (n - 1,).
-        free: which of the 2 n degrees of freedom (w, rotation by node) are free, (2 n,).
+        elements: between them, n - 1.
+        free: which degrees of freedom are free: (w, rotation) by node, then the inner ones by element.
         mass: (d, d), kg.
         stiffness: (d, d), N/m, of the pipe without axial force and flow.
         loads: what axial force and flow act through.
@@ -157,7 +142,7 @@ class Assembly:
     """
 
     nodes: Array
-    shear_ratios: Array
+    elements: tuple[Element, ...]
     free: NDArray[np.bool_]
     mass: Array
     stiffness: Array
@@ -177,69 +162,10 @@ class Assembly:
         if abs(self.nodes[nearest] - position) < SAME * self.nodes[-1]:
             position = float(self.nodes[nearest])
         element = min(max(int(np.searchsorted(self.nodes, position, side="right")) - 1, 0), self.nodes.size - 2)
-        start, end = self.nodes[element : element + 2]
-        a, x = end - start, (position - start) / (end - start)
-        row[2 * element : 2 * element + 4] = shapes_at(x, a, float(self.shear_ratios[element]))[0]
+        start = self.nodes[element]
+        one = self.elements[element]
+        row[_places(self.elements)[element]] = one.shapes_at((position - start) / one.length)[0]
         return row[self.free]
-
-
-GAUSS = np.polynomial.legendre.leggauss(4)
-"""Points and weights that integrate the product of two element shapes exactly."""
-
-
-def shapes_at(x: float, length: float, shear_ratio: float) -> tuple[Array, Array, Array]:
-    """Give an element's shapes at x from 0 to 1: displacement, its slope, the section's rotation, each (4,).
-
-    Args:
-        x: place in the element, as a share of its length.
-        length: m.
-        shear_ratio: phi; 0 gives Hermite's cubics.
-    """
-    a, phi = length, shear_ratio
-    displacement = (
-        2 * x**3 - 3 * x**2 - phi * x + 1 + phi,
-        a * (x**3 - (2 + phi / 2) * x**2 + (1 + phi / 2) * x),
-        -(2 * x**3 - 3 * x**2 - phi * x),
-        a * (x**3 - (1 - phi / 2) * x**2 - phi / 2 * x),
-    )
-    slope = (
-        (6 * x**2 - 6 * x - phi) / a,
-        3 * x**2 - (4 + phi) * x + 1 + phi / 2,
-        -(6 * x**2 - 6 * x - phi) / a,
-        3 * x**2 - (2 - phi) * x - phi / 2,
-    )
-    rotation = (
-        6 * (x**2 - x) / a,
-        3 * x**2 - (4 + phi) * x + 1 + phi,
-        -6 * (x**2 - x) / a,
-        3 * x**2 - (2 - phi) * x,
-    )
-    return np.array(displacement) / (1 + phi), np.array(slope) / (1 + phi), np.array(rotation) / (1 + phi)
-
-
-def element_stiffness(beam: Beam, length: float) -> Array:
-    """Give the stiffness of an element over (w1, rotation1, w2, rotation2), N/m, (4, 4)."""
-    a, phi = length, beam.shear_ratio(length)
-    unscaled = [
-        [12, 6 * a, -12, 6 * a],
-        [6 * a, (4 + phi) * a**2, -6 * a, (2 - phi) * a**2],
-        [-12, -6 * a, 12, -6 * a],
-        [6 * a, (2 - phi) * a**2, -6 * a, (4 + phi) * a**2],
-    ]
-    return beam.bending_stiffness / ((1 + phi) * a**3) * np.array(unscaled)
-
-
-def element_integrals(beam: Beam, length: float) -> tuple[Array, Array, Array]:
-    """Give the consistent mass (kg), the integral of w' w' (1/m) and that of w w' of an element, each (4, 4)."""
-    mass, straightening, crossing = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
-    for point, weight in zip(*GAUSS, strict=True):
-        displacement, slope, rotation = shapes_at((1 + point) / 2, length, beam.shear_ratio(length))
-        share = weight / 2 * length
-        mass += share * beam.mass_per_length * np.outer(displacement, displacement)
-        mass += share * beam.rotary_inertia * np.outer(rotation, rotation)
-        straightening += share * np.outer(slope, slope)
-        crossing += share * np.outer(displacement, slope)
-    return mass, straightening, crossing
 
 
 def mesh(length: float, held: tuple[float, ...], watched: tuple[float, ...], longest: float) -> Array:
@@ -283,18 +209,18 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
         nodes: positions that `mesh` gave, m, (n,).
         attachments: supports and masses; their positions are nodes.
     """
-    size = 2 * nodes.size
+    elements = tuple(beam.element(float(length)) for length in np.diff(nodes))
+    places = _places(elements)
+    size = int(places[-1][-1]) + 1
     mass, stiffness = np.zeros((size, size)), np.zeros((size, size))
     straightening, crossing, outflow = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))
-    lengths = [float(length) for length in np.diff(nodes)]
-    for index, length in enumerate(lengths):
-        own = slice(2 * index, 2 * index + 4)
-        stiffness[own, own] += element_stiffness(beam, length)
-        for whole, part in zip((mass, straightening, crossing), element_integrals(beam, length), strict=True):
-            whole[own, own] += part
-    for place, own, length in ((0.0, slice(0, 4), lengths[0]), (1.0, slice(size - 4, size), lengths[-1])):
-        displacement, slope, _ = shapes_at(place, length, beam.shear_ratio(length))
-        outflow[own, own] += (2 * place - 1) * np.outer(displacement, slope)
+    for element, own in zip(elements, places, strict=True):
+        parts = (element.stiffness(), *element.integrals(beam.mass_per_length, beam.rotary_inertia))
+        for whole, part in zip((stiffness, mass, straightening, crossing), parts, strict=True):
+            whole[np.ix_(own, own)] += part
+    for place, end in ((0, 0), (1, -1)):
+        displacement, slope, _ = elements[end].shapes_at(place)
+        outflow[np.ix_(places[end], places[end])] += (2 * place - 1) * np.outer(displacement, slope)
     free = np.ones(size, dtype=bool)
     for attachment in attachments:
         node = 2 * int(np.argmin(np.abs(nodes - attachment.position)))
@@ -307,11 +233,11 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
             else:
                 stiffness[freedom, freedom] += spring
     translation = np.zeros(size)
-    translation[0::2] = 1.0
+    translation[: 2 * nodes.size : 2] = 1.0
     kept = np.ix_(free, free)
     return Assembly(
         nodes=nodes,
-        shear_ratios=np.array([beam.shear_ratio(length) for length in lengths]),
+        elements=elements,
         free=free,
         mass=mass[kept],
         stiffness=stiffness[kept],
@@ -321,11 +247,18 @@ def assemble(beam: Beam, nodes: Array, attachments: tuple[Attachment, ...]) -> A
     )
 
 
+def _places(elements: Sequence[Element]) -> list[NDArray[np.intp]]:
+    """Give the places of each element's degrees of freedom among all."""
+    inner = np.cumsum([2 * (len(elements) + 1), *(element.inner for element in elements)])
+    return [
+        np.concatenate([np.arange(2 * index, 2 * index + 4), np.arange(*inner[index : index + 2])])
+        for index in range(len(elements))
+    ]
+
+
 @one_thread()
 def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
     """Give all natural frequencies and mode shapes of an assembly, without axial force and flow.
-
-    What inertia does within elements is counted in the frequencies, as far as the mesh is fine enough for it.
 
     Args:
         beam: the beam that was assembled; it gives the scale of its frequencies.
@@ -352,36 +285,7 @@ def modes(beam: Beam, assembly: Assembly) -> tuple[Array, Array]:
     squared = 1.0 / mu[::-1] - shift
     shapes = shapes[:, ::-1] / np.sqrt(mu[::-1])
     squared[squared < RIGID * scale] = 0.0
-    yielding = squared * within_elements(beam, assembly, shapes)
-    grown = np.sqrt(1 + np.where(yielding < WITHIN, yielding, 0.0))
-    # The modal mass grows, and the modal stiffness stays: what a load at a node gives statically was exact.
-    omega, shapes = np.sqrt(squared) / grown, shapes / grown
-    order = np.argsort(omega, kind="stable")
-    return omega[order], upright(shapes[:, order])
-
-
-def within_elements(beam: Beam, assembly: Assembly, shapes: Array) -> Array:
-    """Give by how much more elements yield between their nodes in each mode, under the inertia of their own mass.
-
-    An inertia q = m omega^2 w per length bends and shears an element that is held at its ends further, and does the
-    work q^2 (l^5/(720 E I) + l^3/(12 kappa G A)) on it, twice what is stored. To first order that lowers omega^2 by so
-    much over the modal mass (Rayleigh's quotient with the element's inner deflection).
-
-    Args:
-        beam: the beam that was assembled.
-        assembly: of it.
-        shapes: of unit modal mass, (d, modes).
-
-    Returns:
-        share of omega^2 per omega^2, s2, (modes,).
-    """
-    displacement = np.zeros((assembly.free.size, shapes.shape[1]))
-    displacement[assembly.free] = shapes
-    start, end = displacement[:-2:2], displacement[2::2]
-    length = np.diff(assembly.nodes)[:, None]
-    softness = length**2 / (12 * beam.shear_stiffness) + length**4 / (720 * beam.bending_stiffness)
-    squares = length * (start**2 + start * end + end**2) / 3
-    return np.asarray(beam.mass_per_length**2 * np.sum(softness * squares, axis=0))
+    return np.sqrt(squared), upright(shapes)
 
 
 def upright(shapes: Array) -> Array:

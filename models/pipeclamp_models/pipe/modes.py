@@ -31,7 +31,7 @@ from pipeclamp_models.pipe.section import beam_of, shear_error
 from pipeclamp_models.pipe.stability import Onset, Stability, buckling_load, natural_frequencies, onset, stability
 from pipeclamp_models.pipe.truncation import ModalModel, ReductionErrors, Reference
 
-MOST_NODES = 1000
+MOST_NODES = 600
 """A finer mesh than this takes minutes and hints at a wrong unit."""
 
 FASTEST = 15.0
@@ -226,7 +226,6 @@ def finite_elements(description: PipeDescription) -> Assembly:
             f"{beam.length / longest:.0f} elements, expected at most {MOST_NODES}; lower it, or check length_m "
             f"and the section"
         )
-    longest = min(longest, max(beam.longest_element(omega), beam.length / MOST_NODES))
     try:
         nodes = mesh(beam.length, held, tuple(points), longest)
     except ValueError as error:

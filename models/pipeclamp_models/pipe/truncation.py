@@ -13,11 +13,15 @@ from pipeclamp_models.pipe.receptance import Complex, are_coupled, receptance
 POINTS_A_MODE = 20
 """Frequencies, even in wave number, at which the responses are compared, besides the resonances."""
 
+FLANKS = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""Of a resonance's half width at half power, where they are compared beside it: another mode that cancels its own part
+on one side makes the error largest there."""
+
 STIFFNESSES = (1.0, 10.0, 100.0, 1e4)
 """Of the clamps, as multiples of the pipe's own: beside it a clamp is soft, stiff, and as good as rigid."""
 
 LEAST_DAMPING = 1e-3
-"""Of critical, at least compared with: below it the elements' own error of 2e-6 of a frequency shows at peaks."""
+"""Of critical, at least compared with: below it the elements' own error of 3e-6 of a frequency shows at peaks."""
 
 AT_ONCE = 100
 """Frequencies whose matrices are solved together: more would take memory."""
@@ -26,7 +30,7 @@ STILL = 1e-3
 """Share of what moves most under a load below which a point counts as still."""
 
 MOST_MODES = 60
-"""Modes above the kept ones that the full model's state space has; those above them are still, in the band."""
+"""Modes above the kept ones that the full model's state space has, and that axial force and flow couple."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +66,21 @@ class ModalModel:
 
         Args:
             omega: the frequencies.
-            moving: how many modes move; the others add their static compliance. All of them unless told.
+            moving: how many modes axial force and flow couple; the others move by themselves. All of them unless told.
         """
-        count = self.omega.size if moving is None else min(moving, self.omega.size)
-        matrices, loads, shapes = self.matrices(count), self.loads[:count], self.shapes[:, :count]
+        if moving is not None and moving < self.omega.size and self.coupling is not None:
+            rest = replace(self.part(moving, self.omega.size), coupling=None)
+            return self.part(0, moving).receptance(omega) + rest.receptance(omega)
+        matrices = self.matrices(self.omega.size)
         parts = np.array_split(omega, -(-omega.size // AT_ONCE))
         coupled = are_coupled(*matrices)
-        found = [receptance(*matrices, loads, shapes, part, coupled=coupled) for part in parts]
-        return np.concatenate(found) + self.static_compliance(count)
+        return np.concatenate([receptance(*matrices, self.loads, self.shapes, part, coupled=coupled) for part in parts])
+
+    def part(self, begin: int, end: int) -> ModalModel:
+        """Give some of the modes by themselves."""
+        some = slice(begin, end)
+        coupling = self.coupling and (self.coupling[0][some, some], self.coupling[1][some, some])
+        return ModalModel(self.omega[some], self.damping[some], self.loads[some], self.shapes[:, some], coupling)
 
     def static_compliance(self, begin: int) -> Array:
         """Give the static compliance of the modes from one on, without axial force and flow, (outputs, inputs)."""
@@ -167,7 +178,7 @@ class Reference:
         even = omega_up_to * np.linspace(0.0, 1.0, POINTS_A_MODE * (kept + 2) + 1)[1:] ** 2
         own = own_stiffness(full.receptance(even, self.most)[:, :clamps, :clamps])
         self._stiffnesses = [np.zeros(0), *(share * own for share in STIFFNESSES if clamps)]
-        peaks = [resonances(full, self.most, stiffness) for stiffness in self._stiffnesses]
+        peaks = [flanked(resonances(full, self.most, stiffness), full) for stiffness in self._stiffnesses]
         band = np.unique(np.concatenate([even, *peaks]))
         self._band = band[(band >= even[0]) & (band <= omega_up_to)]
         receptance = full.receptance(self._band, self.most)
@@ -214,14 +225,25 @@ def own_stiffness(receptance: Complex) -> Array:
 def resonances(model: ModalModel, count: int, stiffness: Array) -> Array:
     """Give the natural frequencies of the first modes on springs at the clamps, without flow, rad/s, (count,).
 
+    The other modes yield with the springs.
+
     Args:
-        model: the modes; its first outputs are the clamps.
+        model: the modes; its first outputs, and inputs, are the clamps.
         count: of modes.
         stiffness: of each clamp, N/m; (0,) without clamps.
     """
-    seen = model.shapes[: stiffness.size, :count]
-    squared = np.linalg.eigvalsh(np.diag(model.omega[:count] ** 2) + (seen.T * stiffness) @ seen)
+    clamps = stiffness.size
+    seen, rest = model.shapes[:clamps, :count], model.static_compliance(count)[:clamps, :clamps]
+    springs = np.linalg.inv(np.diag(1 / stiffness) + rest)
+    squared = np.linalg.eigvalsh(np.diag(model.omega[:count] ** 2) + seen.T @ springs @ seen)
     return np.asarray(np.sqrt(np.maximum(squared, 0.0)), dtype=np.float64)
+
+
+def flanked(resonances: Array, model: ModalModel) -> Array:
+    """Give resonances, (n,), rad/s, and the flanks of their peaks, with the damping of the modes near them."""
+    moving = model.omega > 0.0
+    half_width = np.interp(resonances, model.omega[moving], model.damping[moving] / 2)
+    return np.ravel(resonances[:, None] + half_width[:, None] * FLANKS)
 
 
 def clamped(receptance: Complex, stiffness: Array) -> Complex:
@@ -253,13 +275,16 @@ def local_scale(response: Complex, band: Array, natural: Array, clamps: int) -> 
         clamps: how many of the outputs, from the first, are clamps, whose unit may be another.
     """
     size = np.abs(response)
-    logarithm = np.log(np.maximum(size, np.finfo(float).tiny))
+    # each point stands for the band around it: there are more of them at peaks
+    stands_for = np.gradient(band)
+    logarithm = stands_for[:, None, None] * np.log(np.maximum(size, np.finfo(float).tiny))
     so_far = np.concatenate([np.zeros_like(logarithm[:1]), np.cumsum(logarithm, axis=0)])
+    width = np.concatenate([[0.0], np.cumsum(stands_for)])
     edges = np.concatenate([[0.0], natural[natural > 0.0], [np.inf]])
     above = np.searchsorted(edges, band)
     first = np.searchsorted(band, edges[np.maximum(above - 1, 0)])
     past = np.searchsorted(band, edges[above], side="right")
-    mean = np.exp((so_far[past] - so_far[first]) / (past - first)[:, None, None])
+    mean = np.exp((so_far[past] - so_far[first]) / (width[past] - width[first])[:, None, None])
     scale = np.maximum(size, mean)
     # What (nearly) stands still under a load is measured against what moves.
     for part in (scale[:, :clamps], scale[:, clamps:]):

@@ -9,15 +9,13 @@ import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.signals import CONDITION, condition_signal
+from pipeclamp_models.base.signals import CONDITION, OWN_SIGNALS, signal_of
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 
-OWN_NAMES = {"density_g_cm3": "rho", "first_cycle": "N"}
-"""Columns of runs.csv that have a signal of their own; any other's is `condition_signal`."""
 ALWAYS = ("A", "f", "T")
 """Conditions that may be given to every law, whether it follows them or not."""
 
@@ -107,11 +105,11 @@ def _slow(law: str, equations: Equations, given: Mapping[str, npt.ArrayLike]) ->
 
 
 def _signal(name: str) -> str:
-    return name if name in ALWAYS else OWN_NAMES.get(name, condition_signal(name))
+    return name if name in ALWAYS else signal_of(name)
 
 
 def _column(signal: str) -> str:
-    own = {symbol: column for column, symbol in OWN_NAMES.items()}
+    own = {symbol: column for column, symbol in OWN_SIGNALS.items()}
     return own.get(signal, signal.removeprefix(CONDITION))
 
 

@@ -141,7 +141,7 @@ def force_of_equations(
         slope_columns = {index: _column(value, rows) for index, value in coefficient_slopes.items()}
         march = March(compiled, equations, columns, slope_columns, values, smoothing, motion)
         states = march.states(derivatives=derivatives)
-        fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.h]
+        fast = [motion.y, motion.v, motion.a, motion.y_previous, motion.moved_in]
         arguments = [*fast, *states.after, *coefficients, *values, *smoothing]
         shape = (rows, samples)
         evaluated = compiled.force_with_slopes if derivatives else compiled.force

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.signals import CONDITION
+from pipeclamp_models.steps.ways import Ways
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
@@ -47,6 +48,8 @@ class Motion:
         assumed: slow signals that nobody knows, whose values only let laws be evaluated that don't follow them.
         rest: where a record's rows lie at rest before their first sample, mm, shape (R, 1) or ().
         memory: the law's states there, shape (R,) each; None for an unloaded memory.
+        ways: those on which a record goes from sample to sample, as an FMU's step goes; None where it is one straight
+            move.
     """
 
     y: Array
@@ -58,14 +61,31 @@ class Motion:
     assumed: frozenset[str] = frozenset()
     rest: Array | float = 0.0
     memory: Sequence[Array] | None = None
+    ways: Ways | None = None
 
     @cached_property
     def y_previous(self) -> Array:
-        """Displacement a sample before each, shape (R, n)."""
+        """Displacement before the move to each sample, shape (R, n): a sample before, or where its last way begins."""
+        if self.ways:
+            return self.ways.y_previous[:, self.ways.last]
         before = np.roll(self.y, 1, axis=1)
         if not self.periodic:
             before[:, :1] = self.rest
         return before
+
+    @property
+    def moved_in(self) -> Array:
+        """Time of the move from there in s, shape (R, 1) or (R, n)."""
+        return self.ways.h[:, self.ways.last] if self.ways else self.h
+
+    @property
+    def between(self) -> Motion:
+        """The motion along the ways between a record's samples, each a straight move: itself where it has none."""
+        if not self.ways:
+            return self
+        step = self.ways.step
+        slow = {name: values[:, step] if values.shape[1] > 1 else values for name, values in self.slow.items()}
+        return replace(self, y=self.ways.y, v=self.ways.v, a=self.a[:, step], slow=slow, h=self.ways.h, ways=None)
 
     def rows(self, chosen: npt.NDArray[np.intp]) -> Motion:
         """Give some of the motions."""
@@ -74,7 +94,7 @@ class Motion:
         memory = None if self.memory is None else [state[chosen] for state in self.memory]
         return replace(
             self, y=self.y[chosen], v=self.v[chosen], a=self.a[chosen], slow=slow, h=self.h[chosen], rest=rest,
-            memory=memory,
+            memory=memory, ways=self.ways and self.ways.rows(chosen),
         )  # fmt: skip
 
     @cached_property

@@ -13,6 +13,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.realise.arrays import ArrayRealisation, Slopes
 from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.steps.ways import Ways
 
 SETTLING_CYCLES = 20
 SETTLED = 1e-9
@@ -83,13 +84,36 @@ class March:
             return self._periodic(rest, derivatives=derivatives)
         if self.motion.memory is not None:
             rest = np.array(self.motion.memory)
+        if self.motion.ways:
+            found = self._between(self.motion.ways)._from(rest, derivatives=derivatives)
+            last = self.motion.ways.last
+            return replace(found, after=[state[:, last] for state in found.after], slopes=found.slopes[..., last])
+        return self._from(rest, derivatives=derivatives)
+
+    def _between(self, ways: Ways) -> March:
+        """Give the march along the ways between a record's samples."""
+
+        def spread(values: Array) -> Array:
+            return values[:, ways.step] if values.shape[1] > 1 else values
+
+        return replace(
+            self,
+            coefficients=list(map(spread, self.coefficients)),
+            coefficient_slopes={entry: spread(slope) for entry, slope in self.coefficient_slopes.items()},
+            motion=self.motion.between,
+        )
+
+    def _from(self, rest: Array, *, derivatives: bool) -> States:
+        """Give the states along a record from those before it, (J, R)."""
+        (count, rows), samples = rest.shape, self.motion.y.shape[1]
         columns = self._columns(self.motion.y_previous)
         trajectory = self._walk(rest, columns)
-        slopes = np.zeros((rows, samples, count, parameters))
+        slopes = np.zeros((rows, samples, count, len(self.moving) if derivatives else 0))
         if derivatives:
             by_step = self._slopes(rest, trajectory, columns)
-            start = np.zeros((rows, count, parameters))
+            start = np.zeros((rows, count, len(self.moving)))
             slopes = trail(start, self._by_states(by_step, samples), self._by_parameters(by_step, samples))
+        none = np.zeros(rows, dtype=np.bool_)
         return States(list(trajectory), np.moveaxis(slopes, (0, 1), (2, 3)), None, none, none)
 
     def _periodic(self, rest: Array, *, derivatives: bool) -> States:

@@ -9,7 +9,7 @@ import sympy as sp
 
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.compose import FAST_SYMBOLS, Composed
-from pipeclamp_models.law.law import Equations, Law, Structure
+from pipeclamp_models.law.law import Equations, Structure
 
 CONDITIONS_FIRST = ("A", "f", "T")
 """Slow signals that every law has, in this order; further conditions follow by name."""
@@ -51,11 +51,6 @@ def conditions_of(equations: Composed | Equations) -> tuple[str, ...]:
 def parameter_symbols(equations: Composed) -> tuple[sp.Symbol, ...]:
     """Give the symbols of the parameters that travel: the law's, then v_r and y_r."""
     return (*(entry.symbol for entry in equations.parameters), symbols.v_r, symbols.y_r)
-
-
-def parameter_values(law: Law) -> tuple[float, ...]:
-    """Give the values of a law's parameters in the order of `parameter_symbols`."""
-    return (*law.vector(law.structure.equations_without_rig), law.v_r, law.y_r)
 
 
 def stepping(structure: Structure) -> Stepping:

@@ -6,16 +6,33 @@
  */
 static const double EDGE = 1e-6; /* share of a step next to its ends in which it doesn't turn: see within_step.py */
 
+/* Of a motion's velocity over the share x of its step: that at the beginning and b x + a x^2. */
+typedef struct {
+    double b, a;
+} Bends;
+
+static inline Bends bends(const Place *from, const Place *to, double h)
+{
+    const double mean = (to->y - from->y) / h;
+    const Bends bent = {2.0 * (3.0 * mean - 2.0 * from->v - to->v), 3.0 * (from->v + to->v - 2.0 * mean)};
+    return bent;
+}
+
+/* Give the displacement after a share of a step. */
+static inline double part_of(const Place *from, Bends bent, double h, double share)
+{
+    return from->y + h * share * (from->v + share * (bent.b / 2.0 + share * (bent.a / 3.0)));
+}
+
 /* Give where a motion turns round whose velocity changes sign: returns the share of the step, and the displacement. */
 APART static double turning(const Place *from, const Place *to, double h, double *turn)
 {
-    /* Velocity over the step: c + b x + a x^2, so signed that it begins above 0. */
-    const double sign = from->v > 0.0 ? 1.0 : -1.0;
-    const double mean = sign * (to->y - from->y) / h, c = sign * from->v, end = sign * to->v;
-    const double b = 2.0 * (3.0 * mean - 2.0 * c - end), a = 3.0 * (c + end - 2.0 * mean);
+    const double sign = from->v > 0.0 ? 1.0 : -1.0; /* so that it begins above 0 */
+    const Bends bent = bends(from, to, h);
+    const double c = sign * from->v, b = sign * bent.b, a = sign * bent.a;
     const double inside = b * b - 4.0 * a * c, root = inside > 0.0 ? sqrt(inside) : 0.0;
     const double share = b > 0.0 ? (b + root) / (-2.0 * a) : 2.0 * c / (root - b);
-    *turn = from->y + sign * h * share * (c + share * (b / 2.0 + share * (a / 3.0)));
+    *turn = part_of(from, bent, h, share);
     return share;
 }
 
@@ -93,8 +110,7 @@ WITHIN static inline double round_turn(const double k[], const Place *from, Plac
 /* Walk a step in parts along the cubic, for memory that jumps: it does so at the end of a way. */
 static double in_parts(const double k[], const Place *from, Place *to, double h, double *length)
 {
-    const double mean = (to->y - from->y) / h;
-    const double b = 2.0 * (3.0 * mean - 2.0 * from->v - to->v), a = 3.0 * (from->v + to->v - 2.0 * mean);
+    const Bends bent = bends(from, to, h);
     Place at = *from;
     double lost = 0.0;
     int part;
@@ -105,8 +121,8 @@ static double in_parts(const double k[], const Place *from, Place *to, double h,
         double way;
         int turned;
         if (part < PARTS) {
-            next.y = from->y + h * share * (from->v + share * (b / 2.0 + share * (a / 3.0)));
-            next.v = from->v + share * (b + share * a);
+            next.y = part_of(from, bent, h, share);
+            next.v = from->v + share * (bent.b + share * bent.a);
         }
         lost += round_turn(k, &at, &next, h / PARTS, &way, &turned);
         *length += way;

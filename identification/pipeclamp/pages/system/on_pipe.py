@@ -10,10 +10,11 @@ from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp.pages.system.pipe_records import records_sections
 from pipeclamp.show.on_pipe import attribution_words, capital
 from pipeclamp_identification.attribution.attributed import Attributed
+from pipeclamp_identification.workflow.next_on_pipe import NextStep
 
 
-def attributed_sections(found: Attributed) -> list[Section]:
-    """Give the page: the verdict and how much the model errs, before and after correction, what was tried, where."""
+def attributed_sections(found: Attributed, following: NextStep) -> list[Section]:
+    """Give the page: verdict, what comes next, how much the model errs before and after correction, what was tried."""
     sines, records = found.compared.sines, found.compared.records
     named = found.attribution.named if found.attribution else ()
     corrected = named[0].refit.computed if named else None
@@ -22,6 +23,8 @@ def attributed_sections(found: Attributed) -> list[Section]:
         *(records_sections(records, corrected.records if corrected else None) if records else []),
     ]
     verdict, *why = attribution_words(found.attribution, found.proposal)
-    answer = replace(how, title="Answer", paragraphs=[capital(verdict), *why, *how.paragraphs])
+    before = [f"Next, {following.first}, run the command below."] if following.first else []
+    words = [capital(verdict), *why, *how.paragraphs, *before]
+    answer = replace(how, title="Answer", paragraphs=words, command=following.line)
     tried = [attribution_section(found.attribution)] if found.attribution else []
     return [answer, *others[:1], *tried, *others[1:]]

@@ -9,6 +9,9 @@ const DARK = {
 const PAPER_WIDTH = 680;
 const TITLE_CHARACTER = 8.1; // px, of a title at 15 px, where the font is a wide one
 const TITLE_LINE = 20;
+const LEGEND_CHARACTER = 6.8; // px, of an entry at 12 px
+const LEGEND_SYMBOL = 50; // px, with the room about it
+const LEGEND_LINE = 19;
 const FADE = 48; // px, in which a picture that goes on beyond its right edge fades
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 let onPaper = false;
@@ -57,6 +60,17 @@ function withTitleWrapped(layout, width) {
   if (layout.height) layout.height += TITLE_LINE * further;
 }
 
+// In a picture that goes on beyond its right edge the legend's row would do so too: its entries stand below each other.
+function withLegendSeen(layout, data, seen) {
+  const names = data.filter((trace) => trace.name && trace.showlegend !== false).map((trace) => trace.name);
+  const row = names.reduce((width, name) => width + LEGEND_SYMBOL + LEGEND_CHARACTER * name.length, 0);
+  if (layout.showlegend === false || layout.legend?.orientation !== "h" || row < seen) return;
+  const further = LEGEND_LINE * (names.length - 1);
+  layout.legend = { ...layout.legend, orientation: "v", xref: "container", xanchor: "left" };
+  layout.margin = { ...layout.margin, b: (layout.margin?.b ?? 50) + further };
+  if (layout.height) layout.height += further;
+}
+
 function wrapped(line, most) {
   const lines = [""];
   for (const word of line.split(" ")) {
@@ -72,7 +86,9 @@ function drawIn(element, specification) {
   const { data, layout } = inLook({ data: fitted.data, layout: fitted.layout });
   if (specification.narrow) element.style.height = fitted === specification ? "" : `${layout.height}px`;
   const seen = onPaper ? width : element.closest("figure")?.clientWidth || width;
-  withTitleWrapped(layout, width > seen + 4 ? seen - FADE : seen);
+  const scrolls = width > seen + 4;
+  withTitleWrapped(layout, scrolls ? seen - FADE : seen);
+  if (scrolls) withLegendSeen(layout, data, seen - FADE);
   if (onPaper) layout.width = PAPER_WIDTH;
   const config = {
     responsive: !onPaper, displaylogo: false, modeBarButtons: [[saveButton("svg"), saveButton("png")]],

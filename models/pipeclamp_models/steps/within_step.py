@@ -1,10 +1,11 @@
-"""A clamp's way between two communication points: where it turns round, and the work on it.
+"""A clamp's way between two communication points or samples: where it turns round, and the work on it.
 
-The clamp's slave inlines it; `native/c/within_step.c` is its counterpart. The motion is the cubic that has displacement
-and velocity of both ends (Hermite). Where the velocity changes sign it turns round once, and is walked in two ways, so
-that memory unloads from where the motion did. The heat of a way takes the law's force in its middle too, beside that of
-both ends; it is exact where the force is linear in the displacement. Memory that jumps, as play's where it lets the
-clamp go, does so at the end of a way: a step of such a law is walked in several parts along the cubic.
+The clamp's slave inlines it, `native/c/within_step.c` is its counterpart, and records are walked by it. The motion is
+the cubic that has displacement and velocity of both ends (Hermite). Where the velocity changes sign it turns round
+once, and is walked in two ways, so that memory unloads from where the motion did. The heat of a way takes the law's
+force in its middle too, beside that of both ends; it is exact where the force is linear in the displacement. Memory
+that jumps, as play's where it lets the clamp go, does so at the end of a way: a step of such a law is walked in several
+parts along the cubic.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ EDGE = 1e-6
 back in a step, and the velocity of a shorter way would be rounding."""
 
 Step = Callable[..., tuple[float, float, tuple[float, ...]]]
-Ends = tuple[float, float, float, float]
+Along = Any
+"""A number, or an array of them, one for each of many steps."""
+Ends = tuple[Along, Along, Along, Along]
 """Displacement (mm) and velocity (mm/s) at the beginning, then at the end."""
 Begun = tuple[float, float]
 """Force (N) and stored energy (N mm) at the beginning."""
@@ -26,14 +29,14 @@ Walked = tuple[float, float, tuple[float, ...], float, float]
 """Force (N), stored energy (N mm) and memory at the end, heat (N mm), length of the way (mm)."""
 
 
-def bends(motion: Ends, h: float) -> tuple[float, float]:
+def bends(motion: Ends, h: Along) -> tuple[Along, Along]:
     """Give b and a of a motion's velocity over the share x of its step: that at the beginning and b x + a x^2."""
     y_before, v_before, y, v = motion
     mean = (y - y_before) / h
     return 2.0 * (3.0 * mean - 2.0 * v_before - v), 3.0 * (v_before + v - 2.0 * mean)
 
 
-def part_of(motion: Ends, h: float, share: float) -> tuple[float, float]:
+def part_of(motion: Ends, h: Along, share: Along) -> tuple[Along, Along]:
     """Give displacement (mm) and velocity (mm/s) of a step's motion after a share of it."""
     y_before, v_before, _, _ = motion
     b, a = bends(motion, h)
@@ -52,6 +55,12 @@ def turning(motion: Ends, h: float) -> tuple[float, float]:
     root = math.sqrt(inside) if inside > 0.0 else 0.0
     share = (b + root) / (-2.0 * a) if b > 0.0 else 2.0 * c / (root - b)
     return share, part_of(motion, h, share)[0]
+
+
+def turn_within(motion: Ends, h: float) -> tuple[float, float] | None:
+    """Give where a motion turns round, as `turning` does; None where that is at an end of the step."""
+    at, turn = turning(motion, h)
+    return (at, turn) if EDGE < at < 1.0 - EDGE else None
 
 
 def way(
@@ -97,13 +106,13 @@ def round_turn(
 ) -> Walked:
     """Walk a way on which the motion may turn round once; see `way`."""
     y_before, v_before, y, v = motion
-    if v_before * v < 0.0:
-        at, turn = turning(motion, h)
-        if EDGE < at < 1.0 - EDGE:
-            there, back = (y_before, v_before, turn, 0.0), (turn, 0.0, y, v)
-            force, energy, memory, lost, out = way(step, k, memory, there, at * h, begun)
-            force, energy, memory, more, home = way(step, k, memory, back, (1.0 - at) * h, (force, energy))
-            return force, energy, memory, lost + more, out + home
+    turned = turn_within(motion, h) if v_before * v < 0.0 else None
+    if turned:
+        at, turn = turned
+        there, back = (y_before, v_before, turn, 0.0), (turn, 0.0, y, v)
+        force, energy, memory, lost, out = way(step, k, memory, there, at * h, begun)
+        force, energy, memory, more, home = way(step, k, memory, back, (1.0 - at) * h, (force, energy))
+        return force, energy, memory, lost + more, out + home
     return way(step, k, memory, motion, h, begun)
 
 

@@ -1,0 +1,78 @@
+"""What a law's error along free motions alone calls for: nothing more, or sines, which a diagnosis can read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, MATERIAL_FORCE_SHARE
+from pipeclamp_identification.fitting.free_misfit import FreeMisfit
+from pipeclamp_identification.fitting.misfit import overall_nrmse
+from pipeclamp_identification.loops.scatter import off_neighbours
+from pipeclamp_models.base.units import CELSIUS
+
+SELDOM = 5.0
+"""Per cent of the time at either end of the tracked frequency that needn't be tested: it starts in the middle of the
+law's range, wherever the motion does."""
+
+
+@dataclass(frozen=True)
+class AlongFree:
+    """What a law errs along free motions, and what of it is scatter.
+
+    Attributes:
+        nrmse: error as a share of the rms force.
+        scatter: what noise and scatter make of it, likewise.
+        reach: largest displacement, frequencies and temperatures of the motions: what sines would have to cover.
+    """
+
+    nrmse: float
+    scatter: float
+    reach: Limits
+
+    @property
+    def scatter_explains(self) -> bool:
+        """Whether no more is left than what a complete law leaves, by the thresholds of a diagnosis."""
+        beyond = math.sqrt(max(self.nrmse**2 - self.scatter**2, 0.0))
+        return beyond <= max(FORM_NOISE_SHARE * self.scatter, MATERIAL_FORCE_SHARE)
+
+    def words(self) -> str:
+        """Say what it calls for."""
+        scatter = f"{self.scatter:.2%} is noise between samples, or scatter on the law's own sines"
+        if self.scatter_explains:
+            return f"Free motion: {scatter}; nothing is found missing along these motions."
+        return (
+            f"Free motion: {scatter}; the rest the law lacks. What that is, a diagnosis tells of sines alone: of those "
+            "that the law was identified from, or of a campaign that reaches as far as these motions."
+        )
+
+
+def along_free(runs: Sequence[FreeMisfit]) -> AlongFree:
+    """Judge a law's error along runs of free motion, one at least.
+
+    No motion repeats, so that cycles can't show its scatter. What is taken for it is the larger of two: the noise
+    between neighbouring samples, which a filter makes look smaller than it is, and the scatter of the law's own sines.
+    """
+    squared_force = sum(run.squared_force for run in runs)
+    noise = sum(len(run.time) * _noise_variance(run) for run in runs) / squared_force
+    scatter = max(math.sqrt(noise), runs[0].scatter_on_sines or 0.0)
+    return AlongFree(overall_nrmse(runs), scatter, _reach(runs))
+
+
+def _noise_variance(run: FreeMisfit) -> float:
+    if len(run.time) < 3:
+        return 0.0
+    off, usual = off_neighbours(run.time, run.measured - run.computed)
+    return float(np.mean(off[usual] ** 2)) if np.any(usual) else 0.0
+
+
+def _reach(runs: Sequence[FreeMisfit]) -> Limits:
+    frequency = np.percentile(np.concatenate([run.frequency for run in runs]), (SELDOM, 100.0 - SELDOM))
+    largest = max(float(np.max(np.abs(run.y))) for run in runs)
+    known = [run.temperature_K - CELSIUS for run in runs if math.isfinite(run.temperature_K)]
+    reach = Limits(amplitude=(0.0, largest), frequency=(float(frequency[0]), float(frequency[1])))
+    return reach.with_range("T", (min(known), max(known))) if known else reach

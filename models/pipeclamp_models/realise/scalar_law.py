@@ -1,0 +1,59 @@
+"""A law as plain Python, ready to be called as its FMU calls it. SymPy is for equations that weren't met before."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from pipeclamp_models.base.kept import kept
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.steps.within_step import Step
+
+
+@dataclass(frozen=True)
+class ScalarLaw:
+    """A generated law with its values; see `scalar.python_source`.
+
+    Attributes:
+        states: name and start of each.
+        further: names of the slow signals that `coefficients` takes after A, f, T.
+        coefficients: what holds through a step.
+        step: force, stored energy and states after a move.
+    """
+
+    states: tuple[tuple[str, float], ...]
+    further: tuple[str, ...]
+    coefficients: Callable[..., Any]
+    step: Step
+
+
+def loaded(source: str, values: Sequence[float]) -> ScalarLaw:
+    """Load a law's generated source with values for its parameters, as the FMU does."""
+    scope: dict[str, Any] = {"math": math}
+    exec(source, scope)
+    coefficients = partial(scope["coefficients"], tuple(values))
+    return ScalarLaw(scope["STATES"], scope["CONDITIONS"], coefficients, scope["step"])
+
+
+def scalar_law(law: Law) -> ScalarLaw:
+    """Give a law without what belongs to the rig."""
+    return loaded(source_of(law.structure), parameter_values(law))
+
+
+def source_of(structure: Structure) -> str:
+    """Give what `scalar.python_source` writes of a structure, kept from one call to the next."""
+
+    def write() -> str:
+        from pipeclamp_models.realise.scalar import python_source
+
+        return python_source(structure)
+
+    return str(kept(f"python {structure.equations_without_rig.key}", write))
+
+
+def parameter_values(law: Law) -> tuple[float, ...]:
+    """Give the values of a law's parameters in the order of `stepping.parameter_symbols`."""
+    return (*law.vector(law.structure.equations_without_rig), law.v_r, law.y_r)
