@@ -292,7 +292,7 @@ def compare(
     from pipeclamp.show.views import comparison_view, laws_view
     from pipeclamp_identification.comparison.laws import least_error
     from pipeclamp_identification.comparison.names import named_apart
-    from pipeclamp_identification.workflow.next_command import after_comparison
+    from pipeclamp_identification.workflow.after_comparison import after_comparison
 
     with told("compare") as tell:
         files = named_apart([opened_law(law) for law in laws], laws)
