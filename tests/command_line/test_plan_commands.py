@@ -24,6 +24,9 @@ def test_the_next_loop_test_of_a_pipe(tmp_path, pipeclamp):
     peak = max(abs(float(line.split(",")[1])) for line in drive.read_text(encoding="utf-8").splitlines()[1:])
     assert peak == pytest.approx(first["amplitude_mm"], rel=1e-3)
     assert "Where a test narrows the band" in report.read_text(encoding="utf-8")
+    assert "Next: " not in done.stdout, "the drive signal is written"
+    following = pipeclamp("plan", path, "--limits", "A=0.02..1").stdout.splitlines()[-1]
+    assert following == f"Next: pipeclamp plan {path} --limits A=0.02..1 --drive next_test.csv"
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from pipeclamp.cli.app import app
 from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.diagnosis.limits import Limits, limits_words, parse_limits
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
+from pipeclamp_identification.workflow.after_comparison import after_comparison
 from pipeclamp_identification.workflow.along_free import along_free
-from pipeclamp_identification.workflow.next_command import after_comparison
 
 TIME = np.arange(8000) / 400.0
 FORCE = 900.0 * np.sin(2 * np.pi * 1.3 * TIME) * np.sin(np.pi * TIME / 20.0)

@@ -10,7 +10,7 @@ from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import PathOrName, Shown, frame_of
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
-from pipeclamp_identification.workflow.next_command import after_comparison
+from pipeclamp_identification.workflow.after_comparison import after_comparison
 from pipeclamp_identification.workflow.tests import Held
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread

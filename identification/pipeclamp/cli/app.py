@@ -41,6 +41,7 @@ from pipeclamp.cli.terminal import (
     folder_option,
     names_in,
     opened_law,
+    print_next,
     print_table,
     read_and_tell,
     show,
@@ -248,7 +249,7 @@ def identify(
         write_report(report, f"Law {file.name}", about, law_page(file, found.held), command_called())
     write_whole(output, law_text(file))
     _print_law(file, output)
-    _print_next(after_identification(str(output), str(campaign)))
+    print_next(after_identification(str(output), str(campaign)))
 
 
 @app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
@@ -291,7 +292,7 @@ def compare(
     from pipeclamp.show.views import comparison_view, laws_view
     from pipeclamp_identification.comparison.laws import least_error
     from pipeclamp_identification.comparison.names import named_apart
-    from pipeclamp_identification.workflow.next_command import after_comparison
+    from pipeclamp_identification.workflow.after_comparison import after_comparison
 
     with told("compare") as tell:
         files = named_apart([opened_law(law) for law in laws], laws)
@@ -306,7 +307,7 @@ def compare(
 
         write_report(report, *comparison_title(files, tests.name), comparison_page(held, following), command_called())
     show(view, json)
-    _print_next(following)
+    print_next(following)
 
 
 @app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
@@ -471,11 +472,7 @@ def _change(
     for step in steps:
         print_table(addition_table(step))
     _print_fit(changed, output)
-    _print_next(after_change(str(output), str(campaign)))
-
-
-def _print_next(following: str) -> None:
-    console().print(f"Next: {following}", highlight=False, markup=False, soft_wrap=True)
+    print_next(after_change(str(output), str(campaign)))
 
 
 def _print_law(file: Any, output: Path) -> None:

@@ -15,7 +15,9 @@ from pipeclamp.cli.terminal import (
     file_option,
     folder_option,
     is_stated,
+    line_called,
     opened_law,
+    print_next,
     show,
     spare,
     told,
@@ -109,6 +111,7 @@ def _next_test(
     from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
     from pipeclamp_identification.diagnosis.limits import parse_limits
     from pipeclamp_identification.planning.narrowing import plan_tests
+    from pipeclamp_identification.workflow.next_command import NEXT_TEST
     from pipeclamp_models.base.files import write_whole
 
     spare(system, outputs=(drive, json, report))
@@ -125,3 +128,5 @@ def _next_test(
     if drive and found.tests:
         write_whole(drive, drive_content(found.tests[0].plan.signal(), drive))
     show(band_plan_view(found, drive), json)
+    if found.tests and drive is None:
+        print_next(f"{line_called()} --drive {NEXT_TEST}.csv")

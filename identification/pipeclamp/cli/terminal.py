@@ -214,6 +214,11 @@ def show(view: View, json_path: Path | None) -> None:
         console().print(line, highlight=False, markup=False, soft_wrap=line.startswith(NEXT))
 
 
+def print_next(following: str) -> None:
+    """Print the command to run next, in one line, as it is copied."""
+    console().print(f"Next: {following}", highlight=False, markup=False, soft_wrap=True)
+
+
 def say(lines: Sequence[str], *, soft_wrap: bool = True) -> None:
     """Print what came out, and on stderr what isn't to be trusted: a mark on a page stands on the terminal too."""
     for line in lines:

@@ -6,15 +6,10 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePath
 
-from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.diagnosis.limits import limits_words
-from pipeclamp_identification.workflow.along_free import along_free
-from pipeclamp_identification.workflow.tests import Diagnosed, Held
+from pipeclamp_identification.workflow.tests import Diagnosed
 
 NEXT_TEST = "next_test"
 """What the next test's drive signal and its campaign are called, where nobody has named them."""
-PLANNED = "planned"
-"""Likewise the folder of a campaign that is planned."""
 
 
 def next_command(
@@ -33,13 +28,13 @@ def next_command(
         meant = ("--as", "part") if found.kind == "part" else ()
         return shell_line("add", law, effects, tests, "-o", _following(law), *meant)
     if found.verdict == "complete":
-        return shell_line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
+        return shell_line("build-fmu", law, "-o", f"{stem_of(law)}.fmu", "--track")
     if found.proposal:
         if driven:
             return shell_line("join", tests, NEXT_TEST, "-o", f"{PurePath(tests).name}_and_{NEXT_TEST}")
         return shell_line("diagnose", law, tests, "--drive", f"{NEXT_TEST}.csv")
     if found.calls_for_a_term:
-        term = str(PurePath(law).with_name(f"{_stem(law)}_term.toml"))
+        term = str(PurePath(law).with_name(f"{stem_of(law)}_term.toml"))
         return shell_line("discover", law, tests, "-o", term, "--auto", _following(law))
     return shell_line("compare", law, tests, "--report", "compare.html")
 
@@ -57,22 +52,6 @@ def after_identification(law: str, tests: str) -> str:
 def after_change(law: str, tests: str) -> str:
     """Give the shell line to run after an effect came or went: what is missing now; arguments as for `next_command`."""
     return shell_line("diagnose", law, tests)
-
-
-def after_comparison(law: str, tests: str, held: Held) -> str:
-    """Give the shell line to run after a comparison: what is missing, if anything, or the tests that would tell.
-
-    Args:
-        law, tests: as for `next_command`.
-        held: the law against the tests. A diagnosis asks for loops: free motions alone call for the clamp's FMU where
-            scatter explains what the law errs along them, else for a campaign of sines that reaches as far as they do.
-    """
-    if not isinstance(held, Comparison) or held.runs:
-        return shell_line("diagnose", law, tests, "--report", "diagnosis.html")
-    found = along_free(held.free)
-    if found.scatter_explains:
-        return shell_line("build-fmu", law, "-o", f"{_stem(law)}.fmu", "--track")
-    return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(found.reach))
 
 
 def after_discovery(
@@ -112,13 +91,14 @@ def shell_line(*words: str) -> str:
     return " ".join(["pipeclamp", *(f'"{word}"' if re.search(r"\s", word) else word for word in words)])
 
 
-def _stem(law: str) -> str:
+def stem_of(law: str) -> str:
+    """Give a law's file without its ending; a bundled law's name as it is."""
     return PurePath(law).stem if law.endswith(".json") else law
 
 
 def _following(law: str) -> str:
     """Give the name of the file for a law's next version: clamp7_2.json after clamp7.json, clamp7_3.json after that."""
-    stem, _, number = _stem(law).rpartition("_")
+    stem, _, number = stem_of(law).rpartition("_")
     counted = bool(stem) and number.isascii() and number.isdigit()
-    name = f"{stem}_{int(number) + 1}" if counted else f"{_stem(law)}_2"
+    name = f"{stem}_{int(number) + 1}" if counted else f"{stem_of(law)}_2"
     return str(PurePath(law).with_name(f"{name}.json"))

@@ -1,0 +1,28 @@
+"""The command to run after a comparison; it stands apart, since most commands do without what it asks."""
+
+from __future__ import annotations
+
+from pipeclamp_identification.comparison.compare import Comparison
+from pipeclamp_identification.diagnosis.limits import limits_words
+from pipeclamp_identification.workflow.along_free import along_free
+from pipeclamp_identification.workflow.next_command import shell_line, stem_of
+from pipeclamp_identification.workflow.tests import Held
+
+PLANNED = "planned"
+"""What the folder of a campaign that is planned is called, where nobody has named it."""
+
+
+def after_comparison(law: str, tests: str, held: Held) -> str:
+    """Give the shell line to run after a comparison: what is missing, if anything, or the tests that would tell.
+
+    Args:
+        law, tests: as for `next_command`.
+        held: the law against the tests. A diagnosis asks for loops: free motions alone call for the clamp's FMU where
+            scatter explains what the law errs along them, else for a campaign of sines that reaches as far as they do.
+    """
+    if not isinstance(held, Comparison) or held.runs:
+        return shell_line("diagnose", law, tests, "--report", "diagnosis.html")
+    found = along_free(held.free)
+    if found.scatter_explains:
+        return shell_line("build-fmu", law, "-o", f"{stem_of(law)}.fmu", "--track")
+    return shell_line("plan", "-o", PLANNED, "--law", law, "--limits", limits_words(found.reach))
