@@ -47,8 +47,8 @@ def test_what_each_rung_took_is_told(climbed):
     _, _, added, removed = climbed
     (power, took, gave) = waterfall_picture(rungs_of(removed), added.fit.noise_nrmse, "falling").data[0].x
     assert power == "power"
-    assert re.search(r"squared error<br>above scatter \N{MINUS SIGN}\d\d%$", took)
-    assert re.search(r"squared error<br>above scatter \+\d+%$", gave)
+    assert re.search(r"squared error<br>above scatter<br>\N{MINUS SIGN}\d\d%$", took)
+    assert re.search(r"squared error<br>above scatter<br>\+\d+%$", gave)
     assert set(rungs_of(removed)[0].errors) == {USED, LEFT_OUT}
 
 

@@ -205,5 +205,5 @@ def _did(index: int, rungs: Sequence[Rung], scatter: float | None) -> list[str]:
     if missing <= 0.0:
         return []
     change = max(left / missing - 1.0, -1.0)
-    beyond = " above scatter" if scatter else ""
-    return ["squared error", f"{beyond} {change:+.0%}".strip().replace("-", "\N{MINUS SIGN}")]
+    beyond = ["above scatter"] if scatter else []
+    return ["squared error", *beyond, f"{change:+.0%}".replace("-", "\N{MINUS SIGN}")]
