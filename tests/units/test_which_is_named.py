@@ -75,10 +75,45 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, ki
         each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
     law = candidate("", 100.0, 100.0)
     law.lack = SimpleNamespace(p_value=0.0, share=1.7, sure_share=1.6)
-    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: list(others) if near else [])
+    others = (hardening, gap)
+    monkeypatch.setattr(
+        weighing, "_near", lambda best, asked, problem: [one for one in asked if near and one in others]
+    )
     found = weigh(law.result.law.structure, None, law, [hardening, gap], TOLERANCE, 1, print)
     assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("gap",))
     assert ("hardening, which leaves more in N, fits the weak harmonics clearly better" in found.reasons[0]) != near
+
+
+@pytest.mark.parametrize(("near", "named"), [(True, ()), (False, ("stiffness_frequency",))])
+def test_what_does_no_better_than_the_law_as_it_is_explains_nothing(near, named, monkeypatch):
+    """Hum of the mains left something that follows the conditions, and one effect of forty left less by chance."""
+    effect, law = candidate("stiffness_frequency", 90.0, 98.0), candidate("", 100.0, 100.0)
+    effect.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    law.lack = SimpleNamespace(p_value=0.0, share=0.23, sure_share=0.0, rms=1.0)
+    effect.heldout_by = law.heldout_by = {"A, f": 0.02}
+    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: list(others) if near else [])
+    monkeypatch.setattr(weighing, "screened", lambda *of: [])
+    monkeypatch.setattr(weighing, "pairs", lambda *of: [])
+    for room in (weighing, reasons):
+        monkeypatch.setattr(room, "takes_part", lambda candidate, law, problem: False)
+    found = weigh(law.result.law.structure, None, law, [effect], TOLERANCE, 1, print)
+    assert found.effects == named
+
+
+def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(monkeypatch):
+    """An asymmetry and a slip that is pressed came as near each other as a gas spring was ahead of both."""
+    general, special = candidate("gas_spring", 7.0, 70.0), candidate("asymmetry", 8.0, 100.0)
+    rival, law = candidate("pressed_slip", 8.0, 101.0), candidate("", 100.0, 1000.0)
+    for each in (general, special, rival):
+        each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
+    alike = (special, rival)
+    monkeypatch.setattr(
+        weighing, "_near", lambda best, asked, problem: [one for one in asked if best in alike and one in alike]
+    )
+    found = weigh(law.result.law.structure, None, law, [general, special, rival], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind) == ("ambiguous", "part")
+    assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")
 
 
 def weighed_part(monkeypatch, *, same):
@@ -127,7 +162,9 @@ def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(a
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law = candidate("", 100.0, 1000.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
-    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: [each for each in others if each is not best])
+    monkeypatch.setattr(
+        weighing, "_near", lambda best, others, problem: [one for one in others if one not in (best, law)]
+    )
     found = weigh(law.result.law.structure, None, law, [general, special], TOLERANCE, 1, print)
     assert (found.kind, found.effects) == ("cause", ("relaxation",))
     assert ("can't tell it from relaxation_spread" in found.reasons[0]) == told

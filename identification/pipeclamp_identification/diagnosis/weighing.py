@@ -125,8 +125,11 @@ class Scales:
         return [each for each in self.usable if each.may_be_cause]
 
     def explains(self, candidate: Judged) -> bool:
-        """Tell whether a law leaves over next to nothing of what is missing, or what may be form."""
-        return _explains(candidate, self.law, self.tolerance)
+        """Tell whether a law leaves over next to nothing of what is missing, or what may be form.
+
+        And does so beyond chance: the law as it is is a rival too.
+        """
+        return _explains(candidate, self.law, self.tolerance) and not _near(candidate, [self.law], self.problem)
 
 
 def weigh(
@@ -228,11 +231,16 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     rivals = _near(best, [other for other in sound if scales.explains(other)], scales.problem)
     best, *rivals = _without_general([best, *rivals])
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
-    if len(names) > 1:
-        return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
     generals = _generals(best, scales)
+    clearly = [each for each in generals if not _near(each, [best], scales.problem)]
+    if len(names) > 1:
+        reason = f"this data can't tell {' from '.join(names)}"
+        if not clearly:
+            return Weighed("ambiguous", names, "cause", best, None, (reason,))
+        reason += f"; {clearly[0].effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
+        return Weighed("ambiguous", (clearly[0].effects[0], *names), "part", clearly[0], None, (reason,))
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
-    if better := [each for each in (*generals, *others) if not _near(each, [best], scales.problem)]:
+    if better := clearly + [each for each in others if not _near(each, [best], scales.problem)]:
         general = _is_special_case(_added(best), _added(better[0]))
         reason = _better_fit_words(best, better[0], general=general)
         return Weighed("missing", names, "part", best, None, (reason,))
