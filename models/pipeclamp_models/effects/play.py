@@ -34,7 +34,7 @@ EFFECT = Effect(
     told_apart_by="a small cycle ridden on a large one: play opens at every reversal, a gap about zero at zero only",
     parameters=(
         Parameter(
-            g_p, "mm", "half the clearance", tuple(part * A_typical for part in (0.003, 0.02, 0.15)), lower=0.0,
+            g_p, "mm", "half the clearance", tuple(part * A_typical for part in (0.0003, 0.003, 0.02, 0.15)), lower=0.0,
             upper=A_typical, neutral=0.0, typical=0.05 * A_typical,
         ),
     ),
