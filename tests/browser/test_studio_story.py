@@ -82,7 +82,7 @@ def test_the_whole_job(page, url, violations, home):
     page.wait_for_selector(".chip[aria-current]:has-text('law2')", timeout=A_JOB_ms)
     page.wait_for_selector("#waterfall .main-svg")
     assert page.inner_text(".big") == "1.29 %"
-    assert "above scatter \N{MINUS SIGN}79%" in page.inner_text("#waterfall").replace("\n", " ")
+    assert "above scatter\N{MINUS SIGN}79%" in page.inner_text("#waterfall").replace("\n", "")
     page.wait_for_timeout(1600)  # the map fades
     before = page.evaluate("[...document.querySelectorAll('.cell')].filter(c => c.dataset.before).length")
     assert before == 48
