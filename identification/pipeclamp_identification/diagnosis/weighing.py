@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -110,7 +111,7 @@ class Scales:
         """Whether what is missing is so small that it may be the form of the effects that the law has."""
         return _may_be_form(self.law, self.tolerance)
 
-    @property
+    @cached_property
     def usable(self) -> list[Judged]:
         """Candidates that better the law, and may take a part of what is missing at least; best first.
 
@@ -119,7 +120,7 @@ class Scales:
         able = _able(self.candidates, self.law)
         return [each for each in able if not _simpler(each, able, self.law, self.tolerance)]
 
-    @property
+    @cached_property
     def sound(self) -> list[Judged]:
         """Of these, the ones that may be the cause, for nothing speaks against them; best first."""
         return [each for each in self.usable if each.may_be_cause]
@@ -241,8 +242,7 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
         return Weighed("ambiguous", (clearly[0].effects[0], *names), "part", clearly[0], None, (reason,))
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
     if better := clearly + [each for each in others if not _near(each, [best], scales.problem)]:
-        general = _is_special_case(_added(best), _added(better[0]))
-        reason = _better_fit_words(best, better[0], general=general)
+        reason = _better_fit_words(best, better[0], general=bool(clearly))
         return Weighed("missing", names, "part", best, None, (reason,))
     reason = f"{best.effects[0]} explains it and no rival comes near"
     if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:

@@ -83,9 +83,9 @@ class Motion:
         """The motion along the ways between a record's samples, each a straight move: itself where it has none."""
         if not self.ways:
             return self
-        step = self.ways.step
-        slow = {name: values[:, step] if values.shape[1] > 1 else values for name, values in self.slow.items()}
-        return replace(self, y=self.ways.y, v=self.ways.v, a=self.a[:, step], slow=slow, h=self.ways.h, ways=None)
+        slow = {name: self.ways.spread(values) for name, values in self.slow.items()}
+        a = self.a[:, self.ways.step]
+        return replace(self, y=self.ways.y, v=self.ways.v, a=a, slow=slow, h=self.ways.h, ways=None)
 
     def rows(self, chosen: npt.NDArray[np.intp]) -> Motion:
         """Give some of the motions."""

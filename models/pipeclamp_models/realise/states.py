@@ -92,14 +92,10 @@ class March:
 
     def _between(self, ways: Ways) -> March:
         """Give the march along the ways between a record's samples."""
-
-        def spread(values: Array) -> Array:
-            return values[:, ways.step] if values.shape[1] > 1 else values
-
         return replace(
             self,
-            coefficients=list(map(spread, self.coefficients)),
-            coefficient_slopes={entry: spread(slope) for entry, slope in self.coefficient_slopes.items()},
+            coefficients=list(map(ways.spread, self.coefficients)),
+            coefficient_slopes={entry: ways.spread(slope) for entry, slope in self.coefficient_slopes.items()},
             motion=self.motion.between,
         )
 

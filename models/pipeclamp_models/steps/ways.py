@@ -37,6 +37,10 @@ class Ways:
         """How far each sample's ways go, mm, shape (R, n)."""
         return np.asarray(np.add.reduceat(np.abs(self.y - self.y_previous), np.append(0, self.last[:-1] + 1), axis=1))
 
+    def spread(self, values: Array) -> Array:
+        """Give values of the samples, (R, n), along the ways, (R, m); what keeps still, (R, 1), as it is."""
+        return values[:, self.step] if values.shape[1] > 1 else values
+
     def rows(self, chosen: npt.NDArray[np.intp]) -> Ways:
         """Give those of some of the rows."""
         y, v, y_previous, h = (each[chosen] for each in (self.y, self.v, self.y_previous, self.h))
