@@ -98,6 +98,8 @@ def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pa
     assert page.evaluate(f"{entries}.length") > 4
     seen = "({ left, right }) => left >= 16 && right <= 420 - 16 - 48"
     assert page.evaluate(f"{entries}.every({seen})"), "and so do legends' entries"
+    left = "[...document.querySelectorAll('figure.more .picture')].map((one) => one._fullLayout._size.l)"
+    assert max(page.evaluate(left)) < 100, "a legend takes no width from its picture"
     page.set_viewport_size({"width": 1300, "height": 900})
     page.wait_for_function("document.querySelector('#section-1 .picture').layout.yaxis.title?.text?.startsWith('RMS')")
 

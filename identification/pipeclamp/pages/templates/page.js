@@ -66,7 +66,8 @@ function withLegendSeen(layout, data, seen) {
   const row = names.reduce((width, name) => width + LEGEND_SYMBOL + LEGEND_CHARACTER * name.length, 0);
   if (layout.showlegend === false || layout.legend?.orientation !== "h" || row < seen) return;
   const further = LEGEND_LINE * (names.length - 1);
-  layout.legend = { ...layout.legend, orientation: "v", xref: "container", xanchor: "left" };
+  // a legend in one column would take its width from the picture
+  layout.legend = { ...layout.legend, entrywidth: 1, entrywidthmode: "fraction", xref: "container", xanchor: "left" };
   layout.margin = { ...layout.margin, b: (layout.margin?.b ?? 50) + further };
   if (layout.height) layout.height += further;
 }
