@@ -145,11 +145,15 @@ def response_task(project: Project, law: str) -> Task:
     return Task("respond", f"The pipe with the clamp of {law}, cold and hot", response_line(project, law), given, law)
 
 
-def import_task(files: Path, folder: Path, columns: str, pattern: str, *, dry_run: bool) -> Task:
+def import_task(files: Path, folder: Path, columns: str, pattern: str, *, skip_unusable: bool, dry_run: bool) -> Task:
     """Give the task that makes a campaign of uploaded files, or says what it would be."""
     stated = [*(("--columns", columns) if columns else ()), *(("--pattern", pattern) if pattern else ())]
-    command = line("import", str(files), "-o", str(folder), *stated, *(("--dry-run",) if dry_run else ()))
-    given = {"files": [str(files)], "folder": str(folder), "columns": columns, "pattern": pattern}
+    flags = [*(("--skip-unusable",) if skip_unusable else ()), *(("--dry-run",) if dry_run else ())]
+    command = line("import", str(files), "-o", str(folder), *stated, *flags)
+    given = {
+        "files": [str(files)], "folder": str(folder), "columns": columns, "pattern": pattern,
+        "skip_unusable": skip_unusable,
+    }  # fmt: skip
     kind, title = ("look", "Look into the files") if dry_run else ("import", f"Make the campaign {folder.name}")
     return Task(kind, title, command, given)
 

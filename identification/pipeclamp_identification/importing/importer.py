@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun
+from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun, LeftOutFile
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART, reversed_sign
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
@@ -19,9 +19,15 @@ from pipeclamp_identification.importing.conditions import Pattern, Settings, gue
 from pipeclamp_identification.importing.mapping import Open
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import without_controls
-from pipeclamp_identification.importing.reading import stem_of
+from pipeclamp_identification.importing.reading import digest_of, stem_of
 from pipeclamp_identification.importing.taking import Draft, KnownFile, Over, TakenFile, TakenTable, Way, take_file
 from pipeclamp_identification.importing.texts.decoding import file_name
+from pipeclamp_identification.importing.unusable import (
+    UnusableFileError,
+    UnusableFiles,
+    are_no_strays,
+    listed_why,
+)
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
@@ -40,6 +46,8 @@ LONGEST_NAME = 60
 """Characters of a sheet's, group's or label's name that become part of a run's."""
 Ask = Callable[[str, Mapped], Sequence[Stated]]
 """Asks a person what names and units leave open, and gives what the answers state."""
+LeaveOut = Callable[[UnusableFiles], bool]
+"""Says, or asks a person, whether files that can't be used may be left out."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +60,7 @@ class Options:
         conditions: settings by name of file or run.
         rate: samples per second, where no channel holds the time.
         ask: for what is open; None where nobody can answer.
+        leave_out: whether files that can't be used may be left out, and the others imported.
     """
 
     columns: tuple[Stated, ...] = ()
@@ -59,6 +68,7 @@ class Options:
     conditions: Mapping[str, Settings] = field(default_factory=dict)
     rate: float | None = None
     ask: Ask | None = None
+    leave_out: LeaveOut = lambda unusable: False
 
 
 def plan_import(
@@ -68,6 +78,7 @@ def plan_import(
     *,
     format: Format = "parquet",
     known: Mapping[str, str] | None = None,
+    left_out: Sequence[LeftOutFile] = (),
     taken: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> Plan:
@@ -79,14 +90,16 @@ def plan_import(
         records: an empty folder for the records, and
         format: theirs.
         known: SHA-256 of files that the campaign holds already, by name.
+        left_out: files that were left out before, and still are as long as they can't be used.
         taken: names of its runs.
         progress: hears which file is being read.
 
     Raises:
-        UserError: a file can't be read; what a channel is, is open and there is nobody to ask; a name doesn't follow
-            the pattern; no run can be used.
+        UserError: files can't be used and mustn't be left out; what a channel is, is open and there is nobody to ask; a
+            name doesn't follow the pattern; no run can be used.
     """
     known = known or {}
+    unusable: dict[Path, UnusableFileError] = {}
     planner = _Planner(options, set(taken))
     names = {digest: name for name, digest in known.items()}
     new: dict[str, str] = {}
@@ -94,6 +107,11 @@ def plan_import(
     way = Way(options.columns, options.rate, options.ask is not None, records, format, frozenset(names))
     for path, file in zip(paths, _taken_files(paths, way, options.ask, progress), strict=True):
         called = file_name(path)
+        if isinstance(file, UnusableFileError):
+            unusable[path] = file
+            if not new and not again and are_no_strays([*unusable.values()]):
+                raise next(iter(unusable.values()))
+            continue
         if isinstance(file, KnownFile):
             again.append(called)
             continue
@@ -109,7 +127,42 @@ def plan_import(
             raise UserError(f"{path}: another file has this name; expected a name of its own for each")
         new[file.file.sha256] = called
         planner.add(path, file)
-    return planner.plan(tuple(again))
+    return planner.plan(tuple(again), _left_out(unusable, len(paths), left_out, options.leave_out))
+
+
+def _left_out(
+    unusable: Mapping[Path, UnusableFileError], files: int, before: Sequence[LeftOutFile], leave_out: LeaveOut
+) -> tuple[LeftOutFile, ...]:
+    """Give the files that are left out, where they may be.
+
+    Args:
+        unusable: the error of each.
+        files: of the import in all.
+        before: that were left out by an earlier import.
+        leave_out: says whether.
+
+    Raises:
+        UserError: they mustn't be, or there is no other.
+    """
+    found = {path: _of_unusable(path, error) for path, error in unusable.items()}
+    anew = {path: unusable[path] for path, one in found.items() if not _is_among(one, before)}
+    new = UnusableFiles(anew, files)
+    if anew and not (new.others and leave_out(new)):
+        raise new.refusal()
+    return tuple(found.values())
+
+
+def _of_unusable(path: Path, error: UnusableFileError) -> LeftOutFile:
+    try:
+        digest = digest_of(path)
+    except UnusableFileError:
+        digest = None
+    return LeftOutFile(file=file_name(path), sha256=digest, why=error.why)
+
+
+def _is_among(file: LeftOutFile, before: Sequence[LeftOutFile]) -> bool:
+    """Tell whether a file, with this content, was left out before."""
+    return file.sha256 is not None and (file.file, file.sha256) in {(one.file, one.sha256) for one in before}
 
 
 def _stem_of(path: Path, table: TakenTable, several: bool) -> str:
@@ -143,24 +196,28 @@ def _settings_of(path: Path, names: Sequence[str], pattern: Pattern | None) -> S
 
 Job = tuple[int, Path, Way]
 Outcome = TakenFile | KnownFile | Open | UserError
+"""Of taking a file: an UnusableFileError lets the others go on."""
 
 
 def _take(job: Job) -> Outcome:
     """Take a file in a process of its own; a mistake is given, not raised, so that the first one is told first."""
-    number, path, way = job
+    return _outcome(*job)
+
+
+def _outcome(number: int, path: Path, way: Way, over: Over = map) -> Outcome:
     try:
-        return take_file(path, number, way)
+        return take_file(path, number, way, over)
     except UserError as error:
         return error
 
 
 def _taken_files(
     paths: Sequence[Path], way: Way, ask: Ask | None, progress: Callable[[str], None] | None
-) -> Iterator[TakenFile | KnownFile]:
+) -> Iterator[TakenFile | KnownFile | UnusableFileError]:
     """Take files, in their order. What is answered of one holds for all that come after it.
 
     Raises:
-        UserError: one can't be taken.
+        UserError: what is stated of one doesn't serve.
     """
     sizes = [path.stat().st_size for path in paths]
     processes = cores() if sum(sizes) > WORTH_PROCESSES else 1
@@ -179,8 +236,8 @@ def _taken_files(
         while outcome is None or isinstance(outcome, Open) or made.columns != way.columns:
             if isinstance(outcome, Open) and made.columns == way.columns and ask:
                 way = replace(way, columns=(*way.columns, *ask(outcome.where, outcome.mapped)))
-            made, outcome = way, take_file(path, number, way, over)
-        if isinstance(outcome, UserError):
+            made, outcome = way, _outcome(number, path, way, over)
+        if isinstance(outcome, UserError) and not isinstance(outcome, UnusableFileError):
             raise outcome
         yield outcome
 
@@ -316,8 +373,8 @@ class _Planner:
         self.taken.add(name)
         return name
 
-    def plan(self, again: tuple[str, ...]) -> Plan:
-        """Give all that was taken.
+    def plan(self, again: tuple[str, ...], left_out: tuple[LeftOutFile, ...] = ()) -> Plan:
+        """Give all that was taken; `again` names files that are known, `left_out` those that can't be used.
 
         Raises:
             UserError: no run can be used, or the force of all has the wrong sign.
@@ -351,8 +408,9 @@ class _Planner:
         self._note_conditions({Path(name).stem for name in again} | set(again))
         stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
         guess = guessed_pattern(stems, self._contradicted)
+        notes = (*listed_why([(one.file, one.why) for one in left_out]), *self.notes)
         return Plan(
-            tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, tuple(self.notes), again
+            tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, notes, again, left_out
         )
 
     def _contradicted(self, column: str, values: Sequence[float]) -> bool:

@@ -7,13 +7,19 @@ from pathlib import Path
 
 from pipeclamp_identification.importing.columns import parse_columns
 from pipeclamp_identification.importing.conditions import Pattern, read_conditions
-from pipeclamp_identification.importing.importer import Ask, Options
+from pipeclamp_identification.importing.importer import Ask, LeaveOut, Options
 from pipeclamp_identification.importing.questions import NONE
 from pipeclamp_models.base.errors import UsageError
 
 
 def stated_options(
-    columns: str, pattern: str, conditions: Path | None, rate: float | None, ask: Ask | None = None
+    columns: str,
+    pattern: str,
+    conditions: Path | None,
+    rate: float | None,
+    *,
+    leave_out: LeaveOut,
+    ask: Ask | None = None,
 ) -> Options:
     """Give options of text.
 
@@ -22,6 +28,7 @@ def stated_options(
         pattern: of the files' names.
         conditions: a table of what was set.
         rate: samples per second.
+        leave_out: whether files that can't be used may be.
         ask: for what is open.
 
     Raises:
@@ -38,4 +45,5 @@ def stated_options(
         conditions=read_conditions(conditions) if conditions else {},
         rate=rate,
         ask=ask,
+        leave_out=leave_out,
     )

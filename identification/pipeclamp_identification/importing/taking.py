@@ -29,6 +29,7 @@ from pipeclamp_identification.importing.samples.clipped import without_clipped_c
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
 from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
+from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
@@ -248,9 +249,10 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     own = time if timed is None else time[timed]
     bounds = np.zeros(2, dtype=np.intp)
     if (falls := np.count_nonzero(own[1:] < own[:-1])) > MOST_FALLS * len(own):
-        raise UserError(
-            f"{where}: its time falls in {falls} of {len(own) - 1} steps, {own[0]:g}, {own[1]:g}, ...; expected one "
-            "that rises: another channel by --columns, or the samples per second by --columns time=none --rate"
+        raise UnusableFileError(
+            where,
+            f"its time falls in {falls} of {len(own) - 1} steps, {own[0]:g}, {own[1]:g}, ...; expected one "
+            "that rises: another channel by --columns, or the samples per second by --columns time=none --rate",
         )
     if len(own):
         bounds = piece_bounds(own, lambda: first_motion(table, columns, timed), segment_of(table, columns, timed))

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.importing.labels import Labels
 from pipeclamp_identification.importing.raw import (
     Damaged,
     Format,
@@ -24,6 +23,7 @@ from pipeclamp_identification.importing.raw import (
     refuse_rows,
     table_of,
 )
+from pipeclamp_identification.importing.texts.labels import Labels
 from pipeclamp_identification.importing.texts.sniffing import (
     CLEAR,
     OTHER_COLUMNS,

@@ -14,10 +14,10 @@ from typing import BinaryIO, cast
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.importing.labels import Labels
 from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
+from pipeclamp_identification.importing.texts.labels import Labels
 from pipeclamp_identification.importing.texts.sniffing import (
     FEWEST_COLUMNS,
     OTHER_COLUMNS,
