@@ -20,9 +20,12 @@ from pipeclamp_identification.importing.texts.decoding import text_blocks
 from pipeclamp_identification.importing.texts.labels import Labels
 from pipeclamp_identification.importing.texts.sniffing import (
     FEWEST_COLUMNS,
+    OTHER,
     OTHER_COLUMNS,
     Layout,
     cells_of,
+    decimals_change,
+    has_other_decimals,
     is_header,
     is_number,
     is_other_header,
@@ -117,7 +120,11 @@ class _Columns:
         self.grouped = False
 
     def add(self, text: str) -> None:
-        """Take the rows of a block."""
+        """Take the rows of a block.
+
+        Raises:
+            Damaged: the decimal sign changes.
+        """
         if not text.strip():
             return
         found, cells = self._numbers_in(text)
@@ -129,6 +136,10 @@ class _Columns:
         if len(gaps):
             lines = text.split("\n")
             own_lines = {row: lines[row] for row in gaps.tolist() if row < len(lines)}
+            for row, line in own_lines.items():
+                if has_other_decimals(line, self.layout):
+                    number = self.layout.first + self.length + row + 1
+                    raise decimals_change(number, line, OTHER[self.layout.decimal])
             self._between |= {self.length + row: line for row, line in own_lines.items()}
             lost = [self.length + row for row, line in own_lines.items() if self._is_lost(line)]
             self._lost.append(np.array(lost, dtype=np.float64))
@@ -163,10 +174,13 @@ class _Columns:
             text, delimiter = "\n".join(SEVERAL_BLANKS.sub("\t", line.strip()) for line in text.split("\n")), "\t"
         content, quote = text.encode(), '"' if '"' in text else None
         try:
-            # most tables are numbers from end to end
-            frame = _frame(content, delimiter, layout, quote, numbers=True)
+            # most tables are numbers from end to end; beside commas polars takes points for them too, even of thousands
+            plain = layout.decimal == "." or "." not in text
+            frame = _frame(content, delimiter, layout, quote, numbers=plain)
         except pl.exceptions.PolarsError:
+            plain = False
             frame = _frame(content, delimiter, layout, quote, numbers=False)
+        if not plain:
             found = [self._read(place, frame[name]) for place, name in enumerate(frame.columns)]
             texts = {place: frame[name] for place, name in enumerate(frame.columns) if np.any(np.isnan(found[place]))}
             return found, texts
