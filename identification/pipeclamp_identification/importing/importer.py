@@ -6,7 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -14,12 +14,13 @@ from pipeclamp_identification.campaign.description import ImportedCut, ImportedF
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART, reversed_sign
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.columns import Mapped, Stated, listed, unused_words
+from pipeclamp_identification.importing.columns import Mapped, listed, unused_words
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in
 from pipeclamp_identification.importing.mapping import Open
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
-from pipeclamp_identification.importing.raw import without_controls
+from pipeclamp_identification.importing.raw import Above, without_controls
 from pipeclamp_identification.importing.reading import digest_of, stem_of
+from pipeclamp_identification.importing.stated import Ask, LeaveOut, Options
 from pipeclamp_identification.importing.taking import Draft, KnownFile, Over, TakenFile, TakenTable, Way, take_file
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.unusable import (
@@ -44,31 +45,6 @@ MOST_ASIDE = 4
 """Tables that are left aside, of which one line names so many."""
 LONGEST_NAME = 60
 """Characters of a sheet's, group's or label's name that become part of a run's."""
-Ask = Callable[[str, Mapped], Sequence[Stated]]
-"""Asks a person what names and units leave open, and gives what the answers state."""
-LeaveOut = Callable[[UnusableFiles], bool]
-"""Says, or asks a person, whether files that can't be used may be left out."""
-
-
-@dataclass(frozen=True)
-class Options:
-    """What a user states.
-
-    Attributes:
-        columns: which channels are ours.
-        pattern: of the files' names.
-        conditions: settings by name of file or run.
-        rate: samples per second, where no channel holds the time.
-        ask: for what is open; None where nobody can answer.
-        leave_out: whether files that can't be used may be left out, and the others imported.
-    """
-
-    columns: tuple[Stated, ...] = ()
-    pattern: Pattern | None = None
-    conditions: Mapping[str, Settings] = field(default_factory=dict)
-    rate: float | None = None
-    ask: Ask | None = None
-    leave_out: LeaveOut = lambda unusable: False
 
 
 def plan_import(
@@ -256,6 +232,7 @@ class _Planner:
         self.own: dict[str, str] = {}
         self.known_as: dict[str, str] = {}
         self.joined: dict[str, list[str]] = {}
+        self.above: dict[str, Above] = {}
         self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
 
     def add(self, path: Path, file: TakenFile) -> None:
@@ -343,6 +320,10 @@ class _Planner:
         else:
             measured["motion"] = "free"
         row: dict[str, float | str | None] = {**table.stated, **measured}
+        if table.above and "temperature_C" not in row:
+            self.above[name] = table.above
+            if table.above.temperature_C is not None:
+                row["temperature_C"] = table.above.temperature_C
         called = file_name(path)
         known_as = name_in(self.options.conditions, (name, draft.label, own, called, Path(called).stem))
         self.known_as[name] = known_as
@@ -356,6 +337,8 @@ class _Planner:
             if column in ("run", "file"):
                 continue
             row[column] = value
+        if "temperature_C" in stated:
+            self.above.pop(name, None)
         source = ImportedRun(
             run=name,
             file=called,
@@ -400,14 +383,15 @@ class _Planner:
                 f"what the rig applies, positive with positive displacement; expected it turned, for example\n  "
                 f"{replace(self.reversed[0], columns=tuple(turned), questions=()).option()}"
             )
+        stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
+        guess = guessed_pattern(stems, self._contradicted)
+        self._note_above(guess)
         for words, files in self.joined.items():
             self.note(f"{listed(list(dict.fromkeys(files)), most=1)}: {words}")
         for headings, (mapped, files) in self.unused.items():
             if headings:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
-        stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
-        guess = guessed_pattern(stems, self._contradicted)
         notes = (*listed_why([(one.file, one.why) for one in left_out]), *self.notes)
         return Plan(
             tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, notes, again, left_out
@@ -416,7 +400,8 @@ class _Planner:
     def _contradicted(self, column: str, values: Sequence[float]) -> bool:
         """Tell whether most runs were measured otherwise than the files' names would state, a value a run."""
         if column == "temperature_C":
-            shown = [run.row.get(column) for run in self.runs]
+            # what stands above a table may be that of another test: names may contradict it, not the other way round
+            shown = [None if run.name in self.above else run.row.get(column) for run in self.runs]
             pairs = [(own, value) for own, value in zip(shown, values, strict=True) if isinstance(own, float)]
             apart = [abs(own - value) > TEMPERATURE_APART for own, value in pairs]
         elif column in ("amplitude_mm", "frequency_Hz"):
@@ -426,6 +411,36 @@ class _Planner:
         else:
             return False
         return 2 * sum(apart) > len(apart)
+
+    def _note_above(self, guess: str) -> None:
+        """Say which temperatures stand above tables; where the files' names state others, none is taken.
+
+        Args:
+            guess: the pattern that the names seem to follow.
+        """
+        named = Pattern(guess).settings if guess else lambda stem: None
+        apart = [
+            run
+            for run in self.runs
+            if run.name in self.above
+            and isinstance(value := (named(self.own[run.name]) or {}).get("temperature_C"), float)
+            and abs(value - (self.above[run.name].temperature_C or value)) > TEMPERATURE_APART
+        ]
+        files: dict[str, list[str]] = {}
+        for run in self.runs:
+            if run.name in self.above:
+                files.setdefault(self.above[run.name].words, []).append(run.source.file)
+        if apart:
+            self.runs = [
+                replace(run, row={**run.row, "temperature_C": None}) if run in apart else run for run in self.runs
+            ]
+        for words, own in files.items():
+            self.note(f"{listed(list(dict.fromkeys(own)), most=1)}: {words}")
+        if apart:
+            self.note(
+                f"the names of {len(apart)} of these files state another temperature: neither is taken; import again "
+                "with --pattern, or state it in runs.csv"
+            )
 
     def _note_conditions(self, again: set[str]) -> None:
         """Say which rows of the table of conditions met no run, and which runs no row; `again` are known files."""

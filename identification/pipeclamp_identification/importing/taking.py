@@ -21,8 +21,8 @@ from pipeclamp_identification.campaign.writing import Format, encoded
 from pipeclamp_identification.importing.columns import Column, Mapped, Stated
 from pipeclamp_identification.importing.conditions import Settings, of_properties
 from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
-from pipeclamp_identification.importing.questions import MOST_FALLS
-from pipeclamp_identification.importing.raw import RawTable, Unread
+from pipeclamp_identification.importing.questions import MOST_FALLS, NONE
+from pipeclamp_identification.importing.raw import Above, RawTable, Unread
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
@@ -123,6 +123,7 @@ class TakenTable:
         unread: what isn't numbers in those that are ours.
         joined: what was done to put its channels on one time.
         stated: of its runs, by the file's properties.
+        above: what stands above it of the temperature.
         taken: what became of it.
     """
 
@@ -132,6 +133,7 @@ class TakenTable:
     unread: tuple[Unread, ...]
     joined: tuple[str, ...]
     stated: Settings
+    above: Above | None
     taken: TakenPart
 
 
@@ -207,13 +209,17 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         # a column that is nothing but text serves as the names of runs, as it is
         unread = tuple(one for one in table.unread if one.channel.heading in headings and not one.is_whole)
         stated = of_properties(table.properties)
-        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, stated, taken))
+        # who states that there is none means that above the table, too
+        none = any(one.ours == "temperature" and one.channel.casefold() == NONE for one in way.columns)
+        above = None if none else table.above
+        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, stated, above, taken))
     first, mapped = used.tables[0]
+    above_first = [tables[0].above.words] if tables[0].above else []
     file = ImportedFile(
         file=source.name,
         sha256=digest,
         format=source.format,
-        read_as="; ".join([*first.told, *first.joined, *(one.words() for one in tables[0].unread)]),
+        read_as="; ".join([*first.told, *first.joined, *(one.words() for one in tables[0].unread), *above_first]),
         columns={OURS.get(one.ours, one.ours): _imported(one) for one in mapped.columns},
     )
     return TakenFile(file, tuple(tables), used.aside)

@@ -21,10 +21,11 @@ from pipeclamp_identification.campaign.runs_table import RunRow, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import Found
-from pipeclamp_identification.importing.importer import Options, plan_import
+from pipeclamp_identification.importing.importer import plan_import
 from pipeclamp_identification.importing.looked_at import looked_at
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_identification.importing.reading import files_in
+from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.writing import (
     PAGE,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import itertools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +14,8 @@ from typing import BinaryIO, cast
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows
+from pipeclamp_identification.importing.raw import Above, Channel, Damaged, Format, RawTable, Unread, refuse_rows
+from pipeclamp_identification.importing.texts.above import temperature_above
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
 from pipeclamp_identification.importing.texts.labels import Labels
@@ -246,6 +247,7 @@ class _Columns:
             for place, one in self._labels.items()
             if place not in numeric and (column := one.column(layout.names[place], units[place], self.length))
         ]
+        above = self._above(blocks)
         return [
             RawTable(
                 name,
@@ -255,9 +257,26 @@ class _Columns:
                 unread,
                 tuple(replace(column, values=column.values[first:last]) for column in labels),
                 tuple(layout.titles[place] for place in numeric),
+                above=own,
             )
-            for name, (first, last) in zip(self._names(blocks), blocks, strict=True)
+            for name, own, (first, last) in zip(self._names(blocks), above, blocks, strict=True)
         ]
+
+    def _above(self, blocks: Sequence[tuple[int, int]]) -> list[Above | None]:
+        """Give what stands above each block of the temperature: right above it, or else in the file's header."""
+        header = temperature_above(self._cells(self._header))
+        between = [
+            temperature_above(self._cells(self._between.get(row, "") for row in range(before, after)))
+            for (_, before), (after, _) in itertools.pairwise(blocks)
+        ]
+        return [header, *(own or header for own in between)]
+
+    def _cells(self, lines: Iterable[str]) -> Iterator[list[str]]:
+        """Give the cells of lines, but of those that name the columns; a whole line where blanks part the numbers."""
+        for line in lines:
+            cells = cells_of(line, self.layout.delimiter)
+            if not is_header(cells, self.layout.names):
+                yield [line] if self.layout.delimiter == " " else cells
 
     def _names(self, blocks: Sequence[tuple[int, int]]) -> list[str]:
         """Give the blocks' names, "" for a single one."""
