@@ -10,6 +10,7 @@ from pipeclamp_identification.campaign.description import ImportedColumn, Import
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
+from pipeclamp_models.base.shell import quoted
 
 MOST_NAMED = 3
 MOST_SHOWN = 60
@@ -90,7 +91,7 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
         again = ", with another folder by -o" if found.written else ""
         lines.append(
             f"the files' names look as if they state settings; to take them, import again{again}: "
-            f'--pattern "{answer.pattern}"'
+            f"--pattern {quoted(answer.pattern, always=True)}"
         )
     unknown = [run.run for run in answer.runs if run.temperature_C is None]
     if unknown:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -15,6 +14,7 @@ from pipeclamp_identification.importing.raw import Channel, RawTable
 from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion, conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
+from pipeclamp_models.base.shell import quoted
 
 MOST_LISTED = 8
 """Channels or choices that an error names; some files have hundreds."""
@@ -160,8 +160,7 @@ def unused_words(files: Sequence[str], headings: Sequence[str], mapped: Mapped) 
 
 def columns_option(entries: Sequence[str]) -> str:
     """Give --columns with these entries, as a shell takes it."""
-    text = ",".join(entries)
-    return f"--columns {shlex.quote(text)}" if re.search(r'["$`\\!]', text) else f'--columns "{text}"'
+    return f"--columns {quoted(','.join(entries), always=True)}"
 
 
 def _entry(column: Column) -> str:
