@@ -160,6 +160,8 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
     assert added.effects == both
     assert [(step.step, step.kind) for step in added.history[-2:]] == [(f"+ {name}", "part") for name in both]
     assert Project("virtual", home).parent(made.stem) == "law1"
+    chips = studio.ask(f"/c/virtual/laws/{made.stem}")[2].decode().split('aria-label="Laws of this campaign"')[1]
+    assert f"<b>{made.stem}</b> + viscous + asymmetry" in chips
     assert _precedes(law, added) and not _precedes(added, law)
     made.unlink()
     (home / "law1.told.json").unlink()
