@@ -61,7 +61,7 @@ class Statement:
 
 
 def _terms(expression: sp.Expr) -> list[str]:
-    """Part a sum, or a product with one, into LaTeX of its terms; nothing where there is none, or one is as wide as all.
+    """Part a sum, or a product with one, into LaTeX of its terms; nothing without one, or where one term is wide.
 
     Brackets that hold a sum over several lines have a size of their own: those that grow end with the line.
     """
