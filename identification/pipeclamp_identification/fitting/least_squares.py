@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,19 @@ from pipeclamp_identification.fitting.covariance import covariance_of
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_identification.fitting.priors import priors_of, spreads_of
-from pipeclamp_identification.fitting.starts import combined, most_promising, starts_of_effects
+from pipeclamp_identification.fitting.starts import (
+    SINGULAR,
+    Linearised,
+    combined,
+    most_promising,
+    sized,
+    starts_of_effects,
+)
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.units import grows_with_force
 from pipeclamp_models.law.law import Equations, Law, Structure, find_base, smoothing
 from pipeclamp_models.law.outline import ParameterOutline, Sizes, number_in
 from pipeclamp_models.realise.force import LawForce, force_of_equations
@@ -40,8 +48,6 @@ LEVELS_APART = 0.04
 MOST_EVALUATIONS = 100
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
-SINGULAR = 1e-7
-"""Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
 ALIKE = 1e-3
 """Parameters whose shares of an undetermined direction differ by less are alike in it."""
 AT_BOUND = 1e-6
@@ -250,7 +256,8 @@ def fit(
     smooth = smoothing(float(np.min(A)), float(np.min(f)))
     best: tuple[float, Array] | None = None
     choices = starts_of_effects(equations, start or {}, scales)
-    starts = most_promising(choices, lambda at: linearised(structure, observations, at).cost_after_one_step())
+    chosen = most_promising(choices, lambda at: linearised(structure, observations, at).cost_after_one_step())
+    starts = [sized_start(structure, observations, values, start or {}) for values in chosen]
     with one_thread():
         law = _Remembered(observations, equations, smooth)
         for attempt, values in enumerate(starts):
@@ -273,28 +280,26 @@ def starting_points(
     return combined(starts_of_effects(structure.equations, given, data_scales(observations)))
 
 
-@dataclass(frozen=True)
-class Linearised:
-    """A law's weighted residuals at a point, flat, with their derivatives by the parameters that a fit would free.
+def sized_start(
+    structure: Structure, observations: Observations, start: Mapping[str, float], known: Collection[str]
+) -> Mapping[str, float]:
+    """Give a start with each effect that isn't known as large as the data ask for; see `sized`.
 
-    Attributes:
-        free: names of those parameters.
-        residual: shape (residuals,).
-        jacobian: shape (residuals, free).
+    Args:
+        structure: the law's structure.
+        observations: what is fitted.
+        start: a value for each parameter.
+        known: names of the parameters whose values are known.
     """
-
-    free: tuple[str, ...]
-    residual: Array
-    jacobian: Array
-
-    def cost_after_one_step(self) -> float:
-        """Give half the sum of squared residuals that the derivatives can't explain: a cheap screen before a fit."""
-        with one_thread():
-            norms = np.linalg.norm(self.jacobian, axis=0)
-            basis = self.jacobian / np.where(norms > 0, norms, 1.0)
-            gain = basis.T @ self.residual
-            explained = gain @ np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True) @ gain
-        return float(self.residual @ self.residual - explained) / 2
+    held = structure.held()
+    of_effects = []
+    for _, group in itertools.groupby(structure.equations.parameters, key=lambda parameter: parameter.effect):
+        parameters = [one for one in group if one.name not in known and one.name not in held]
+        if len(parameters) > 1:  # the size of a single one is a fit's first step
+            of_effects.append([one.name for one in parameters if grows_with_force(one.unit)])
+    if not any(of_effects):
+        return start
+    return sized(start, linearised(structure, observations, start), known, of_effects)
 
 
 def linearised(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Linearised:
