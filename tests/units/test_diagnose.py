@@ -110,7 +110,7 @@ def test_a_missing_effect_is_named(campaign, effect, values):
 
 
 def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(campaign):
-    """Its stated starts are some hundred times as large, and rough fits from them came to 0.07 of the cost without it."""
+    """Its stated starts are some hundred times as large; rough fits from them came to 0.07 of the cost without it."""
     oil = {"k_oil": 600.0, "F_oil": 20.0, "v_oil": 15.0, "a_oil": 0.6, "p_oil": 0.24}
     tests = campaign(
         ("oil_damper",), plan=rig.TestPlan((0.3, 0.5, 0.8), (1.0, 3.0, 6.0), (20.0,), force_noise=0.3), **oil
