@@ -138,6 +138,7 @@ class Climber:
     progress: Progress
     most: int
     seen: Callable[[Diagnosed, LawFile], None]
+    climbed: Callable[[LawFile, tuple[Rung, ...]], None]
 
     def climb(
         self,
@@ -160,6 +161,8 @@ class Climber:
             if made in before:
                 return Way(None, turns, met)
             met |= {made}
+            if ladder:
+                self.climbed(file, ladder)
             found = self.tests.diagnose(
                 file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
             )
