@@ -17,8 +17,8 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis import problem
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
-from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
-from pipeclamp_identification.diagnosis.next_test import next_test
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, parse_limits
+from pipeclamp_identification.diagnosis.further_test.next_test import next_test
 from pipeclamp_identification.diagnosis.problem import judge, prepare, roughly
 from pipeclamp_identification.diagnosis.revision import ask_again, better_structures, simpler_structure
 from pipeclamp_identification.diagnosis.screen import screened

@@ -329,7 +329,7 @@ def diagnose(
     from pipeclamp.cli.ladder import climbed
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
-    from pipeclamp_identification.diagnosis.limits import parse_limits
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
     from pipeclamp_models.law.declaration_files import read_declaration, read_effects
     from pipeclamp_models.law.file import law_text

@@ -10,9 +10,9 @@ from typing import Self
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import explained_share
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, parts_of
-from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose

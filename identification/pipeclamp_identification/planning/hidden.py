@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeclamp_identification.campaign.rig import TestPlan, truth_of
-from pipeclamp_identification.diagnosis.outlook import HARMONICS
+from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS
 from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES, harmonics_of, mean_squares_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError

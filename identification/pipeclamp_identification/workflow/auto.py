@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD
 from pipeclamp_identification.workflow.climb import Climber, Rung, Settled, Turn
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
