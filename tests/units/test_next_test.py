@@ -61,7 +61,7 @@ def test_the_proposed_test_tells_the_rivals_apart(virtual, narrow, law, answer, 
     plan = rig.driven(replace(NARROW, rate=1000.0, repeats=REPEATS), read_drive(path))
     write_campaign(tmp_path / "all", joined_runs([narrow, virtual(plan, 1)]), name="all", notes="")
     settled = diagnosed(law, read_campaign(tmp_path / "all")).diagnosis
-    # an inner mass far above these frequencies, of which inertia is a special case, does as well with two parameters more
+    # inertia is a special case of an inner mass, which far above these frequencies does as well
     assert set(settled.effects) - {"inner_mass"} == {"stiffness_frequency"}
 
 

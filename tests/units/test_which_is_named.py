@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis import reasons, weighing
-from pipeclamp_identification.diagnosis.weighing import Scales, Tolerance, weigh
+from pipeclamp_identification.diagnosis.tolerance import Tolerance
+from pipeclamp_identification.diagnosis.weighing import Scales, weigh
 from pipeclamp_models.law.law import Structure
 
 

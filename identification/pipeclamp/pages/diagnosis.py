@@ -43,7 +43,7 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
     """
     named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
     # what runs at the same stated conditions differ by is promised to no effect
-    best = [] if diagnosis.found.unstated else diagnosis.candidates[:1]
+    best = [] if diagnosis.found.unstated or diagnosis.found.bent else diagnosis.candidates[:1]
     both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
     alone = [] if both else named or best
     together = [diagnosis.pair] if diagnosis.pair else []

@@ -102,7 +102,7 @@ class Diagnosed:
     def calls_for_a_term(self) -> bool:
         """Whether a term beyond the catalogue is worth a search: nothing is named for what follows the conditions."""
         diagnosis = self.diagnosis
-        if diagnosis.found.unstated is not None:
+        if diagnosis.found.unstated is not None or diagnosis.found.bent is not None:
             return False
         elsewhere = bool(self.sensors()) or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
         enough = int(diagnosis.problem.groups.max()) + 1 >= FEWEST_GROUPS

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs, ranked
-from pipeclamp_identification.diagnosis.evidence import LackOfFit
+from pipeclamp_identification.diagnosis.channel import BentChannel, bent_channel
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.reasons import (
@@ -26,16 +26,14 @@ from pipeclamp_identification.diagnosis.screen import Promise, beside, fits, fit
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     FORM_NOISE_SHARE,
-    HALF_LEFT_SHARE,
     HALF_TAKEN_SHARE,
     MATERIAL_PART_SHARE,
     NEAR_NOISE_SHARE,
-    REAL_LACK_CHANCE,
     RIVAL_DRAWS_SHARE,
     RIVAL_LIKELIHOOD,
     SAME_PART_SHARE,
-    UNEXPLAINED_SHARE,
 )
+from pipeclamp_identification.diagnosis.tolerance import Tolerance, explains, is_adequate, is_complete, may_be_form
 from pipeclamp_identification.fitting.resampling import DRAWS, draws
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect
@@ -48,31 +46,12 @@ BEYOND_COMPARISON = 1e200
 
 
 @dataclass(frozen=True)
-class Tolerance:
-    """Lack of fit that is let pass, as shares of the force noise.
-
-    Attributes:
-        complete: below this a law counts as complete.
-        form: below this what no effect explains passes for the form of the effects that the law has.
-        left: below this, and below a share of what is missing, an effect counts as explaining it; of what a law lacks
-            below this, a part takes half at least.
-        proved: whether nothing of the law is a mere part. Where something is, its form isn't known, and doubt whether
-            the law errs on left-out conditions counts against it.
-    """
-
-    complete: float
-    form: float
-    left: float
-    proved: bool = True
-
-
-@dataclass(frozen=True)
 class Weighed:
     """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`.
 
     `named` is the law with what is named first, by which the leftover is told. `others` are laws with another effect
     each that takes a part too, and not much the same one. `unstated` is what differs between runs at the same stated
-    conditions.
+    conditions; `bent` is a force channel that would explain it all.
     """
 
     verdict: Verdict
@@ -83,6 +62,7 @@ class Weighed:
     reasons: tuple[str, ...]
     others: tuple[Judged, ...] = ()
     unstated: Unstated | None = None
+    bent: BentChannel | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +89,7 @@ class Scales:
     @property
     def form_allowed(self) -> bool:
         """Whether what is missing is so small that it may be the form of the effects that the law has."""
-        return _may_be_form(self.law, self.tolerance)
+        return may_be_form(self.law, self.tolerance)
 
     @cached_property
     def usable(self) -> list[Judged]:
@@ -125,12 +105,17 @@ class Scales:
         """Of these, the ones that may be the cause, for nothing speaks against them; best first."""
         return [each for each in self.usable if each.may_be_cause]
 
+    @cached_property
+    def bent(self) -> BentChannel | None:
+        """A force channel that isn't straight and explains what is missing; None where none does."""
+        return bent_channel(self.problem, self.law)
+
     def explains(self, candidate: Judged) -> bool:
         """Tell whether a law leaves over next to nothing of what is missing, or what may be form.
 
         And does so beyond chance: the law as it is is a rival too.
         """
-        return _explains(candidate, self.law, self.tolerance) and not _near(candidate, [self.law], self.problem)
+        return explains(candidate, self.law, self.tolerance) and not _near(candidate, [self.law], self.problem)
 
 
 def weigh(
@@ -167,7 +152,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         asked = (sound[0], likeliest(sound), *_takers(sound, law))
         best = next((each for each in asked if scales.explains(each)), None)
         if best is not None:
-            return _cause(best, sound, scales)
+            return _but_for_the_channel(_cause(best, sound, scales), scales)
     if usable and not scales.form_allowed:
         able = _able_to_take_a_part(scales)
         rivals = _near(able[0], able, problem) if able else []
@@ -182,7 +167,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
             weighed = _cause_of_two(found, sound, scales)
         weighed = weighed or _part(able, rivals, promises, pair, scales) or _part_of_two(pair, sound, scales)
         if weighed is not None:
-            return weighed
+            return _but_for_the_channel(weighed, scales)
     if scales.form_allowed:
         if law.lack.most_share > FORM_NOISE_SHARE:
             return _nothing("unknown", hidden_words(law.lack, problem))
@@ -190,11 +175,28 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
             return _nothing("unknown", foretold_words(law.lack, elsewhere))
         return _nothing("complete", form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
+    if scales.bent is not None:
+        return _the_channel(scales.bent)
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
     most = max(usable, key=lambda each: explained_share(each, law))
     none = _nothing("unknown", immaterial_words(most, law, problem), pair)
     return replace(none, reasons=(*none.reasons, *pair_words(pair, law)))
+
+
+def _but_for_the_channel(found: Weighed, scales: Scales) -> Weighed:
+    """Name nothing where a bent force channel explains what is missing clearly better; no cause if it does as well."""
+    named, bent = found.pair or found.named, scales.bent
+    if named is None or bent is None or bent.akaike >= named.akaike + RIVAL_LIKELIHOOD:
+        return found
+    if bent.akaike < named.akaike - RIVAL_LIKELIHOOD:
+        return _the_channel(bent)
+    as_well = f"{bent.words()}; it would explain it as well"
+    return replace(found, kind="part", reasons=(*found.reasons, as_well), bent=bent)
+
+
+def _the_channel(bent: BentChannel) -> Weighed:
+    return replace(_nothing("unknown", f"{bent.words()}; no effect explains it as well"), bent=bent)
 
 
 def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
@@ -209,17 +211,6 @@ def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
 
 def _nothing(verdict: Verdict, reason: str, pair: Judged | None = None) -> Weighed:
     return Weighed(verdict, (), None, None, pair, (reason,))
-
-
-def is_adequate(lack: LackOfFit, tolerance: Tolerance) -> bool:
-    """Tell whether nothing that a law leaves over follows the conditions."""
-    return lack.p_value > REAL_LACK_CHANCE or lack.share < tolerance.complete
-
-
-def is_complete(law: Judged, problem: Problem, tolerance: Tolerance) -> bool:
-    """Tell whether what a law leaves over is scatter, and such as rigs have."""
-    immaterial = law.lack.share < tolerance.complete
-    return is_adequate(law.lack, tolerance) and (immaterial or not problem.noise.is_no_rigs)
 
 
 def _betters(candidate: Judged, law: Judged) -> bool:
@@ -404,20 +395,7 @@ def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: 
     takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
     if not takes_half or explained_share(general, special) >= HALF_TAKEN_SHARE:
         return False
-    return _explains(special, law, tolerance) or not _explains(general, law, tolerance)
-
-
-def _may_be_form(law: Judged, tolerance: Tolerance) -> bool:
-    return law.lack.share < tolerance.form
-
-
-def _explains(candidate: Judged, law: Judged, tolerance: Tolerance) -> bool:
-    left, missing = candidate.lack.sure_share, law.lack.share
-    least = HALF_TAKEN_SHARE if _may_be_form(law, tolerance) else MATERIAL_PART_SHARE
-    if left > HALF_LEFT_SHARE * missing or explained_share(candidate, law) < least:
-        return False
-    next_to_nothing = left < tolerance.left and left < UNEXPLAINED_SHARE * missing
-    return is_adequate(candidate.lack, tolerance) or next_to_nothing or left < tolerance.form
+    return explains(special, law, tolerance) or not explains(general, law, tolerance)
 
 
 def _is_special_case(effect: Effect, general: Effect) -> bool:
