@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis import reasons, weighing
+from pipeclamp_identification.diagnosis.channel import BentChannel
 from pipeclamp_identification.diagnosis.tolerance import Tolerance
 from pipeclamp_identification.diagnosis.weighing import Scales, weigh
 from pipeclamp_models.law.law import Structure
@@ -22,6 +23,12 @@ def candidate(effect, left, squares, structure="power"):
 
 
 TOLERANCE = Tolerance(0.1, 0.1, 0.75)
+
+
+@pytest.fixture(autouse=True)
+def straight(monkeypatch):
+    """The force channel is straight, but where a test bends it."""
+    monkeypatch.setattr(weighing, "bent_channel", lambda problem, law: None)
 
 
 def usable(*candidates):
@@ -83,6 +90,21 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, ki
     found = weigh(law.result.law.structure, None, law, [hardening, gap], TOLERANCE, 1, print)
     assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("gap",))
     assert ("hardening, which leaves more in N, fits the weak harmonics clearly better" in found.reasons[0]) != near
+
+
+@pytest.mark.parametrize(
+    ("akaike", "expected"),
+    [(80.0, ("unknown", None, ())), (95.0, ("missing", "part", ("gap",))), (120.0, ("missing", "cause", ("gap",)))],
+)
+def test_a_bent_channel_is_a_rival_of_every_effect(akaike, expected, monkeypatch):
+    gap, law = candidate("gap", 8.0, 100.0), candidate("", 100.0, 1000.0)
+    gap.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: [])
+    monkeypatch.setattr(weighing, "bent_channel", lambda problem, law: BentChannel(200.0, -0.013, 1, 0.97, akaike))
+    found = weigh(law.result.law.structure, None, law, [gap], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind, found.effects) == expected
+    words = "a force channel that gives 1.30% less of what lies beyond 200 N, in the positive direction, takes 97% of"
+    assert (words in found.reasons[-1]) == (akaike < 110.0)
 
 
 @pytest.mark.parametrize(("near", "named"), [(True, ()), (False, ("stiffness_frequency",))])
