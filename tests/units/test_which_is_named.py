@@ -123,8 +123,12 @@ def test_what_does_no_better_than_the_law_as_it_is_explains_nothing(near, named,
     assert found.effects == named
 
 
-def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(monkeypatch):
-    """An asymmetry and a slip that is pressed came as near each other as a gas spring was ahead of both."""
+@pytest.mark.parametrize("rivals", [1, 2])
+def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(rivals, monkeypatch):
+    """An asymmetry and a slip that is pressed came as near each other as a gas spring was ahead of both.
+
+    And of a relaxation that spreads the relaxation alone had been named, with the other in the reason.
+    """
     general, special = candidate("gas_spring", 7.0, 70.0), candidate("asymmetry", 8.0, 100.0)
     rival, law = candidate("pressed_slip", 8.0, 101.0), candidate("", 100.0, 1000.0)
     for each in (general, special, rival):
@@ -134,9 +138,24 @@ def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(m
     monkeypatch.setattr(
         weighing, "_near", lambda best, asked, problem: [one for one in asked if best in alike and one in alike]
     )
-    found = weigh(law.result.law.structure, None, law, [general, special, rival], TOLERANCE, 1, print)
+    others = [special, rival][:rivals]
+    found = weigh(law.result.law.structure, None, law, [general, *others], TOLERANCE, 1, print)
     assert (found.verdict, found.kind) == ("ambiguous", "part")
-    assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")
+    assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")[: 1 + rivals]
+
+
+def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeypatch):
+    """A further condition left nothing over, but was third by what scatter leaves to tell of left-out conditions."""
+    first, second, last = (
+        candidate(*of) for of in (("stribeck", 80.0, 90.0), ("memory", 82.0, 95.0), ("gap", 70.0, 97.0))
+    )
+    law = candidate("", 100.0, 100.0)
+    for each, left in ((first, 0.6), (second, 0.6), (last, 0.0)):
+        each.lack = SimpleNamespace(p_value=0.5 if not left else 0.0, share=left, sure_share=left)
+    law.lack = SimpleNamespace(p_value=0.0, share=0.79, sure_share=0.7)
+    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
+    found = weigh(law.result.law.structure, None, law, [first, second, last], TOLERANCE, 1, print)
+    assert (found.verdict, found.effects) == ("missing", ("gap",))
 
 
 def weighed_part(monkeypatch, *, same):

@@ -149,7 +149,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
     pair: Judged | None = None
     if sound and causes:
         # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
-        asked = (sound[0], likeliest(sound), *_takers(sound, law))
+        asked = (sound[0], likeliest(sound), *_takers(sound, law), *sound)
         best = next((each for each in asked if scales.explains(each)), None)
         if best is not None:
             return _but_for_the_channel(_cause(best, sound, scales), scales)
@@ -225,29 +225,22 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     generals = _generals(best, scales)
     clearly = [each for each in generals if not _near(each, [best], scales.problem)]
+    if clearly:
+        general = clearly[0]
+        fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
+        reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
+        return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
     if len(names) > 1:
-        reason = f"this data can't tell {' from '.join(names)}"
-        if not clearly:
-            return Weighed("ambiguous", names, "cause", best, None, (reason,))
-        reason += f"; {clearly[0].effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
-        return Weighed("ambiguous", (clearly[0].effects[0], *names), "part", clearly[0], None, (reason,))
+        return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
-    if better := clearly + [each for each in others if not _near(each, [best], scales.problem)]:
-        reason = _better_fit_words(best, better[0], general=bool(clearly))
+    if better := [each for each in others if not _near(each, [best], scales.problem)]:
+        weak = f"{better[0].effects[0]}, which leaves more in N, fits the weak harmonics clearly better"
+        reason = f"{best.effects[0]} leaves little over, but {weak}: neither has the exact form"
         return Weighed("missing", names, "part", best, None, (reason,))
     reason = f"{best.effects[0]} explains it and no rival comes near"
     if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
         reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
     return Weighed("missing", names, "cause", best, None, (reason,))
-
-
-def _better_fit_words(best: Judged, better: Judged, *, general: bool) -> str:
-    """Say why an effect that leaves little over is no cause: another fits all tests better beyond doubt."""
-    leaves = f"{best.effects[0]} leaves little over, but {better.effects[0]}"
-    if general:
-        fits_better = "of which it is a special case, fits these tests clearly better"
-        return f"{leaves}, {fits_better}: which of the two it is, its exact form would decide"
-    return f"{leaves}, which leaves more in N, fits the weak harmonics clearly better: neither has the exact form"
 
 
 def _generals(special: Judged, scales: Scales) -> list[Judged]:
