@@ -237,11 +237,18 @@ def test_files_become_a_campaign_once_they_are_confirmed(studio, campaign, home)
     for path in sorted((campaign / "runs").iterdir()):
         assert studio.ask(f"/uploads/{batch}/{path.name}", "PUT", path.read_bytes())[0] == 200
 
-    def asked(dry_run):
-        job = studio.json("/import/jobs", {"batch": batch, "name": name, "dry_run": dry_run})
+    assert studio.ask(f"/uploads/{batch}/cut.csv", "PUT", b"")[0] == 200
+
+    def asked(dry_run, skip=True):
+        job = studio.json("/import/jobs", {"batch": batch, "name": name, "skip_unusable": skip, "dry_run": dry_run})
+        assert ("--skip-unusable" in job["command"]) is skip
         return studio.done(job)
 
+    refused = asked(True, skip=False)
+    assert refused["state"] == "refused"
+    assert "1 of 9 files can't be used" in refused["says"] and "is empty" in refused["says"]
     looked = asked(True)
+    assert any("cut.csv: left out" in line for line in looked["result"]["lines"])
     assert looked["state"] == "done", looked
     assert not looked["result"]["written"]
     assert [table["header"][0] for table in looked["result"]["tables"]] == ["column", "run"]

@@ -91,6 +91,16 @@ class FrequencyResponse:
         """Names of all clamps and probes."""
         return (*self.clamp_names, *self.probe_names)
 
+    @property
+    def left_out(self) -> bool:
+        """Whether harmonics that are left out would move a motion by more than can be overlooked."""
+        return any(state.truncated > DOUBTFUL for curve in self.curves for state in curve.states)
+
+    @property
+    def doubtful_dots(self) -> tuple[Dot, ...]:
+        """The co-simulations that aren't to be trusted."""
+        return tuple(dot for dot in self.dots if not dot.trusted)
+
     def summary(self) -> str:
         """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
         lines = [f"system {self.name!r}, level 1: {self.excitation}"]
@@ -172,7 +182,7 @@ class FrequencyResponse:
                 f"{len(alone)} co-simulations settle where no stable branch was found: one is missing there "
                 f"({_places(alone)})"
             )
-        doubtful = [dot for dot in self.dots if not dot.trusted]
+        doubtful = self.doubtful_dots
         if doubtful:
             places = _places(doubtful)
             lines.append(

@@ -159,22 +159,27 @@ def metrics(
     """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
     from pipeclamp.show.views import metrics_view
     from pipeclamp_identification.metrics_only.writing import metric_files
+    from pipeclamp_identification.workflow.next_command import after_import
     from pipeclamp_models.base.files import write_folder
 
     spare(campaign, outputs=(json, report))
     with told("metrics") as tell:
         tests = read_and_tell(campaign, strict, tell)
         view = metrics_view(tests)
+    following = after_import(str(campaign))
     if output:
         write_folder(output, metric_files(tests.metrics()))
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import metrics_page
 
-        write_report(report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests), command_called())
+        write_report(
+            report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests, following), command_called()
+        )
     show(view, json)
     if tests.has_loops and not (json or report):
         console().print("Every run is in --json and --report.", highlight=False)
+    print_next(following)
 
 
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")

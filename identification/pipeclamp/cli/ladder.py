@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeclamp_identification.workflow.auto import add_until_settled
-from pipeclamp_identification.workflow.next_command import shell_line
 from pipeclamp_models.base.errors import InterruptError
 from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.law.file import LawFile, law_text
 
 if TYPE_CHECKING:

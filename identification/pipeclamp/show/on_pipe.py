@@ -14,7 +14,7 @@ from pipeclamp_identification.attribution.verdict import FEWEST, Attribution, Ca
 from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
 from pipeclamp_identification.on_pipe.where import how_much, where_words
-from pipeclamp_identification.workflow.next_on_pipe import NextStep
+from pipeclamp_identification.workflow.next_step import NextStep
 
 CANDIDATES_PRINTED = 8
 
