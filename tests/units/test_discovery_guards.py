@@ -16,7 +16,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.discovery import guards
 from pipeclamp_identification.discovery.columns import Column
-from pipeclamp_identification.discovery.discover import Refitted, beside, best_heard, left_to_hear, to_better
+from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
     beyond_the_tests,
@@ -28,6 +28,7 @@ from pipeclamp_identification.discovery.guards import (
     squared_errors,
     weighed_errors,
 )
+from pipeclamp_identification.discovery.hearing import Refitted, beside
 from pipeclamp_identification.discovery.proposal import renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F

@@ -24,7 +24,7 @@ from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_L
 from pipeclamp_identification.discovery.columns import Evaluation, all_columns
 from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, best_of, refitted_of
-from pipeclamp_identification.discovery.refining import refined
+from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.fitting.least_squares import varies
@@ -191,16 +191,16 @@ def _asked(
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
+    refining = Refining(_varied(problem), jobs, progress)
     heard: list[Found] = []
     while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = best_of(left)
-        heard.append(hearing.of(best, rivals))
+        found = hearing.of(best, rivals)
+        heard.append(found if heard and not found.passed else refining.of(found, [best, *rivals], hearing))
         # asked before they are fitted, for then all act much the same
         alike = scanned.alike(place_of[best.term.declaration.id])
         left = left_to_hear(left, best, [bool(alike[place_of[one.term.declaration.id]]) for one in left])
-    if not heard[-1].passed:
-        return heard[0]
-    return refined(heard[-1], [best, *rivals], hearing, _varied(problem), jobs, progress)
+    return heard[-1] if heard[-1].passed else heard[0]
 
 
 def left_to_hear(left: Sequence[Refitted], failed: Refitted, alike: Sequence[bool]) -> list[Refitted]:

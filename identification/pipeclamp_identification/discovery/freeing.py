@@ -142,7 +142,8 @@ def _freed(term: Term, group: str, exponent: float, number: int) -> Term:
 def _smooth(term: Term, corner: str, table: ParameterTable, number: int) -> Term:
     bounds, symbol = SMOOTHEST[table.unit], _new(WIDTH, term)
     entry: Entry = {"symbol": symbol, "unit": table.unit, "meaning": "width in which it begins",
-                    "start": bounds["lower"], "lower": f"0.1 * {bounds['lower']}", "upper": bounds["upper"]}  # fmt: skip
+                    "start": bounds["lower"], "lower": f"0.1 * {bounds['lower']}",
+                    "upper": bounds["upper"]}  # fmt: skip
     return _refined(
         term, f"smooth{number or ''}", "beginning smoothly", entry,
         lambda text: text.replace(f"max({corner}, 0)", f"((sqrt(({corner})**2 + {symbol}**2) + {corner}) / 2)"),
