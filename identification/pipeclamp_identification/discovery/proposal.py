@@ -11,8 +11,9 @@ from typing import Literal
 import tomli_w
 from pydantic import Field
 
-from pipeclamp_identification.discovery.discover import Found, Search
+from pipeclamp_identification.discovery.discover import Search
 from pipeclamp_identification.discovery.guards import Guard
+from pipeclamp_identification.discovery.hearing import Found
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.file import LawFile

@@ -5,27 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
-from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import Term, linear_symbol
 from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, confirmed, surely_better
 from pipeclamp_identification.discovery.hearing import Found, Hearing, Refitted, best_of, refitted_of
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
-from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.discovery.search import screened
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import with_effect
 
 MOST_REFINED = 3
 """Terms that do as well, best first, of which refined forms are tried: what is missing may be a number of another."""
-MOST_JOINED = 10
+MOST_JOINED = 6
 """Second terms, best first by what they explain of what the first leaves over, that are fitted beside it."""
-CROWDED = ("does no harm beyond", "beyond the catalogue")
-"""What a term may fail that is refined all the same: with a part of it missing it foretells badly, and effects of the
-catalogue do as well."""
+ALONE = ("more than chance", "comes back")
+"""What a term must pass to be refined in the place of a law's effects: a part of it needn't be better than they are."""
+BESIDE = (*ALONE, "confirmed")
+"""And beside all of them: with a part of it missing it may foretell the edges badly, and effects may do as well."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,8 @@ class Refining:
             near: it, and what does as well, fitted together with the law.
             hearing: what it was asked with.
         """
-        if any(not guard.passed and guard.name not in CROWDED for guard in found.guards):
+        needed = ALONE if found.gone else BESIDE
+        if any(not guard.passed for guard in found.guards if guard.name in needed):
             return found
         while (further := self._one_more(near, hearing)) is not None:
             found, near, hearing = further
@@ -61,11 +61,15 @@ class Refining:
 
     def _one_more(self, near: Sequence[Refitted], hearing: Hearing) -> tuple[Found, list[Refitted], Hearing] | None:
         """Give a term with one thing more, and what it was asked with; None where that isn't asked for."""
-        plain, problem, fitted = near[0], hearing.evaluation.problem, near[0].judged.fitted
+        plain, problem = near[0], hearing.evaluation.problem
         self.progress(f"refine {plain.term.acts_like}")
-        scanned = screened(hearing.columns, fitted.residual, fitted.jacobian, problem.groups)
         shorter = [one for one in hearing.refitted if one.term.declaration.id in plain.term.shorter]
-        forms = {term.declaration.id: (term, starts) for term, starts in self._forms(near, shorter, scanned)}
+        # what is new may be worth more than what a longer term has beyond a shorter one
+        forms = {}
+        for one in (*near[:MOST_REFINED], *shorter):
+            forms |= {term.declaration.id: (term, starts) for term, starts in self._freed(one)}
+        for one in (plain, *shorter):
+            forms |= {term.declaration.id: (term, starts) for term, starts in _beside(one, hearing)}
         structure = hearing.evaluation.law.result.law.structure
         contenders = [
             Contender((name,), with_effect(structure.with_declared([term.declaration]), name), starts)
@@ -76,28 +80,33 @@ class Refining:
         if not tried:
             return None
         best, rivals = best_of(tried)
-        if best.squares > plain.squares - RIVAL_LIKELIHOOD or not betters(best, plain, tried, hearing):
+        least = max(RIVAL_LIKELIHOOD, MATERIAL_PART_SHARE * plain.squares)
+        if best.squares > plain.squares - least or not betters(best, plain, tried, hearing):
             return None
         wider = replace(hearing, refitted=[*hearing.refitted, *tried])
         found = wider.of(best, rivals)
         return (found, [best, *rivals], wider) if found.passed else None
 
-    def _forms(
-        self, near: Sequence[Refitted], shorter: Sequence[Refitted], scanned: Screened
-    ) -> Iterator[tuple[Term, Sequence[Mapping[str, float]]]]:
-        """Give what is fitted in the place of a term, with values to start from."""
-        for one in (*near[:MOST_REFINED], *shorter):  # a number freed may be worth more than the scaling
-            values = one.judged.result.law.values
-            for term, starts in refinements(one.term, values, *self.varied):
-                new = term.declaration.parameters[-1].symbol
-                yield term, [{**values, new: start} for start in starts]
-        plain, values = near[0].term, near[0].judged.result.law.values
-        strength = values[linear_symbol(plain.family)]
-        seconds = [place for place in np.argsort(-scanned.explained()) if may_join(plain, scanned.columns[place].term)]
-        for place in seconds[:MOST_JOINED]:
-            column = scanned.columns[place]
-            share = scanned.strength(place) / scanned.lengths[place] / abs(strength)
-            yield joined(plain, column.term, strength), [{**values, **_of_second(column), SHARE: share}]
+    def _freed(self, one: Refitted) -> Iterator[tuple[Term, Sequence[Mapping[str, float]]]]:
+        """Give a term with each of its numbers freed, and values to start from."""
+        values = one.judged.result.law.values
+        for term, starts in refinements(one.term, values, *self.varied):
+            new = term.declaration.parameters[-1].symbol
+            yield term, [{**values, new: start} for start in starts]
+
+
+def _beside(one: Refitted, hearing: Hearing) -> Iterator[tuple[Term, Sequence[Mapping[str, float]]]]:
+    """Give a term with each of the second terms that explain most of what it leaves over, and values to start from."""
+    fitted, values = one.judged.fitted, one.judged.result.law.values
+    columns = [column for column in hearing.columns if may_join(one.term, column.term)]
+    if not columns:
+        return
+    scanned = screened(columns, fitted.residual, fitted.jacobian, hearing.evaluation.problem.groups)
+    strength = values[linear_symbol(one.term.family)]
+    for place in scanned.best_first(MOST_JOINED):
+        column = columns[place]
+        share = scanned.strength(place) / scanned.lengths[place] / abs(strength)
+        yield joined(one.term, column.term, strength), [{**values, **_of_second(column), SHARE: share}]
 
 
 def _of_second(column: Column) -> dict[str, float]:
