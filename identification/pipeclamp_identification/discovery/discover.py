@@ -89,10 +89,10 @@ def search(
         UserError: the tests can't serve the law, or are too few.
     """
     loops = loops or loops_of(campaign)
-    groups = condition_groups(loops)
-    if int(groups.max()) + 1 < FEWEST_GROUPS:
+    count = int(condition_groups(loops).max()) + 1
+    if count < FEWEST_GROUPS:
         raise UserError(
-            f"groups of amplitude and frequency: {int(groups.max()) + 1}, too few for a new term; expected at least "
+            f"groups of amplitude and frequency: {count}, too few for a new term; expected at least "
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
     declared = tuple(declared)
@@ -103,6 +103,8 @@ def search(
         return Search(
             found, None, 0, f"the catalogue has what is missing: {' or '.join(found.effects)}; `add` it first"
         )
+    loops = _by_name(loops)
+    groups = condition_groups(loops)
     kept = groups % KEPT_BACK == KEPT_BACK // 2
     structure = structure_of(file).with_declared(declared)
     problem, law = _weighed(structure, _rows(loops, ~kept), law_of(file).values)
@@ -230,6 +232,11 @@ def best_heard(heard: Sequence[Found]) -> Found:
     least = min(one.judged.squares for one in passed)
     near = [one for one in passed if one.judged.squares <= least + RIVAL_LIKELIHOOD]
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
+
+
+def _by_name(loops: Loops) -> Loops:
+    """Give the runs in the order of their names: what is drawn for each then doesn't hang on where it stands."""
+    return replace(loops, rows=tuple(sorted(loops.rows, key=lambda row: row.run)))
 
 
 def _rows(loops: Loops, chosen: npt.NDArray[np.bool_]) -> Loops:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
@@ -25,6 +26,9 @@ ALONE = ("more than chance", "comes back")
 """What a term must pass to be refined in the place of a law's effects: a part of it needn't be better than they are."""
 BESIDE = (*ALONE, "confirmed")
 """And beside all of them: with a part of it missing it may foretell the edges badly, and effects may do as well."""
+
+Form: TypeAlias = tuple[Term, Sequence[Mapping[str, float]]]
+"""What is fitted in the place of a term, with values to start from."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,7 @@ class Refining:
         self.progress(f"refine {plain.term.acts_like}")
         shorter = [one for one in hearing.refitted if one.term.declaration.id in plain.term.shorter]
         # what is new may be worth more than what a longer term has beyond a shorter one
-        forms = {}
+        forms: dict[str, Form] = {}
         for one in (*near[:MOST_REFINED], *shorter):
             forms |= {term.declaration.id: (term, starts) for term, starts in self._freed(one)}
         for one in (plain, *shorter):
@@ -87,7 +91,7 @@ class Refining:
         found = wider.of(best, rivals)
         return (found, [best, *rivals], wider) if found.passed else None
 
-    def _freed(self, one: Refitted) -> Iterator[tuple[Term, Sequence[Mapping[str, float]]]]:
+    def _freed(self, one: Refitted) -> Iterator[Form]:
         """Give a term with each of its numbers freed, and values to start from."""
         values = one.judged.result.law.values
         for term, starts in refinements(one.term, values, *self.varied):
@@ -95,14 +99,14 @@ class Refining:
             yield term, [{**values, new: start} for start in starts]
 
 
-def _beside(one: Refitted, hearing: Hearing) -> Iterator[tuple[Term, Sequence[Mapping[str, float]]]]:
+def _beside(one: Refitted, hearing: Hearing) -> Iterator[Form]:
     """Give a term with each of the second terms that explain most of what it leaves over, and values to start from."""
     fitted, values = one.judged.fitted, one.judged.result.law.values
+    strength = values[linear_symbol(one.term.family)]
     columns = [column for column in hearing.columns if may_join(one.term, column.term)]
-    if not columns:
+    if not columns or strength == 0.0:
         return
     scanned = screened(columns, fitted.residual, fitted.jacobian, hearing.evaluation.problem.groups)
-    strength = values[linear_symbol(one.term.family)]
     for place in scanned.best_first(MOST_JOINED):
         column = columns[place]
         share = scanned.strength(place) / scanned.lengths[place] / abs(strength)
