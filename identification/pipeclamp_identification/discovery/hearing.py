@@ -187,13 +187,18 @@ class Hearing:
 
 
 def best_of(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:
-    """Give the term that foretells best, of those that do as well that of fewest parameters, and the others."""
+    """Give the term that foretells best, of those that do as well that of fewest parameters, and the others.
+
+    What has more parameters is a rival too, where it isn't one of them with something added.
+    """
     first = min(refitted, key=lambda one: one.squares)
     near = [one for one in refitted if one.squares <= first.squares + RIVAL_LIKELIHOOD]
-    best = min(near, key=lambda one: (one.parameters, one.squares))
-    # what only adds to it is no rival
-    others = [one for one in near if one is not best and one.parameters <= best.parameters]
-    return best, sorted(others, key=lambda one: one.squares)
+    best, *longer = sorted(near, key=lambda one: (one.parameters, one.squares))
+    kept = [best]
+    for one in longer:  # what only adds to one of them is no rival
+        if not any(other.term.declaration.id in one.term.shorter for other in kept):
+            kept.append(one)
+    return best, sorted(kept[1:], key=lambda one: one.squares)
 
 
 def refitted_of(judged: Judged, term: Term, evaluation: Evaluation) -> list[Refitted]:

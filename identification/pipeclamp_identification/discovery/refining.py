@@ -10,7 +10,7 @@ from pipeclamp_identification.diagnosis.problem import Contender, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.freeing import refinements
-from pipeclamp_identification.discovery.grammar import Term, linear_symbol
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
 from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, confirmed, surely_better
 from pipeclamp_identification.discovery.hearing import Found, Hearing, Refitted, best_of, refitted_of
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
@@ -70,7 +70,8 @@ class Refining:
         shorter = [one for one in hearing.refitted if one.term.declaration.id in plain.term.shorter]
         # what is new may be worth more than what a longer term has beyond a shorter one
         forms: dict[str, Form] = {}
-        for one in (*near[:MOST_REFINED], *shorter):
+        roomy = [one for one in near if one.parameters < MOST_PARAMETERS]
+        for one in (*roomy[:MOST_REFINED], *shorter):
             forms |= {term.declaration.id: (term, starts) for term, starts in self._freed(one)}
         for one in (plain, *shorter):
             forms |= {term.declaration.id: (term, starts) for term, starts in _beside(one, hearing)}
