@@ -28,7 +28,7 @@ from pipeclamp_identification.discovery.guards import (
     squared_errors,
     weighed_errors,
 )
-from pipeclamp_identification.discovery.hearing import Refitted, best_of, beside
+from pipeclamp_identification.discovery.hearing import Refitted, beside, best_of
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
