@@ -5,7 +5,7 @@ import pytest
 from test_discovery_grammar import ROUNDING, SIZES, TERMS, function, motion
 
 from pipeclamp_identification.discovery.freeing import refinements
-from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, STRENGTH
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, STRENGTH, terms
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.realise.sizes import number_of
@@ -90,6 +90,14 @@ def test_no_refined_term_creates_energy(family):
             assert abs(work) <= ROUNDING * moved, refined.declaration.id
         if family == "damper":
             assert np.all(force * known["v"] >= 0), refined.declaration.id
+
+
+def test_every_number_that_is_freed_stands_in_a_formula_that_can_be_read():
+    """A power of a root had become one of `abssqrt`, which ended a search."""
+    for term in terms(("A",), {}):
+        values = {one.symbol: 1.0 for one in term.declaration.parameters}
+        for refined, _ in refinements(term, values, (), {}):
+            assert refined.effect.parameters[-1].name == refined.declaration.parameters[-1].symbol
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

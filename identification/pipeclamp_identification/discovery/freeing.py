@@ -129,7 +129,7 @@ def _freed(term: Term, group: str, exponent: float, number: int) -> Term:
     elif group.lstrip("(").startswith(("max(", "abs(")):  # zero stays zero: one direction of a damping does nothing
         power = f"({group} * ({group} + {SMALL})**({symbol} - 1))"
     else:
-        power = f"(abs{group} + {SMALL})**{symbol}"
+        power = f"(abs({group}) + {SMALL})**{symbol}"
     entry: Entry = {"symbol": symbol, "unit": "-", "meaning": "exponent", "start": exponent,
                     "lower": exponent / FREEST, "upper": exponent * FREEST}  # fmt: skip
     old = re.compile(re.escape(group) + r"\*\*\d+(?:\.\d+)?(?![\w.])")
