@@ -144,6 +144,21 @@ def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(r
     assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")[: 1 + rivals]
 
 
+def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypatch):
+    """Of a weak gas spring, first of all, an asymmetry and a slip that is pressed had been named, and it not."""
+    general, special = candidate("gas_spring", 7.0, 90.0), candidate("asymmetry", 8.0, 100.0)
+    rival, law = candidate("pressed_slip", 8.0, 91.0), candidate("", 100.0, 1000.0)
+    for each in (general, special, rival):
+        each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
+    monkeypatch.setattr(
+        weighing, "_near", lambda best, asked, problem: [one for one in asked if one not in (best, law)]
+    )
+    found = weigh(law.result.law.structure, None, law, [general, special, rival], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind) == ("ambiguous", "cause")
+    assert sorted(found.effects) == ["asymmetry", "gas_spring", "pressed_slip"]
+
+
 def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeypatch):
     """A further condition left nothing over, but was third by what scatter leaves to tell of left-out conditions."""
     first, second, last = (

@@ -231,6 +231,9 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
         reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
         return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
     if len(names) > 1:
+        # simplicity speaks for a special case alone; where it has rivals, so has the general effect
+        aside = [each for one in (best, *rivals) for each in _generals(one, scales)]
+        names = distinct([*names, *(each.effects[0] for each in _near(best, aside, scales.problem))])
         return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
     if better := [each for each in others if not _near(each, [best], scales.problem)]:
