@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, are_one_memory
-from pipeclamp_identification.fitting.least_squares import linearised, sized_start, starting_points
+from pipeclamp_identification.fitting.least_squares import sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import Linearised
 from pipeclamp_models.base.errors import UserError
@@ -72,29 +72,28 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
     """
     try:
         larger = with_effect(structure, name)
-        points = _starts(structure, larger, name, problem, law)
+        stated, known = _starts(structure, larger, name, problem, law)
     except UserError:
         if any(declaration.id == name for declaration in structure.declared):
             raise  # who declares an effect wants to know why it can't be tried
         return None
-    steps = [linearised(larger, problem.coarse, point) for point in points]
+    started = [sized_and_linearised(larger, problem.coarse, point, known) for point in stated]
+    starts, steps = [start for start, _ in started], [step for _, step in started]
     costs = [step.cost_after_one_step() for step in steps]
     best = int(np.argmin(costs))
-    return Promise(name, law.result.cost - costs[best], points[best], steps, points)
+    return Promise(name, law.result.cost - costs[best], starts[best], steps, starts)
 
 
 def _starts(
     structure: Structure, larger: Structure, name: str, problem: Problem, law: Judged
-) -> list[Mapping[str, float]]:
-    """Give the points that an effect is tried from, beside or in place of what the law has."""
+) -> tuple[Sequence[Mapping[str, float]], Collection[str]]:
+    """Give the points that an effect is tried from, beside or in place of what the law has, and what stays of that."""
     values = law.result.law.values
     smaller = next((one for one in structure.all_effects() if effect_id(one.name) == effect_id(name)), None)
     if smaller is None:
-        points = starting_points(larger, problem.observations, values)
-    else:
-        points = refined_starts(larger, smaller, problem.observations, values)
-    gone = () if smaller is None else [parameter.name for parameter in smaller.parameters]
-    return [sized_start(larger, problem.coarse, point, set(values).difference(gone)) for point in points]
+        return starting_points(larger, problem.observations, values), set(values)
+    gone = {parameter.name for parameter in smaller.parameters}
+    return refined_starts(larger, smaller, problem.observations, values), set(values) - gone
 
 
 def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], Promise]:

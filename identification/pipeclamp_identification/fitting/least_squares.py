@@ -23,6 +23,7 @@ from pipeclamp_identification.fitting.starts import (
     sized,
     starts_of_effects,
 )
+from pipeclamp_identification.signals.levels import count_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
@@ -39,12 +40,6 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-10
 HELD = "held by the law's structure"
 WISHED = "held by wish"
-VARIES = {"A": 0.05}
-VARIES_OTHERWISE = 0.02
-"""A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
-by a few percent."""
-LEVELS_APART = 0.04
-"""Values of a condition further apart than this share of its range are different levels."""
 MOST_EVALUATIONS = 100
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
@@ -188,7 +183,7 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
                 reasons[parameter.name] = f"{signal} isn't known"
             elif values is None or not np.all(np.isfinite(values)):
                 reasons[parameter.name] = f"{signal} isn't known in every run"
-            elif (count := _levels(signal, values)) < parameter.levels:
+            elif (count := count_levels(signal, values)) < parameter.levels:
                 reasons[parameter.name] = (
                     f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
                 )
@@ -200,26 +195,6 @@ def _reasons(structure: Structure, equations: Equations, observations: Observati
     fixed = find_base(structure.base).fixed
     held = {name: HELD if fixed.get(name) == value else WISHED for name, value in structure.held().items()}
     return {**undetermined(equations, observations), **{name: held[name] for name in held if name in equations.names}}
-
-
-def varies(signal: str, values: Array) -> bool:
-    """Tell whether a condition varies by more than tests scatter that were meant to be alike."""
-    share = VARIES.get(signal, VARIES_OTHERWISE)
-    return bool(np.ptp(values) > share * np.max(np.abs(values)))
-
-
-def _levels(signal: str, values: Array) -> int:
-    """Count the levels of a condition: clusters of values; one where it doesn't vary."""
-    if not varies(signal, values):
-        return 1
-    ordered = np.sort(values, axis=None)
-    apart = LEVELS_APART * (ordered[-1] - ordered[0])
-    count, begin = 1, ordered[0]
-    for value in ordered:
-        # From the level's own beginning, so that a condition that varies finely has many levels, not one.
-        if value > begin + apart:
-            count, begin = count + 1, value
-    return count
 
 
 def fit(
@@ -291,15 +266,33 @@ def sized_start(
         start: a value for each parameter.
         known: names of the parameters whose values are known.
     """
+    of_effects = _unsized(structure, known)
+    return sized(start, linearised(structure, observations, start), known, of_effects) if of_effects else start
+
+
+def sized_and_linearised(
+    structure: Structure, observations: Observations, start: Mapping[str, float], known: Collection[str]
+) -> tuple[Mapping[str, float], Linearised]:
+    """Give a start with each effect that isn't known as large as the data ask for, and the law linearised there.
+
+    Arguments as for `sized_start`.
+    """
+    there = linearised(structure, observations, start)
+    of_effects = _unsized(structure, known)
+    larger = sized(start, there, known, of_effects) if of_effects else start
+    return (start, there) if larger == start else (larger, linearised(structure, observations, larger))
+
+
+def _unsized(structure: Structure, known: Collection[str]) -> list[list[str]]:
+    """Give, for each effect that isn't known, the parameters that its force is in proportion to, if it has others."""
     held = structure.held()
-    of_effects = []
+    found = []
     for _, group in itertools.groupby(structure.equations.parameters, key=lambda parameter: parameter.effect):
         parameters = [one for one in group if one.name not in known and one.name not in held]
-        if len(parameters) > 1:  # the size of a single one is a fit's first step
-            of_effects.append([one.name for one in parameters if grows_with_force(one.unit)])
-    if not any(of_effects):
-        return start
-    return sized(start, linearised(structure, observations, start), known, of_effects)
+        sizes = [one.name for one in parameters if grows_with_force(one.unit)]
+        if sizes and len(parameters) > 1:  # the size of a single one is a fit's first step
+            found.append(sizes)
+    return found
 
 
 def linearised(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Linearised:
