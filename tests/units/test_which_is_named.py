@@ -210,6 +210,29 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
     assert any(words in reason for reason in found.reasons) == told
 
 
+def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkeypatch):
+    """An inertia and an asymmetry were missing; that a gas spring could be the second left open which comes first."""
+    asymmetry, gas, inertia = (
+        candidate("asymmetry", 60.0, 60.0),
+        candidate("gas_spring", 58.0, 55.0),
+        candidate("inertia", 70.0, 70.0),
+    )
+    law = candidate("", 100.0, 100.0)
+    for each, excess in ((asymmetry, 60.0), (gas, 58.0), (inertia, 70.0), (law, 100.0)):
+        each.lack = SimpleNamespace(p_value=0.0, share=3.0, sure_share=3.0, excess=excess)
+    pairs = []
+    for place, other in enumerate(("asymmetry", "gas_spring", "pressed_slip")):
+        pairs.append(candidate("inertia", 1.0, 10.0 + 20.0 * (place == 2)))
+        pairs[-1].effects, pairs[-1].lack = (other, "inertia"), SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
+    monkeypatch.setattr(weighing, "screened", lambda *of: [])
+    monkeypatch.setattr(weighing, "pairs", lambda *of: pairs)
+    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: False)
+    found = weigh(law.result.law.structure, None, law, [gas, asymmetry, inertia], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("inertia",))
+    assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
+
+
 @pytest.mark.parametrize(("akaike", "told"), [(96.0, True), (104.0, False)])
 def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(akaike, told, monkeypatch):
     """It is the cause's name that stays open, though no rival comes near: a spread of relaxation times, or one."""

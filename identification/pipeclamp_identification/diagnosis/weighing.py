@@ -263,14 +263,16 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     pair = found[0]
     together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
     kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
-    firsts = [name for name in _first_of_pairs(found, sound, scales) if _helps_alone(name, sound, scales.law)]
+    likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
+    firsts = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
     if not firsts:
         return _both(pair, sound, kind, together, scales)
     named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
     if len(firsts) > 1:
         reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
-    second = next(name for name in pair.effects if effect_id(name) != effect_id(firsts[0]))
+    both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
+    second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
     reason = (
         f"two effects are missing: {named.effects[0]} first, which takes {explained_share(named, scales.law):.0%} by "
         f"itself; with {second} beside it {explained_share(pair, scales.law):.0%} is explained"
@@ -418,13 +420,19 @@ def _same_part(other: Judged, best: Judged, promises: Sequence[Promise], scales:
     return beside(promise, best, scales.law)[0] < SAME_PART_SHARE * promise.gain
 
 
-def _first_of_pairs(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
-    """Give the better effect of the best pair, and of each pair without it that is as likely."""
+def _first_of_pairs(likely: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
+    """Give the effect that all pairs share which can't be told from the best one: what is open is the other alone.
+
+    Where they share none that helps by itself, give the better effect of the best pair, and of each pair without it.
+    """
+    shared = set.intersection(*({effect_id(name) for name in pair.effects} for pair in likely))
+    in_all = [name for name in likely[0].effects if effect_id(name) in shared and _helps_alone(name, sound, scales.law)]
+    if in_all:
+        return [min(in_all, key=lambda name: _alone(name, sound))]
     firsts: list[str] = []
-    for pair in found:
+    for pair in likely:
         taken = {effect_id(name) for name in firsts}
-        as_likely = pair.akaike - found[0].akaike < RIVAL_LIKELIHOOD and scales.explains(pair)
-        if as_likely and not taken & {effect_id(name) for name in pair.effects}:
+        if not taken & {effect_id(name) for name in pair.effects}:
             firsts.append(min(pair.effects, key=lambda name: _alone(name, sound)))
     return firsts
 
