@@ -129,6 +129,8 @@ def test_two_terms_as_one_are_their_sum(sign):
 def test_two_terms_have_four_numbers_and_one_state_at_most():
     by_name = {term.declaration.id.removeprefix("found_"): term for term in TERMS}
     assert may_join(by_name["slip"], by_name["stop_positive_1"])
+    pair = joined(by_name["dry_damping"], by_name["viscous_damping"], 1.0)
+    assert not may_join(pair, by_name["square_damping"])
     assert not may_join(by_name["slip"], by_name["smooth_slip"])
     assert not may_join(by_name["bent_damping"], by_name["stop_positive_1"])
     assert not may_join(by_name["slip"], by_name["stiffness_power_a"])

@@ -13,10 +13,11 @@ MOST_STATES = 1
 
 
 def may_join(first: Term, second: Term) -> bool:
-    """Tell whether two terms are few enough numbers and states for one proposal, and each adds a force."""
+    """Tell whether two terms, no pair yet, add a force each and are few enough numbers and states for one proposal."""
     one, other = first.declaration, second.declaration
     return (
         "factor" not in (first.family, second.family)
+        and all(each.symbol != SHARE for each in one.parameters)
         and len(one.parameters) + len(other.parameters) <= MOST_PARAMETERS
         and len(one.states) + len(other.states) <= MOST_STATES
     )
