@@ -9,7 +9,7 @@ from typer.main import get_command
 from pipeclamp.cli.app import app
 from pipeclamp.show.comparison import how_much
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.diagnosis.limits import Limits, limits_words, parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words, parse_limits
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_identification.workflow.after_comparison import after_comparison
 from pipeclamp_identification.workflow.along_free import along_free

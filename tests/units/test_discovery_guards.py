@@ -16,7 +16,7 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.discovery import guards
 from pipeclamp_identification.discovery.columns import Column
-from pipeclamp_identification.discovery.discover import Refitted, beside, best_heard, left_to_hear, to_better
+from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
     beyond_the_tests,
@@ -28,7 +28,8 @@ from pipeclamp_identification.discovery.guards import (
     squared_errors,
     weighed_errors,
 )
-from pipeclamp_identification.discovery.proposal import renamed, toml_of
+from pipeclamp_identification.discovery.hearing import Refitted, beside, best_of
+from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
 from pipeclamp_identification.loops.loops import loops_of
@@ -122,6 +123,22 @@ def test_what_only_adds_to_a_term_that_failed_is_not_asked_after_it():
     assert [one.term.declaration.id for one in asked] == ["found_slip"]
 
 
+def test_another_form_is_a_rival_though_it_is_longer():
+    """It hadn't been told, so that a form looked surer than it was; what only adds to one of them stays untold."""
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+    squares = {
+        "found_saturating_damping": 100.0, "found_saturating_damping_by_f": 96.0, "found_bent_damping": 98.0,
+        "found_bent_damping_by_a": 95.0, "found_viscous_damping": 110.0,
+    }  # fmt: skip
+    refitted = [
+        SimpleNamespace(term=by_id[name], squares=each, parameters=len(by_id[name].declaration.parameters))
+        for name, each in squares.items()
+    ]
+    best, rivals = best_of(refitted)
+    assert best.term.declaration.id == "found_saturating_damping"
+    assert [one.term.declaration.id for one in rivals] == ["found_bent_damping"]
+
+
 def test_what_was_added_in_vain_need_not_be_bettered():
     """It had been recommended on, though `diagnose --auto` had just refused it on the same tests."""
     candidates = [SimpleNamespace(effects=(name,)) for name in ("memory:3", "gap", "play", "inertia")]
@@ -194,6 +211,17 @@ def test_a_term_shares_no_symbol_with_the_catalogue():
     bend = next(one for one in every if one.id == "found_stiffness_beyond_a")
     taken = {"l_1", "F_1"}
     assert {one.symbol for one in renamed(bend, taken).parameters}.isdisjoint(taken)
+
+
+def test_an_exponent_of_one_is_not_written_out():
+    """The grammar writes it where another one may be asked for; a person needn't read it."""
+    by_id = {term.declaration.id: term.declaration for term in terms(("A",), {})}
+    for name in ("found_stop_positive_1", "found_forward_damping", "found_slip_beyond", "found_stiffness_beyond_a"):
+        declaration = by_id[name]
+        assert "**1" in declaration.model_dump_json()
+        assert "**1" not in formula_of(declaration)
+        assert "**1" not in renamed(declaration, ()).model_dump_json()
+    assert "**2" in formula_of(by_id["found_stop_positive_2"])
 
 
 def test_a_law_may_hold_several_discovered_terms():

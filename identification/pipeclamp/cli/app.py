@@ -331,10 +331,10 @@ def diagnose(
     strict: StrictOption = False,
 ) -> None:
     """Which physical effect does the law lack? Or which test would tell?"""
+    from pipeclamp.cli.ladder import climbed
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
-    from pipeclamp_identification.diagnosis.limits import parse_limits
-    from pipeclamp_identification.workflow.auto import add_until_settled
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
     from pipeclamp_models.law.declaration_files import read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
@@ -349,13 +349,21 @@ def diagnose(
         tests = read_and_tell(campaign, strict, tell)
         reach = parse_limits(limits) if limits else None
         if auto:
-            settled = add_until_settled(
-                file, tests, command=command_called(), declared=declarations, limits=reach, jobs=jobs, progress=tell
+            settled = climbed(
+                file,
+                tests,
+                campaign,
+                auto,
+                tell,
+                command=command_called(),
+                declared=declarations,
+                limits=reach,
+                jobs=jobs,
             )
-            file, found, ladder, climbed = settled.told(tests.name), settled.found, settled.ladder, settled.words()
+            file, found, ladder, rungs = settled.told(tests.name), settled.found, settled.ladder, settled.words()
         else:
             found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
-            ladder, climbed = (), []
+            ladder, rungs = (), []
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
     view = diagnosis_view(found, ladder, following, drive)
@@ -369,7 +377,7 @@ def diagnose(
         write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
     if auto:
         write_whole(auto, law_text(file))
-    for line in climbed:
+    for line in rungs:
         console().print(line, highlight=False)
     show(view, json)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.work import Task
-from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.shell import quoted, shell_line
 from pipeclamp_models.law.file import Kind
 

@@ -41,7 +41,7 @@ def diagnose(
     from pipeclamp.studio.told import told_of
     from pipeclamp_identification.campaign.drive import drive_content
     from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-    from pipeclamp_identification.diagnosis.limits import parse_limits
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
 
     tests, file = _tests(tell, campaign), read_law(Path(law))

@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.discovery.grammar import RATE, STRENGTH, Term
+from pipeclamp_identification.discovery.grammar import RATE, STRENGTH, Term, linear_symbol
 from pipeclamp_identification.fitting.least_squares import linearised
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
@@ -121,7 +121,7 @@ class Evaluation:
     def columns_at(self, term: Term, points: Iterable[Mapping[str, float]]) -> list[Column]:
         """Give a term at values of its parameters, by name; its strength, or rate, is one."""
         effect = term.effect
-        linear = RATE if term.family == "factor" else STRENGTH
+        linear = linear_symbol(term.family)
         own = [one.name for one in effect.parameters if one.name != linear]
         signed = term.family == "factor" or bool(np.isneginf(effect.parameters[0].lower))
         make = self._scaling(term, effect) if term.family == "factor" else self._force(effect)

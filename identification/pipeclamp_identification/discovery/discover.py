@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -22,22 +21,14 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.columns import Column, Evaluation, all_columns
-from pipeclamp_identification.discovery.grammar import LEVELS, RATE, STRENGTH, Term, terms
-from pipeclamp_identification.discovery.guards import (
-    Guard,
-    beyond_chance,
-    beyond_the_tests,
-    comes_back,
-    confirmed,
-    not_in_the_catalogue,
-)
+from pipeclamp_identification.discovery.columns import Evaluation, all_columns
+from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
+from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, best_of, refitted_of
+from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
-from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.heldout import condition_groups
-from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops, loops_of
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -56,34 +47,6 @@ MOST_GONE = 4
 """Effects, the last ones of a law, in whose place a term is tried, at most: each number of them is a search more."""
 LISTED = 3
 """Effects of the catalogue, best first, that a term must better."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """A term that passed, or the one that came nearest.
-
-    Attributes:
-        term: the term.
-        judged: the law with it, fitted to the tests that the search saw.
-        law: the law without it, likewise.
-        rivals: other terms that do as well, best first.
-        next_test: the sine on which the term and its first rival differ most, in words; empty where there is none.
-        guards: what was asked of it.
-        gone: effects of the law in whose place it stands.
-    """
-
-    term: Term
-    judged: Judged
-    law: Judged
-    rivals: tuple[Term, ...]
-    next_test: str
-    guards: tuple[Guard, ...]
-    gone: tuple[str, ...] = ()
-
-    @property
-    def passed(self) -> bool:
-        """Whether it may be proposed."""
-        return all(guard.passed for guard in self.guards)
 
 
 @dataclass(frozen=True)
@@ -126,10 +89,10 @@ def search(
         UserError: the tests can't serve the law, or are too few.
     """
     loops = loops or loops_of(campaign)
-    groups = condition_groups(loops)
-    if int(groups.max()) + 1 < FEWEST_GROUPS:
+    count = int(condition_groups(loops).max()) + 1
+    if count < FEWEST_GROUPS:
         raise UserError(
-            f"groups of amplitude and frequency: {int(groups.max()) + 1}, too few for a new term; expected at least "
+            f"groups of amplitude and frequency: {count}, too few for a new term; expected at least "
             f"{FEWEST_GROUPS}, so that one can be kept back"
         )
     declared = tuple(declared)
@@ -140,6 +103,8 @@ def search(
         return Search(
             found, None, 0, f"the catalogue has what is missing: {' or '.join(found.effects)}; `add` it first"
         )
+    loops = _by_name(loops)
+    groups = condition_groups(loops)
     kept = groups % KEPT_BACK == KEPT_BACK // 2
     structure = structure_of(file).with_declared(declared)
     problem, law = _weighed(structure, _rows(loops, ~kept), law_of(file).values)
@@ -149,7 +114,7 @@ def search(
         judge(each.effects, each.result.law.structure, [each.result.law.values], problem)
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
-    bar = _Bar(law, listed, _rows(loops, kept), found.effects)
+    bar = Bar(law, listed, _rows(loops, kept), found.effects)
     own = _asked(_Basis(law), problem, every, bar, jobs, progress)
     heard = [own] if isinstance(own, Found) else []
     for basis in _without_last_effects(law, problem):
@@ -186,23 +151,6 @@ class _Basis:
     gone: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class _Bar:
-    """What a term must better.
-
-    Attributes:
-        law: the law as it is.
-        listed: the catalogue's best effects in it, on the same tests.
-        unseen: the tests that were kept back.
-        named: effects that the law's diagnosis names.
-    """
-
-    law: Judged
-    listed: Sequence[Judged]
-    unseen: Loops
-    named: Sequence[str]
-
-
 def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
     """Give the law without the last effect that it was given, without the last two, and so on."""
     structure = law.result.law.structure
@@ -217,7 +165,7 @@ def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
 
 
 def _asked(
-    basis: _Basis, problem: Problem, every: Sequence[Term], bar: _Bar, jobs: int, progress: Progress
+    basis: _Basis, problem: Problem, every: Sequence[Term], bar: Bar, jobs: int, progress: Progress
 ) -> Found | str:
     """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at."""
     law = basis.law
@@ -233,22 +181,24 @@ def _asked(
 
     def together(contenders: Sequence[Contender]) -> list[Refitted]:
         judged = [each for each in judge_each(contenders, problem, jobs, progress) if not each.objections]
-        return [each for one in judged for each in _refitted(one, known[one.effects[0]], evaluation)]
+        return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
 
     refitted = together([_contender(law, scanned, place) for place in places])
     refitted += together(_shortened(law, refitted, known))
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
     progress("ask the conditions that were kept back")
-    hearing = _Hearing(evaluation, columns, refitted, bar, basis.gone)
+    hearing = Hearing(evaluation, columns, refitted, bar, basis.gone)
     # what does nothing at its fitted values has only let the law itself be fitted better
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
+    refining = Refining(_varied(problem), jobs, progress)
     heard: list[Found] = []
     while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
-        best, rivals = _best(left)
-        heard.append(hearing.of(best, rivals))
+        best, rivals = best_of(left)
+        found = hearing.of(best, rivals)
+        heard.append(found if heard and not found.passed else refining.of(found, [best, *rivals], hearing))
         # asked before they are fitted, for then all act much the same
         alike = scanned.alike(place_of[best.term.declaration.id])
         left = left_to_hear(left, best, [bool(alike[place_of[one.term.declaration.id]]) for one in left])
@@ -284,118 +234,9 @@ def best_heard(heard: Sequence[Found]) -> Found:
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
 
 
-@dataclass(frozen=True, eq=False)
-class Refitted:
-    """A term and the law with it, fitted together.
-
-    Attributes:
-        judged: the law with it.
-        term: the term.
-        column: the term at its fitted values.
-    """
-
-    judged: Judged
-    term: Term
-    column: Column
-
-    @property
-    def squares(self) -> float:
-        """Sum of squared whitened residuals on left-out groups."""
-        return self.judged.squares
-
-    @property
-    def parameters(self) -> int:
-        """How many parameters the term has."""
-        return len(self.term.declaration.parameters)
-
-
-def beside(one: Refitted, groups: npt.NDArray[np.intp], others: Sequence[Column] = ()) -> Screened:
-    """Screen other columns, and a refitted term as the last, on what the law that was fitted with it leaves without it.
-
-    That law's parameters may lie far from where the law alone has them, and so do its tangents: of the law alone they
-    may leave next to nothing of a term that takes half of the squares.
-
-    Args:
-        one: the term.
-        groups: of each run, shape (R,).
-        others: what is screened too.
-    """
-    result, fitted = one.judged.result, one.judged.fitted
-    own = {table.symbol for table in one.term.declaration.parameters}
-    tangents = [place for place, name in enumerate(result.fitted) if name not in own]
-    tangents += range(len(result.fitted), fitted.jacobian.shape[2])  # factors of groups
-    linear = RATE if one.term.family == "factor" else STRENGTH
-    change = np.zeros_like(fitted.residual)
-    if linear in result.fitted:
-        change = -fitted.jacobian[:, :, result.fitted.index(linear)]
-    residual = fitted.residual + result.law.values[linear] * change
-    columns = [*others, replace(one.column, change=change)]
-    return screened(columns, residual, fitted.jacobian[:, :, tangents], groups)
-
-
-@dataclass(frozen=True)
-class _Hearing:
-    """What terms are asked with.
-
-    Attributes:
-        evaluation: the law that the terms are put into, on the tests that the search saw.
-        columns: all that was screened.
-        refitted: the terms that were fitted together with the law.
-        bar: what they must better.
-        gone: the effects in whose place they stand.
-    """
-
-    evaluation: Evaluation
-    columns: Sequence[Column]
-    refitted: Sequence[Refitted]
-    bar: _Bar
-    gone: tuple[str, ...] = ()
-
-    @cached_property
-    def screened(self) -> Screened:
-        """All that was screened, and after it each refitted term at its fitted values."""
-        law, problem = self.evaluation.law, self.evaluation.problem
-        return screened(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
-
-    @property
-    def _every(self) -> list[Column]:
-        return [*self.columns, *(one.column for one in self.refitted)]
-
-    def by_chance(self, place: int) -> float:
-        """Give what the best of all terms explains by chance of what one of the refitted leaves.
-
-        What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
-        """
-        return beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
-
-    @cached_property
-    def explained(self) -> Array:
-        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
-        groups = self.evaluation.problem.groups
-        return np.array([beside(one, groups).explained()[-1] for one in self.refitted])
-
-    def alike(self, place: int) -> npt.NDArray[np.bool_]:
-        """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
-        alike = self.screened.alike(len(self.columns) + place)[len(self.columns) :]
-        alike[place] = True
-        return alike
-
-    def of(self, best: Refitted, rivals: Sequence[Refitted]) -> Found:
-        """Ask a term, at its fitted values, among all the others."""
-        law, problem = self.bar.law, self.evaluation.problem
-        found, place = best.judged, self.refitted.index(best)
-        replaced = [replace(law, effects=self.gone)] if self.gone else []
-        guards = (
-            beyond_chance(float(self.explained[place]), self.by_chance(place)),
-            comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
-            beyond_the_tests(law, found, problem),
-            confirmed(law.result.law, found.result.law, self.bar.unseen, problem),
-            not_in_the_catalogue(
-                found, [*replaced, *self.bar.listed], problem, named=self.bar.named, own=bool(replaced)
-            ),
-        )
-        telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
-        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone)
+def _by_name(loops: Loops) -> Loops:
+    """Give the runs in the order of their names: what is drawn for each then doesn't hang on where it stands."""
+    return replace(loops, rows=tuple(sorted(loops.rows, key=lambda row: row.run)))
 
 
 def _rows(loops: Loops, chosen: npt.NDArray[np.bool_]) -> Loops:
@@ -425,7 +266,7 @@ def _contender(law: Judged, scanned: Screened, place: int) -> Contender:
     column = scanned.columns[place]
     term = column.term
     larger = with_effect(law.result.law.structure.with_declared([term.declaration]), term.declaration.id)
-    symbol = RATE if term.family == "factor" else STRENGTH
+    symbol = linear_symbol(term.family)
     start = {**law.result.law.values, **column.values, symbol: scanned.strength(place) / scanned.lengths[place]}
     return Contender((term.declaration.id,), larger, [start])
 
@@ -441,18 +282,3 @@ def _shortened(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Te
         larger = with_effect(structure.with_declared([known[name].declaration]), name)
         contenders.append(Contender((name,), larger, [larger.own(starts[name])]))
     return contenders
-
-
-def _refitted(judged: Judged, term: Term, evaluation: Evaluation) -> list[Refitted]:
-    """Give a term that was fitted together with the law; none where it does nothing at its fitted values."""
-    return [Refitted(judged, term, column) for column in evaluation.columns_at(term, [judged.result.law.values])]
-
-
-def _best(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:
-    """Give the term that foretells best, of those that do as well that of fewest parameters, and the others."""
-    first = min(refitted, key=lambda one: one.squares)
-    near = [one for one in refitted if one.squares <= first.squares + RIVAL_LIKELIHOOD]
-    best = min(near, key=lambda one: (one.parameters, one.squares))
-    # what only adds to it is no rival
-    others = [one for one in near if one is not best and one.parameters <= best.parameters]
-    return best, sorted(others, key=lambda one: one.squares)

@@ -43,6 +43,11 @@ LONGEST_ID = 40
 ROLES = {"stiffness": "stiffness", "damping": "damping", "slip": "slip force"}
 
 
+def linear_symbol(family: Family) -> str:
+    """Give the symbol of what a term's effect is in proportion to, or nearly."""
+    return RATE if family == "factor" else STRENGTH
+
+
 @dataclass(frozen=True)
 class Term:
     """A term of the grammar.
@@ -90,7 +95,7 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
         conditions: further columns that vary, with the largest magnitude of each.
     """
     scales = [None, *(one for name, one in SCALED.items() if name in varied)]
-    scales += [scale for name, size in conditions.items() for scale in _scales_of(name, size)]
+    scales += [scale for name, size in conditions.items() for scale in scales_of(name, size)]
     shapes: list[tuple[Family, _Shape]] = [
         *(("spring", shape) for shape in _springs()),
         *(("damper", shape) for shape in _dampers()),
@@ -108,7 +113,7 @@ def terms(varied: Sequence[str], conditions: Mapping[str, float]) -> Iterator[Te
 
 
 @dataclass(frozen=True)
-class _Scale:
+class Scale:
     """What a term that adds a force is scaled by.
 
     Attributes:
@@ -125,19 +130,19 @@ class _Scale:
 
 
 SCALED = {
-    "A": _Scale("A", "(A / A_0)**s_x", "the amplitude"),
-    "f": _Scale("f", "(f / f_0)**s_x", "the frequency"),
-    "T": _Scale("T", "(T / T_0)**s_x", "the temperature"),
+    "A": Scale("A", "(A / A_0)**s_x", "the amplitude"),
+    "f": Scale("f", "(f / f_0)**s_x", "the frequency"),
+    "T": Scale("T", "(T / T_0)**s_x", "the temperature"),
 }
 """By A, f and T."""
 
 
-def _scales_of(column: str, size: float) -> tuple[_Scale, ...]:
+def scales_of(column: str, size: float) -> tuple[Scale, ...]:
     """Give by what a term may follow a further column: exponentially, or with a power of it, which a field has."""
     name, share = _named(column), f"{_named(column)} / {size:.6g}"
     return (
-        _Scale(name, f"exp(s_x * {share})", column, column),
-        _Scale(f"{name}_power", f"(abs({share}) + {ABOVE_ZERO})**s_x", f"a power of {column}", column),
+        Scale(name, f"exp(s_x * {share})", column, column),
+        Scale(f"{name}_power", f"(abs({share}) + {ABOVE_ZERO})**s_x", f"a power of {column}", column),
     )
 
 
@@ -233,11 +238,11 @@ PLACES = (
        "upper": 8.0},)),
     ("_in_middle", "exp(-(y / y_x)**2)", ", about the middle only",
      (_length("displacement by which it fades", 0.2, 0.6),)),
-    ("_beyond", f"max({SIZE_Y} - y_x, 0) / A_0", ", beyond a displacement on both sides",
+    ("_beyond", f"(max({SIZE_Y} - y_x, 0) / A_0)**1", ", beyond a displacement on both sides",
      (_length("displacement from which it acts", 0.2, 0.5),)),
-    ("_positive_side", "max(y - y_x, 0) / A_0", ", beyond a displacement on the positive side",
+    ("_positive_side", "(max(y - y_x, 0) / A_0)**1", ", beyond a displacement on the positive side",
      (_length("displacement from which it acts", 0.05, 0.5),)),
-    ("_negative_side", "max(-y - y_x, 0) / A_0", ", beyond a displacement on the negative side",
+    ("_negative_side", "(max(-y - y_x, 0) / A_0)**1", ", beyond a displacement on the negative side",
      (_length("displacement from which it acts", 0.05, 0.5),)),
     ("_rising", "(1 + y / y_x)**2", ", rising smoothly to the positive side",
      (_length("displacement by which it rises fourfold", 0.8, 2.0),)),
@@ -265,10 +270,10 @@ def _dampers() -> Iterator[_Shape]:
         ("bent_damping", "v / v_0 * (1 + (v / v_x)**2)**(-p_x / 2)",
          "damping that bends beyond a velocity, where it thins, levels off or falls",
          (_velocity(speed, 0.5, 3.0), _exponent("exponent that is lost beyond it", 0.6, 2.0, upper=3.0))),
-        ("relief_damping", f"{SIGN_V} * max({SIZE_V} - v_x, 0) / v_0", "damping that begins beyond a velocity",
+        ("relief_damping", f"{SIGN_V} * (max({SIZE_V} - v_x, 0) / v_0)**1", "damping that begins beyond a velocity",
          (_velocity("velocity from which it acts", 1.0, 4.0),)),
-        ("forward_damping", "max(v, 0) / v_0", "damping while the displacement rises only", ()),
-        ("backward_damping", "-max(-v, 0) / v_0", "damping while the displacement falls only", ()),
+        ("forward_damping", "(max(v, 0) / v_0)**1", "damping while the displacement rises only", ()),
+        ("backward_damping", "-(max(-v, 0) / v_0)**1", "damping while the displacement falls only", ()),
         ("forward_square", "(max(v, 0) / v_0)**2", "square damping while the displacement rises only", ()),
         ("backward_square", "-(max(-v, 0) / v_0)**2", "square damping while the displacement falls only", ()),
     )  # fmt: skip
@@ -358,7 +363,7 @@ def _moved_by_temperature() -> Iterator[tuple[Family, _Shape]]:
     )  # fmt: skip
 
 
-def _force_term(family: Family, shape: _Shape, scale: _Scale | None) -> Term:
+def _force_term(family: Family, shape: _Shape, scale: Scale | None) -> Term:
     """Give a term that adds a force, alone or scaled by what follows A, f, T or a further column."""
     words = f", scaled with {scale.words}" if scale else ""
     further = (_scaling(f"by how much it follows {scale.words}", -0.5, 0.5),) if scale else ()
@@ -374,10 +379,10 @@ def _force_term(family: Family, shape: _Shape, scale: _Scale | None) -> Term:
     )  # fmt: skip
     names = {shape.name, shape.plain} - {""}
     shorter = {_name(one, each) for one in names for each in {scale, None}} - {_name(shape.name, scale)}
-    return replace(term, shorter=tuple(sorted(map(_id, shorter))))
+    return replace(term, shorter=tuple(sorted(map(id_of, shorter))))
 
 
-def _name(shape: str, scale: _Scale | None) -> str:
+def _name(shape: str, scale: Scale | None) -> str:
     """Give the name of a term that adds a force."""
     return f"{shape}{f'_by_{scale.name}' if scale else ''}"
 
@@ -410,7 +415,7 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
         ("power", f"log({above})", "changes with a power of", ()),
         ("exponential", pure, "changes exponentially with", ()),
         ("bent", f"({pure})**2", "changes with the square of", ()),
-        ("beyond", f"max({plain} - l_x, 0) / {size}", "changes beyond a level of", (level,)),
+        ("beyond", f"(max({plain} - l_x, 0) / {size})**1", "changes beyond a level of", (level,)),
         ("levelling", f"{plain} / (abs({plain}) + abs(l_x))", "changes and levels off with", (level,)),
         ("step", f"(1 + tanh(({plain} - l_x) / w_x)) / 2", "steps at a level of", (level, width)),
     ]
@@ -456,12 +461,12 @@ def _term(
         {**one, "start": tuple(each)} for one, each in zip(parameters, zip(*grid, strict=True), strict=True)
     ]  # fmt: skip
     declaration = Declaration.model_validate(
-        {"id": _id(name), "title": acts_like, "looks_like": acts_like, "parameters": tables, **content}
+        {"id": id_of(name), "title": acts_like, "looks_like": acts_like, "parameters": tables, **content}
     )
     return Term(family, declaration, acts_like)
 
 
-def _id(name: str) -> str:
+def id_of(name: str) -> str:
     """Give a declaration's id: the name, where it is too long its beginning and a mark of its own."""
     whole = f"found_{name.lower()}"
     return whole if len(whole) <= LONGEST_ID else f"{whole[: LONGEST_ID - 5]}_{zlib.crc32(whole.encode()) % 10_000:04d}"

@@ -176,6 +176,12 @@ def weighed_errors(law: Law, loops: Loops, problem: Problem) -> Array:
     return np.asarray(np.sum(residual**2, axis=1))
 
 
+def surely_better(found: Judged, other: Judged, problem: Problem) -> bool:
+    """Tell whether a law foretells left-out groups better than another, beyond doubt."""
+    gain = np.bincount(problem.groups, weights=other.score.squares - found.score.squares).astype(np.float64)
+    return bool(gain.sum() > 0 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE)
+
+
 def not_in_the_catalogue(
     found: Judged, listed: Sequence[Judged], problem: Problem, *, named: Collection[str] = (), own: bool = False
 ) -> Guard:
@@ -189,9 +195,7 @@ def not_in_the_catalogue(
         own: whether the first of `listed` is the law itself, with the effects in whose place the term stands.
     """
     for place, effect in enumerate(listed):
-        gained = effect.score.squares - found.score.squares
-        gain = np.bincount(problem.groups, weights=gained).astype(np.float64)
-        if not (gain.sum() > 0 and share_of_gains(gain) > BEYOND_DOUBT_DRAWS_SHARE):
+        if not surely_better(found, effect, problem):
             words = f"{WITH.join(effect.effects)} of the catalogue does as well"
             if own and place == 0:
                 words = f"the law does as well with {' and '.join(effect.effects)}, which it has"

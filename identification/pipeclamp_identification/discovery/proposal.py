@@ -11,8 +11,9 @@ from typing import Literal
 import tomli_w
 from pydantic import Field
 
-from pipeclamp_identification.discovery.discover import Found, Search
+from pipeclamp_identification.discovery.discover import Search
 from pipeclamp_identification.discovery.guards import Guard
+from pipeclamp_identification.discovery.hearing import Found
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.law.declaration import Declaration, ParameterTable
 from pipeclamp_models.law.file import LawFile
@@ -141,7 +142,12 @@ def formula_of(declaration: Declaration) -> str:
     parts = [f"F += {declaration.force}"] if declaration.force else []
     parts += [f"{one.coefficient} *= {one.factor}" for one in declaration.scales]
     parts += [f"{one.symbol} = {one.update}" for one in declaration.states]
-    return "; ".join(parts)
+    return _without_first_powers("; ".join(parts))
+
+
+def _without_first_powers(text: str) -> str:
+    """Leave out exponents of one, which the grammar writes where another one may be asked for."""
+    return re.sub(r"\)\*\*1(?![.\w])", ")", text)
 
 
 def renamed(declaration: Declaration, taken: Collection[str]) -> Declaration:
@@ -157,7 +163,7 @@ def renamed(declaration: Declaration, taken: Collection[str]) -> Declaration:
     number = next(n for n in count(1) if not {f"{name[:-1]}{n}" for name in symbols} & set(taken))
     pattern = rf"\b(?:{'|'.join(name[:-1] for name in symbols)})x\b"
     text = re.sub(pattern, lambda found: f"{found[0][:-1]}{number}", declaration.model_dump_json())
-    return Declaration.model_validate_json(text)
+    return Declaration.model_validate_json(_without_first_powers(text))
 
 
 def with_fitted(declaration: Declaration, file: LawFile, source: str) -> Declaration:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.diagnosis.limits import limits_words
+from pipeclamp_identification.diagnosis.further_test.limits import limits_words
 from pipeclamp_identification.workflow.along_free import along_free
 from pipeclamp_identification.workflow.next_command import stem_of
 from pipeclamp_identification.workflow.tests import Held

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, MATERIAL_FORCE_SHARE
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_identification.fitting.misfit import overall_nrmse

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path, PurePath
 
-from pipeclamp_identification.diagnosis.limits import Limits, limits_words
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import shell_line

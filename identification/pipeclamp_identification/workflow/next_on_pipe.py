@@ -25,6 +25,8 @@ def after_pipe_comparison(found: Attributed, system: str, measured: str, *, repo
     if attribution.verdict == "unknown":
         if attribution.branch_unknown:
             return NextStep(again, "once it says which way it was swept")
+        if attribution.noise_unknown:
+            return NextStep(again, "once some sines are repeated")
         if not reported:
             return NextStep(shell_line("compare", system, measured, "--report", "compare.html"))
         return NextStep(again, "once another level or probe is measured")

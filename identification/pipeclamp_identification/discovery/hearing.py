@@ -1,0 +1,206 @@
+"""Terms that were fitted together with a law, and what is asked of the best of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
+from pipeclamp_identification.discovery.columns import Column, Evaluation
+from pipeclamp_identification.discovery.grammar import Term, linear_symbol
+from pipeclamp_identification.discovery.guards import (
+    Guard,
+    beyond_chance,
+    beyond_the_tests,
+    comes_back,
+    confirmed,
+    not_in_the_catalogue,
+)
+from pipeclamp_identification.discovery.search import Screened, screened
+from pipeclamp_identification.discovery.telling import telling_test
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_models.base.arrays import Array
+
+
+@dataclass(frozen=True)
+class Found:
+    """A term that passed, or the one that came nearest.
+
+    Attributes:
+        term: the term.
+        judged: the law with it, fitted to the tests that the search saw.
+        law: the law without it, likewise.
+        rivals: other terms that do as well, best first.
+        next_test: the sine on which the term and its first rival differ most, in words; empty where there is none.
+        guards: what was asked of it.
+        gone: effects of the law in whose place it stands.
+    """
+
+    term: Term
+    judged: Judged
+    law: Judged
+    rivals: tuple[Term, ...]
+    next_test: str
+    guards: tuple[Guard, ...]
+    gone: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether it may be proposed."""
+        return all(guard.passed for guard in self.guards)
+
+
+@dataclass(frozen=True)
+class Bar:
+    """What a term must better.
+
+    Attributes:
+        law: the law as it is.
+        listed: the catalogue's best effects in it, on the same tests.
+        unseen: the tests that were kept back.
+        named: effects that the law's diagnosis names.
+    """
+
+    law: Judged
+    listed: Sequence[Judged]
+    unseen: Loops
+    named: Sequence[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Refitted:
+    """A term and the law with it, fitted together.
+
+    Attributes:
+        judged: the law with it.
+        term: the term.
+        column: the term at its fitted values.
+    """
+
+    judged: Judged
+    term: Term
+    column: Column
+
+    @property
+    def squares(self) -> float:
+        """Sum of squared whitened residuals on left-out groups."""
+        return self.judged.squares
+
+    @property
+    def parameters(self) -> int:
+        """How many parameters the term has."""
+        return len(self.term.declaration.parameters)
+
+
+def beside(one: Refitted, groups: npt.NDArray[np.intp], others: Sequence[Column] = ()) -> Screened:
+    """Screen other columns, and a refitted term as the last, on what the law that was fitted with it leaves without it.
+
+    That law's parameters may lie far from where the law alone has them, and so do its tangents: of the law alone they
+    may leave next to nothing of a term that takes half of the squares.
+
+    Args:
+        one: the term.
+        groups: of each run, shape (R,).
+        others: what is screened too.
+    """
+    result, fitted = one.judged.result, one.judged.fitted
+    own = {table.symbol for table in one.term.declaration.parameters}
+    tangents = [place for place, name in enumerate(result.fitted) if name not in own]
+    tangents += range(len(result.fitted), fitted.jacobian.shape[2])  # factors of groups
+    linear = linear_symbol(one.term.family)
+    change = np.zeros_like(fitted.residual)
+    if linear in result.fitted:
+        change = -fitted.jacobian[:, :, result.fitted.index(linear)]
+    residual = fitted.residual + result.law.values[linear] * change
+    columns = [*others, replace(one.column, change=change)]
+    return screened(columns, residual, fitted.jacobian[:, :, tangents], groups)
+
+
+@dataclass(frozen=True)
+class Hearing:
+    """What terms are asked with.
+
+    Attributes:
+        evaluation: the law that the terms are put into, on the tests that the search saw.
+        columns: all that was screened.
+        refitted: the terms that were fitted together with the law.
+        bar: what they must better.
+        gone: the effects in whose place they stand.
+    """
+
+    evaluation: Evaluation
+    columns: Sequence[Column]
+    refitted: Sequence[Refitted]
+    bar: Bar
+    gone: tuple[str, ...] = ()
+
+    @cached_property
+    def screened(self) -> Screened:
+        """All that was screened, and after it each refitted term at its fitted values."""
+        law, problem = self.evaluation.law, self.evaluation.problem
+        return screened(self._every, law.fitted.residual, law.fitted.jacobian, problem.groups)
+
+    @property
+    def _every(self) -> list[Column]:
+        return [*self.columns, *(one.column for one in self.refitted)]
+
+    def by_chance(self, place: int) -> float:
+        """Give what the best of all terms explains by chance of what one of the refitted leaves.
+
+        What the term itself explains is no noise: turned, it would be explained by chance, the more the larger it is.
+        """
+        return beside(self.refitted[place], self.evaluation.problem.groups, self._every).without(-1).by_chance()
+
+    @cached_property
+    def explained(self) -> Array:
+        """The squares that each refitted term explains, the law's parameters being where they are fitted beside it."""
+        groups = self.evaluation.problem.groups
+        return np.array([beside(one, groups).explained()[-1] for one in self.refitted])
+
+    def alike(self, place: int) -> npt.NDArray[np.bool_]:
+        """Tell which of the refitted terms are one of them, or act as it does, at their fitted values."""
+        alike = self.screened.alike(len(self.columns) + place)[len(self.columns) :]
+        alike[place] = True
+        return alike
+
+    def of(self, best: Refitted, rivals: Sequence[Refitted]) -> Found:
+        """Ask a term, at its fitted values, among all the others."""
+        law, problem = self.bar.law, self.evaluation.problem
+        found, place = best.judged, self.refitted.index(best)
+        replaced = [replace(law, effects=self.gone)] if self.gone else []
+        guards = (
+            beyond_chance(float(self.explained[place]), self.by_chance(place)),
+            comes_back([one.judged for one in self.refitted], self.alike(place), problem.groups),
+            beyond_the_tests(law, found, problem),
+            confirmed(law.result.law, found.result.law, self.bar.unseen, problem),
+            not_in_the_catalogue(
+                found, [*replaced, *self.bar.listed], problem, named=self.bar.named, own=bool(replaced)
+            ),
+        )
+        telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
+        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone)
+
+
+def best_of(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:
+    """Give the term that foretells best, of those that do as well that of fewest parameters, and the others.
+
+    What has more parameters is a rival too, where it isn't one of them with something added.
+    """
+    first = min(refitted, key=lambda one: one.squares)
+    near = [one for one in refitted if one.squares <= first.squares + RIVAL_LIKELIHOOD]
+    best, *longer = sorted(near, key=lambda one: (one.parameters, one.squares))
+    kept = [best]
+    for one in longer:  # what only adds to one of them is no rival
+        if not any(other.term.declaration.id in one.term.shorter for other in kept):
+            kept.append(one)
+    return best, sorted(kept[1:], key=lambda one: one.squares)
+
+
+def refitted_of(judged: Judged, term: Term, evaluation: Evaluation) -> list[Refitted]:
+    """Give a term that was fitted together with the law; none where it does nothing at its fitted values."""
+    return [Refitted(judged, term, column) for column in evaluation.columns_at(term, [judged.result.law.values])]

@@ -1,0 +1,139 @@
+"""Refine a term: free one more of its numbers, or set a second term beside it, where the tests ask for that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from pipeclamp_identification.diagnosis.problem import Contender, judge_each
+from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.discovery.columns import Column
+from pipeclamp_identification.discovery.freeing import refinements
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
+from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, confirmed, surely_better
+from pipeclamp_identification.discovery.hearing import Found, Hearing, Refitted, best_of, refitted_of
+from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
+from pipeclamp_identification.discovery.search import screened
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.law import with_effect
+
+MOST_REFINED = 3
+"""Terms that do as well, best first, of which refined forms are tried: what is missing may be a number of another."""
+MOST_JOINED = 6
+"""Second terms, best first by what they explain of what the first leaves over, that are fitted beside it."""
+ALONE = ("more than chance", "comes back")
+"""What a term must pass to be refined in the place of a law's effects: a part of it needn't be better than they are."""
+BESIDE = (*ALONE, "confirmed")
+"""And beside all of them: with a part of it missing it may foretell the edges badly, and effects may do as well."""
+
+Form: TypeAlias = tuple[Term, Sequence[Mapping[str, float]]]
+"""What is fitted in the place of a term, with values to start from."""
+
+
+@dataclass(frozen=True)
+class Refining:
+    """What terms are refined with.
+
+    Attributes:
+        varied: what varies over the tests, as the grammar takes it.
+        jobs: processes.
+        progress: is told what is being done.
+    """
+
+    varied: tuple[Sequence[str], Mapping[str, float]]
+    jobs: int
+    progress: Progress
+
+    def of(self, found: Found, near: Sequence[Refitted], hearing: Hearing) -> Found:
+        """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
+
+        A refined form must better the plain one beyond chance, doubt and what was kept back, as a term must better the
+        law, and must pass all that is asked of a term.
+
+        Args:
+            found: the term.
+            near: it, and what does as well, fitted together with the law.
+            hearing: what it was asked with.
+        """
+        needed = ALONE if found.gone else BESIDE
+        if any(not guard.passed for guard in found.guards if guard.name in needed):
+            return found
+        while (further := self._one_more(near, hearing)) is not None:
+            found, near, hearing = further
+        return found
+
+    def _one_more(self, near: Sequence[Refitted], hearing: Hearing) -> tuple[Found, list[Refitted], Hearing] | None:
+        """Give a term with one thing more, and what it was asked with; None where that isn't asked for."""
+        plain, problem = near[0], hearing.evaluation.problem
+        self.progress(f"refine {plain.term.acts_like}")
+        shorter = [one for one in hearing.refitted if one.term.declaration.id in plain.term.shorter]
+        # what is new may be worth more than what a longer term has beyond a shorter one
+        forms: dict[str, Form] = {}
+        roomy = [one for one in near if one.parameters < MOST_PARAMETERS]
+        for one in (*roomy[:MOST_REFINED], *shorter):
+            forms |= {term.declaration.id: (term, starts) for term, starts in self._freed(one)}
+        for one in (plain, *shorter):
+            forms |= {term.declaration.id: (term, starts) for term, starts in _beside(one, hearing)}
+        structure = hearing.evaluation.law.result.law.structure
+        contenders = [
+            Contender((name,), with_effect(structure.with_declared([term.declaration]), name), starts)
+            for name, (term, starts) in forms.items()
+        ]
+        judged = [one for one in judge_each(contenders, problem, self.jobs, self.progress) if not one.objections]
+        tried = [each for one in judged for each in refitted_of(one, forms[one.effects[0]][0], hearing.evaluation)]
+        if not tried:
+            return None
+        best, rivals = best_of(tried)
+        least = max(RIVAL_LIKELIHOOD, MATERIAL_PART_SHARE * plain.squares)
+        if best.squares > plain.squares - least or not betters(best, plain, tried, hearing):
+            return None
+        wider = replace(hearing, refitted=[*hearing.refitted, *tried])
+        found = wider.of(best, rivals)
+        return (found, [best, *rivals], wider) if found.passed else None
+
+    def _freed(self, one: Refitted) -> Iterator[Form]:
+        """Give a term with each of its numbers freed, and values to start from."""
+        values = one.judged.result.law.values
+        for term, starts in refinements(one.term, values, *self.varied):
+            new = term.declaration.parameters[-1].symbol
+            yield term, [{**values, new: start} for start in starts]
+
+
+def _beside(one: Refitted, hearing: Hearing) -> Iterator[Form]:
+    """Give a term with each of the second terms that explain most of what it leaves over, and values to start from."""
+    fitted, values = one.judged.fitted, one.judged.result.law.values
+    strength = values[linear_symbol(one.term.family)]
+    columns = [column for column in hearing.columns if may_join(one.term, column.term)]
+    if not columns or strength == 0.0:
+        return
+    scanned = screened(columns, fitted.residual, fitted.jacobian, hearing.evaluation.problem.groups)
+    for place in scanned.best_first(MOST_JOINED):
+        column = columns[place]
+        share = scanned.strength(place) / scanned.lengths[place] / abs(strength)
+        yield joined(one.term, column.term, strength), [{**values, **_of_second(column), SHARE: share}]
+
+
+def _of_second(column: Column) -> dict[str, float]:
+    return {f"{name.removesuffix('_x')}_b_x": value for name, value in column.values.items()}
+
+
+def betters(best: Refitted, plain: Refitted, tried: Sequence[Refitted], hearing: Hearing) -> bool:
+    """Tell whether a refined form passes against the plain one what that must pass against the law.
+
+    Args:
+        best: the refined form.
+        plain: the plain one.
+        tried: all that were fitted in the place of the plain one.
+        hearing: what that was asked with.
+    """
+    problem, fitted = hearing.evaluation.problem, plain.judged.fitted
+    every = [*hearing.columns, *(one.column for one in tried)]
+    scanned = screened(every, fitted.residual, fitted.jacobian, problem.groups)
+    chance = scanned.without(len(hearing.columns) + tried.index(best)).by_chance()
+    guards = (
+        beyond_chance(plain.squares - best.squares, chance),
+        beyond_the_tests(plain.judged, best.judged, problem),
+        confirmed(plain.judged.result.law, best.judged.result.law, hearing.bar.unseen, problem),
+    )
+    return all(guard.passed for guard in guards) and surely_better(best.judged, plain.judged, problem)
