@@ -48,8 +48,8 @@ class Refining:
     def of(self, found: Found, near: Sequence[Refitted], hearing: Hearing) -> Found:
         """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
 
-        A refined form must better the plain one beyond chance and doubt, as a term must better the law, foretell no worse
-        what was kept back and what lies beyond, and pass all that is asked of a term.
+        A refined form must better the plain one beyond chance and doubt, as a term must better the law, foretell no
+        worse what was kept back and what lies beyond, and pass all that is asked of a term.
 
         Args:
             found: the term.
