@@ -26,6 +26,7 @@ from pipeclamp_identification.discovery.guards import (
     not_in_the_catalogue,
     passive,
     squared_errors,
+    surely_worse,
     weighed_errors,
 )
 from pipeclamp_identification.discovery.hearing import Refitted, beside, best_of
@@ -252,6 +253,14 @@ def test_an_error_that_falls_too_rarely_says_so(gains, passed, monkeypatch):
     guard = confirmed("before", "after", unseen, None)
     assert guard.passed == passed
     assert ("of draws of them only, not in more than 97.5%" in guard.words) != passed
+
+
+@pytest.mark.parametrize(("losses", "worse"), [([0.4, -0.3, 0.2, -0.1], False), ([4.0, 5.0, 3.0, 6.0], True)])
+def test_a_refined_term_needs_no_second_confirmation(losses, worse, monkeypatch):
+    """Two stops had been refused for one that left twice the squares: the tests kept back hardly told them apart."""
+    errors = {"plain": np.full(4, 20.0), "refined": 20.0 + np.array(losses)}
+    stand_in(monkeypatch, errors)
+    assert surely_worse("plain", "refined", None, None) == worse
 
 
 def test_of_two_groups_one_that_gains_nothing_does_not_decide(monkeypatch):

@@ -26,8 +26,8 @@ OWN_WORD = 0.05
 CLOSELY = 8
 """Terms, best at their starts, whose parameters are fitted."""
 LAWS = (
-    "detents", "thermal_stop", "unequal_stops", "thickening_paste", "warm_flow", "cavitating_film", "thinning_oil",
-    "yielding_paste", "damped_contact", "shifted_flow", "glass_transition", "payne", "moving_peak", "running_in",
+    "detents", "bimetal_stop", "bumpers", "thickening_paste", "melting_wax", "cavitating_film", "barrel",
+    "jammed_paste", "struck_pad", "shifted_flow", "glass_transition", "payne", "moving_peak", "running_in",
     "field_friction",
 )  # fmt: skip
 

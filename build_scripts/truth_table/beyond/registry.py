@@ -38,37 +38,39 @@ LAWS: dict[str, Beyond] = {
         Kind(plain.detents), "F = F_s sin(x) / (1 + r^2 + 2 r cos(x))^2, x = 2 pi y/l, l < A",
         "Peyrard and Remoissenet 1982, Phys. Rev. B 26(6)", SPRING,
     ),
-    "thermal_stop": _law(
-        Kind(plain.thermal_stop, most=5.0), "F = k (|y| - g_0 (1 - (T - T_0)/T_g))+^1.5 sgn(y)",
-        "Hertz 1882, J. reine angew. Math. 92: a round contact", SPRING,
+    "bimetal_stop": _law(
+        Kind(plain.bimetal_stop, most=5.0), "F = k (|y| - g_0 (1 - s (1 + tanh((T - T_s)/w))))+^1.5 sgn(y)",
+        "Hertz 1882, J. reine angew. Math. 92: a round contact; moved as a bimetal snaps, Timoshenko 1925, J. Opt. "
+        "Soc. Am. 11(3)", SPRING,
     ),
-    "unequal_stops": _law(
-        Kind(plain.unequal_stops, most=5.0), "F = k ((y - a)+ - (-y - 3 a)+)", CLOSED, SPRING,
+    "bumpers": _law(
+        Kind(plain.bumpers, most=5.0), "F = k (u/(1 - u/h) - w/(1 - w/h)), u = (y - a)+, w = (-y - 2 a)+", CLOSED,
+        SPRING,
     ),
     "thickening_paste": _law(
         Kind(plain.thickening_paste, most=3.0), "F = c v (1 + b/(1 + exp(-(|v|/v_c - 1)/w)))",
         "after Galindo-Rosales, Rubio-Hernandez and Sevilla 2011, J. Non-Newton. Fluid Mech. 166(5-6): a viscosity "
         "between two, here by a step", DAMPER,
     ),
-    "warm_flow": _law(
-        Kind(plain.warm_flow), "F = F_e T/T_0 asinh(v/v_e exp(B (1/T - 1/T_0)))", "Eyring 1936, J. Chem. Phys. 4(4)",
-        DAMPER,
+    "melting_wax": _law(
+        Kind(plain.melting_wax), "F = F_y tanh(v/v_s) (1 - tanh((T - T_m)/w))/2 + c v",
+        "Bingham 1922, Fluidity and Plasticity; its yield stress gone with melting, in closed form", DAMPER,
     ),
     "cavitating_film": _law(
         Kind(plain.cavitating_film), "F = max(c v / (1 - y/h)^3, -F_t)",
         "Reynolds 1886, Phil. Trans. R. Soc. 177; torn as in Dowson and Taylor 1979, Annu. Rev. Fluid Mech. 11", DAMPER,
     ),
-    "thinning_oil": _law(
-        Kind(plain.thinning_oil, most=3.0), "F = c v (m + (1 - m)/(1 + (v/v_c)^2))",
-        "Cross 1965, J. Colloid Sci. 20(5), with an exponent of 2", DAMPER,
+    "barrel": _law(
+        Kind(plain.barrel, most=3.0), "F = c v (1 + (y/y_s - 0.03)^4)/(1 + |v|/v_c)",
+        "Cross 1965, J. Colloid Sci. 20(5), with an exponent of 1, through a bore that narrows", DAMPER,
     ),
-    "yielding_paste": _law(
-        Kind(plain.yielding_paste, most=1.5), "F = F_y sgn(v) (1 - exp(-|v|/v_p))",
-        "Papanastasiou 1987, J. Rheol. 31(5)", DAMPER,
+    "jammed_paste": _law(
+        Kind(plain.jammed_paste, most=1.5), "F = c v (1 + b x^2/(1 + x^4)), x = v/v_c",
+        "after Brown and Jaeger 2014, Rep. Prog. Phys. 77(4): a viscosity that rises and falls again", DAMPER,
     ),
-    "damped_contact": _law(
-        Kind(plain.damped_contact, most=3.0), "F = k (y - d)+^1.5 (1 + b v)+",
-        "Hunt and Crossley 1975, J. Appl. Mech. 42(2)", SPRING, DAMPER,
+    "struck_pad": _law(
+        Kind(plain.struck_pad, most=3.0), "F = k (y - d)+^2.5 (1 + b v |v|)+",
+        "after Hunt and Crossley 1975, J. Appl. Mech. 42(2), with a square of the speed", SPRING, DAMPER,
     ),
     "shifted_flow": _law(
         Kind(plain.shifted_flow), "F = F_m tanh(v/v_s + b tanh(y/y_s))",

@@ -159,6 +159,16 @@ def confirmed(law: Law, found: Law, unseen: Loops, problem: Problem) -> Guard:
     return Guard("confirmed", passed, words)
 
 
+def surely_worse(plain: Law, refined: Law, unseen: Loops, problem: Problem) -> bool:
+    """Tell whether conditions that the search never saw are foretold worse with a refined term, beyond doubt.
+
+    They needn't be foretold better: the term is confirmed by them already, and few of them may tell one form of it from
+    another. Arguments as for `confirmed`.
+    """
+    loss = np.subtract(*(weighed_errors(one, unseen, problem) for one in (refined, plain)))
+    return share_of_gains(loss) > BEYOND_DOUBT_DRAWS_SHARE
+
+
 def squared_errors(law: Law, loops: Loops) -> Array:
     """Give the squared error of each run over its samples, scatter left aside, N2."""
     observations = loop_observations(loops)

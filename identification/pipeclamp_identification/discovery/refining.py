@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, R
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
-from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, confirmed, surely_better
+from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, surely_better, surely_worse
 from pipeclamp_identification.discovery.hearing import Found, Hearing, Refitted, best_of, refitted_of
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_identification.discovery.search import screened
@@ -48,8 +48,8 @@ class Refining:
     def of(self, found: Found, near: Sequence[Refitted], hearing: Hearing) -> Found:
         """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
 
-        A refined form must better the plain one beyond chance, doubt and what was kept back, as a term must better the
-        law, and must pass all that is asked of a term.
+        A refined form must better the plain one beyond chance and doubt, as a term must better the law, foretell no
+        worse what was kept back and what lies beyond, and pass all that is asked of a term.
 
         Args:
             found: the term.
@@ -119,7 +119,7 @@ def _of_second(column: Column) -> dict[str, float]:
 
 
 def betters(best: Refitted, plain: Refitted, tried: Sequence[Refitted], hearing: Hearing) -> bool:
-    """Tell whether a refined form passes against the plain one what that must pass against the law.
+    """Tell whether a refined form passes against the plain one what that must pass against the law, or does no harm.
 
     Args:
         best: the refined form.
@@ -131,9 +131,10 @@ def betters(best: Refitted, plain: Refitted, tried: Sequence[Refitted], hearing:
     every = [*hearing.columns, *(one.column for one in tried)]
     scanned = screened(every, fitted.residual, fitted.jacobian, problem.groups)
     chance = scanned.without(len(hearing.columns) + tried.index(best)).by_chance()
-    guards = (
-        beyond_chance(plain.squares - best.squares, chance),
-        beyond_the_tests(plain.judged, best.judged, problem),
-        confirmed(plain.judged.result.law, best.judged.result.law, hearing.bar.unseen, problem),
+    laws = plain.judged.result.law, best.judged.result.law
+    return (
+        beyond_chance(plain.squares - best.squares, chance).passed
+        and surely_better(best.judged, plain.judged, problem)
+        and beyond_the_tests(plain.judged, best.judged, problem).passed
+        and not surely_worse(*laws, hearing.bar.unseen, problem)
     )
-    return all(guard.passed for guard in guards) and surely_better(best.judged, plain.judged, problem)
