@@ -159,6 +159,17 @@ def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypat
     assert sorted(found.effects) == ["asymmetry", "gas_spring", "pressed_slip"]
 
 
+@pytest.mark.parametrize(("left", "names"), [(0.31, ("end_stop", "gap")), (0.5, ("end_stop",))])
+def test_what_leaves_as_much_of_a_form_as_the_best_is_a_rival(left, names, monkeypatch):
+    """A gap with round corners was called an end stop: neither had the form, and squares preferred the one by that."""
+    best, other, law = candidate("end_stop", 6.0, 80.0), candidate("gap", 6.2, 95.0), candidate("", 100.0, 1000.0)
+    for each, share in ((best, 0.3), (other, left), (law, 2.5)):
+        each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
+    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
+    found = weigh(law.result.law.structure, None, law, [best, other], TOLERANCE, 1, print)
+    assert (found.kind if names[1:] else "cause", found.effects) == ("cause", names)
+
+
 def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeypatch):
     """A further condition left nothing over, but was third by what scatter leaves to tell of left-out conditions."""
     first, second, last = (

@@ -13,6 +13,7 @@ import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.thresholds import UNEXPLAINED_SHARE
+from pipeclamp_identification.fitting.observations import mean_squares_of
 from pipeclamp_identification.fitting.starts import Linearised
 from pipeclamp_identification.loops.loops import on_grid
 from pipeclamp_models.base.arrays import Array
@@ -34,7 +35,7 @@ class BentChannel:
         level: from which force on, N.
         share: by which it gives more there; below zero less.
         side: of the force, 1 or -1; 0 for both.
-        takes: share of the lack of fit (squares in units of the noise, all tests) that it explains.
+        takes: share of what is missing (mean square beyond the noise, all tests) that it explains.
         akaike: Akaike's criterion, as of `Judged`.
     """
 
@@ -62,20 +63,30 @@ def bent_channel(problem: Problem, law: Judged) -> BentChannel | None:
         problem: the data.
         law: the law as it is; its parameters follow linearly.
     """
-    residual = law.fitted.residual.ravel()
-    slopes = law.fitted.jacobian.reshape(len(residual), -1)
-    squares = float(residual @ residual)
-    missed = squares - problem.observations.compared(law.result.law_force)
+    residual = law.fitted.residual
+    squares = float(np.sum(residual**2))
+    missed = _beyond_noise(residual, problem)
     found: list[BentChannel] = []
     for side, level, bend in _bends(on_grid(problem.loops.force, problem.harmonics.motion.y.shape[1])):
-        seen = problem.observations.in_units(problem.harmonics.transformed(bend)[None])
-        step = Linearised((), residual, np.column_stack([slopes, -seen.ravel()]))
-        left = 2 * step.cost_after_one_step()
-        takes = min((squares - left) / max(missed, 1e-300), 1.0)
-        akaike = law.akaike - squares + left + 2 * OWN_PARAMETERS
-        found.append(BentChannel(level, float(step.step()[-1]), side, takes, akaike))
+        (seen,) = problem.observations.in_units(problem.harmonics.transformed(bend)[None])
+        ways = np.concatenate([law.fitted.jacobian, -seen[..., None]], axis=2)
+        step = Linearised((), residual.ravel(), ways.reshape(residual.size, -1)).step()
+        left = residual + ways @ step
+        takes = 1 - _beyond_noise(left, problem) / missed if missed > 0 else 0.0
+        akaike = law.akaike - squares + float(np.sum(left**2)) + 2 * OWN_PARAMETERS
+        found.append(BentChannel(level, float(step[-1]), side, min(takes, 1.0), akaike))
     able = [one for one in found if abs(one.share) < LARGEST_SHARE and one.takes > 1 - UNEXPLAINED_SHARE**2]
     return min(able, key=lambda one: one.akaike, default=None)
+
+
+def _beyond_noise(residual: Array, problem: Problem) -> float:
+    """Give the mean square of whitened residuals beyond the noise, N2; what isn't measured counts for nothing."""
+    plain = np.linalg.solve(problem.observations.whitener, residual[..., None])[..., 0]
+    seen = problem.harmonics.seen
+    excess = mean_squares_of(np.where(seen, plain, 0.0)) - mean_squares_of(
+        np.where(seen, np.sqrt(problem.noise.total_variance()), 0.0)
+    )
+    return float(np.mean(excess))
 
 
 def _bends(force: Array) -> Iterator[tuple[int, float, Array]]:

@@ -220,7 +220,9 @@ def _betters(candidate: Judged, law: Judged) -> bool:
 
 def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     """Name one effect that explains what is missing, and the others that do so as well."""
-    rivals = _near(best, [other for other in sound if scales.explains(other)], scales.problem)
+    able = [other for other in sound if scales.explains(other)]
+    near = _near(best, able, scales.problem)
+    rivals = [each for each in able if any(each is one for one in near) or _leaves_form_alike(each, best, scales)]
     best, *rivals = _without_general([best, *rivals])
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     generals = _generals(best, scales)
@@ -244,6 +246,13 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
         reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
     return Weighed("missing", names, "cause", best, None, (reason,))
+
+
+def _leaves_form_alike(other: Judged, best: Judged, scales: Scales) -> bool:
+    """Tell whether two laws leave about as much of a form that neither has: what tells them apart is that form."""
+    if other is best or is_adequate(best.lack, scales.tolerance):
+        return False
+    return other.lack.share - best.lack.share < scales.tolerance.complete
 
 
 def _generals(special: Judged, scales: Scales) -> list[Judged]:
