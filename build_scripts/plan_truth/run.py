@@ -23,7 +23,7 @@ import pipeclamp as pc
 from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES
 from pipeclamp_identification.campaign.rig import PlannedRun, TestPlan, planned, virtual_runs
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.planning.campaign import Asked, CampaignPlan, plan_campaign
 from pipeclamp_identification.planning.hidden import law_of_size
 from pipeclamp_models.law.bundled import open_law

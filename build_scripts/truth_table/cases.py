@@ -17,8 +17,8 @@ from truth import Array, BaseLaw, Motion, Part, force
 from unlisted import UNLISTED
 
 from pipeclamp_identification.campaign.reading import Campaign, Run
-from pipeclamp_identification.diagnosis.next_test import Proposal
-from pipeclamp_identification.diagnosis.outlook import REPEATS, RIDDEN, RIDING, RIDING_ORDER
+from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
+from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS, RIDDEN, RIDING, RIDING_ORDER
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import misfits
 from pipeclamp_identification.fitting.observations import loop_observations

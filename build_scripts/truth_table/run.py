@@ -8,6 +8,7 @@ With --discover instead: laws that no catalogue has, nothing, and effects of the
 Every case is a virtual campaign of a truth that this folder integrates by itself, put to the package as a user would.
 Finished cases are kept in FOLDER/cases-<seed>.jsonl; a run that was ended goes on from there.
 With --devices --write FOLDER [--cases WORD]: write the campaign and the held-out tests of cases, each into a folder.
+With --journals FOLDER/cases-1.jsonl FOLDER/cases-2.jsonl: the table of what runs have finished, several draws together.
 """
 
 from __future__ import annotations
@@ -106,9 +107,15 @@ def main() -> None:
     parser.add_argument("--verbose", action="store_true", help="print every diagnosis with its evidence")
     parser.add_argument("-o", "--output", type=Path, default=None, help="folder for the table; else print only")
     parser.add_argument("--check", action="store_true", help="end with status 1 when something was named wrongly")
+    parser.add_argument("--journals", nargs="+", type=Path, default=[], help="only print the table of these journals")
     parser.add_argument("--write", type=Path, default=None, help="with --devices: write the tests into this folder")
     given = parser.parse_args()
     experiment = EXPERIMENTS[given.asked]
+    if given.journals:
+        rows = [row for journal in given.journals for row in finished(journal)]
+        made = " ".join(["python build_scripts/truth_table/run.py --journals", *(path.name for path in given.journals)])
+        print(experiment.markdown(rows, made))
+        return
     known = experiment.cases()
     cases = chosen(known, given.share, given.seed)
     if given.cases:
@@ -145,6 +152,12 @@ def write_all(experiment: Experiment, cases: list[Any], seed: int, folder: Path)
         print(place)
 
 
+def finished(journal: Path) -> list[Row]:
+    """Give the rows of a journal; of a run that was killed it may hold half a line at its end."""
+    text = journal.read_text(encoding="utf-8")
+    return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
+
+
 def run(
     cases: list[Any],
     judge: Callable[[Any, int], Any],
@@ -158,10 +171,8 @@ def run(
     if journal:
         journal.parent.mkdir(parents=True, exist_ok=True)
         if journal.exists():
-            text = journal.read_text(encoding="utf-8")
-            whole = text[: text.rfind("\n") + 1]  # a run that was killed may have left half a line
-            journal.write_text(whole, encoding="utf-8")
-            done = {row["name"]: row for row in map(json.loads, whole.splitlines())}
+            done = {row["name"]: row for row in finished(journal)}
+            journal.write_text("".join(f"{json.dumps(row)}\n" for row in done.values()), encoding="utf-8")
     left = [case for case in cases if case.name not in done]
     random.Random(seed).shuffle(left)  # so that what is done at any time stands for the whole
     begin = time.perf_counter()

@@ -6,12 +6,18 @@ import os
 import re
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("starlette", reason="needs the extra 'studio'")
 pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
+
+import pipeclamp as pc
+from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
+from pipeclamp_models.law.catalogue import find_effect
+from pipeclamp_models.law.file import read_law
 
 NARROW = {"width": 420, "height": 900}
 LOOP = "#loop .main-svg"
@@ -23,13 +29,22 @@ def home(tmp_path_factory):
     return tmp_path_factory.mktemp("studio") / "home"
 
 
-@pytest.fixture(scope="module")
-def url(home):
-    command = [sys.executable, "-m", "pipeclamp", "studio", "clamp_a", "-o", str(home), "--no-browser"]
+@contextmanager
+def studio_of(campaign, home):
+    """Run a studio and give its address."""
+    command = [sys.executable, "-m", "pipeclamp", "studio", campaign, "-o", str(home), "--no-browser"]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, encoding="utf-8") as process:
-        yield process.stdout.readline().strip()
-        process.terminate()
+        try:
+            yield process.stdout.readline().strip()
+        finally:
+            process.terminate()
+
+
+@pytest.fixture(scope="module")
+def url(home):
+    with studio_of("clamp_a", home) as address:
+        yield address
 
 
 def tab_to(page, text):
@@ -43,6 +58,15 @@ def tab_to(page, text):
 
 def no_wider_than_the_window(page):
     return page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def soon_no_wider_than_the_window(page):
+    """Tell so once pictures have been drawn anew, which takes a moment."""
+    for _ in range(50):
+        if no_wider_than_the_window(page):
+            return True
+        page.wait_for_timeout(100)
+    return False
 
 
 def test_the_whole_job(page, url, violations, home):
@@ -116,13 +140,67 @@ def test_the_whole_job(page, url, violations, home):
     assert no_wider_than_the_window(page)
 
 
-def test_files_are_dropped_and_looked_into(page, url, violations, home):
+def test_two_effects_are_added_at_once(page, violations, tmp_path):
+    """Their names, and what they would do, stay in view in a wide window and in a narrow one."""
+    home, both = tmp_path / "home", ("memory", "damping_temperature")
+    with studio_of("clamp_a_heldout", home) as url:
+        page.goto(url)
+        page.click("text=Fit the law")
+        page.wait_for_selector("text=Find what is missing", timeout=A_JOB_ms)
+        page.wait_for_selector(LOOP)
+        told = told_both(read_law(home / "law1.json"), both, pc.identify("clamp_a_heldout", effects=both).values)
+        (home / "law1.told.json").write_text(told.json_text(), encoding="utf-8")
+        page.reload()
+        page.wait_for_selector(LOOP)
+        table = page.locator("#candidates .scroll")
+        assert table.evaluate("box => box.scrollWidth <= box.clientWidth")
+        page.set_viewport_size(NARROW)
+        assert soon_no_wider_than_the_window(page)
+        assert violations(page) == []
+        add = page.locator(".answer button:has-text('Add memory and damping_temperature')")
+        box = add.bounding_box()
+        assert box["x"] >= 0 and box["x"] + box["width"] <= NARROW["width"]
+        add.click()
+        page.wait_for_selector(".chip[aria-current]:has-text('law2 + memory + damping_temperature')", timeout=A_JOB_ms)
+        page.wait_for_selector("#waterfall .main-svg")
+        waterfall = page.inner_text("#waterfall")
+        assert "+ memory" in waterfall and "+ damping_temperature" in waterfall
+        assert soon_no_wider_than_the_window(page)
+        assert violations(page) == []
+
+
+def told_both(law, both, values):
+    """Give a diagnosis that names two effects which help only together."""
+    known = [find_effect(name) for name in both]
+    words = {
+        name: "; ".join(getattr(effect, name) for effect in known) for name in ("does", "looks_like", "told_apart_by")
+    }
+    candidate = ToldCandidate(
+        name=",".join(both), heldout_nrmse=0.006, explained=0.9, against=(), effects=both, values=values, **words
+    )
+    promised = ToldRung(label=" ".join(f"+ {name}" for name in both), heldout_nrmse=0.006, explained=0.9)
+    return Told(
+        law_command=stamp(law), verdict="missing", kind="part", effects=both[:1], together=both, headline="Part.",
+        words=("They help only together.",), rung=("Both.",), lines=(), heldout_nrmse=0.02, candidates=(candidate,),
+        promised=(promised,), next_test="", drive=False,
+    )  # fmt: skip
+
+
+def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path):
     folder = Path(__file__).parents[2] / "identification/pipeclamp_identification/data/campaigns/clamp_a_heldout/runs"
     page.goto(url)
     page.click(".brand")
     assert violations(page) == []
-    page.set_input_files("#files", sorted(folder.iterdir())[:6])
+    files = [
+        {"name": path.name, "mimeType": "text/csv", "buffer": path.read_bytes()} for path in sorted(folder.iterdir())
+    ]
+    page.set_input_files("#files", [*files[:6], {"name": "cut.csv", "mimeType": "text/csv", "buffer": b"no numbers"}])
+    page.wait_for_selector('.job.refused:has-text("1 of 7 files can\'t be used")', timeout=A_JOB_ms)
+    page.check("text=Leave out files that are damaged or hold no test")
+    assert violations(page) == []
+    page.click("text=Look into them")
     page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    assert "cut.csv: left out" in page.inner_text("#found")
     assert "displacement_mm" in page.inner_text("#found")
     assert violations(page) == []
     page.fill("#name", "clamp_7")

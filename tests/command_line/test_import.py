@@ -169,6 +169,99 @@ def test_python_gives_the_same_answer(pipeclamp, exports, tmp_path):
     assert len(pc.identify(other.tests()).values) > 2
 
 
+@pytest.fixture
+def some_damaged(exports, tmp_path):
+    """A folder of exports as one comes across: one of nothing, one cut, and the list of results beside them."""
+    folder = tmp_path / "exports"
+    shutil.copytree(exports, folder)
+    (folder / "B_empty.csv").write_bytes(b"")
+    write_sheets(folder / "C_cut.xlsx", [loop()])
+    (folder / "C_cut.xlsx").write_bytes((folder / "C_cut.xlsx").read_bytes()[:3000])
+    (folder / "D_results.csv").write_text("No;k [N/mm];eta\n1;1200;0.1\n2;1201;0.2\n3;1300;0.2\n4;1300;0.2\n")
+    return folder
+
+
+UNUSABLE = {"B_empty.csv": "is empty", "C_cut.xlsx": "is no whole", "D_results.csv": "no channel is called a force"}
+
+
+def test_all_files_that_cant_be_used_are_told_in_one_message(refused, pipeclamp, some_damaged, tmp_path):
+    campaign = tmp_path / "c"
+    first, *lines, remedy = refused("import", some_damaged, "-o", campaign).splitlines()
+    assert "3 of 13 files can't be used; nothing was written" in first
+    for line, (name, why) in zip(lines, UNUSABLE.items(), strict=True):
+        assert name in line and why in line
+    assert "the other 10: --skip-unusable" in remedy
+    assert [path.name for path in tmp_path.iterdir()] == ["exports"]
+    told = pipeclamp("import", some_damaged, "-o", campaign, remedy.split()[-1], "--json", tmp_path / "i.json")
+    assert "3 files left out" in told.stdout
+    assert_same_campaign(campaign, ten_runs())
+    page = (campaign / "import.html").read_text(encoding="utf-8")
+    described = (campaign / "campaign.toml").read_text(encoding="utf-8").partition("[[imported.left_out]]")[2]
+    answered = json.loads((tmp_path / "i.json").read_text())["left_out_files"]
+    for name, why in UNUSABLE.items():
+        assert name in page and why in page.replace("&#39;", "'")
+        assert name in described and why in described
+        assert name in told.stderr and why in told.stderr
+    assert [one["file"] for one in answered] == list(UNUSABLE)
+
+
+def test_files_that_were_left_out_stay_out_until_they_can_be_used(refused, pipeclamp, some_damaged, tmp_path):
+    campaign = tmp_path / "c"
+    pipeclamp("import", some_damaged, "-o", campaign, "--skip-unusable")
+    before = contents(campaign)
+    assert "nothing to do" in " ".join(pipeclamp("import", some_damaged, "-o", campaign).stdout.split())
+    assert contents(campaign) == before
+    (some_damaged / "C_cut.xlsx").write_bytes(b"PK\x03\x04 cut elsewhere")
+    assert "1 of 13 files can't be used" in refused("import", some_damaged, "-o", campaign)
+    (some_damaged / "C_cut.xlsx").unlink()
+    write_sheets(some_damaged / "C_cut.xlsx", [loop(0.6)])
+    assert "1 run of 1 file, 10 more" in pipeclamp("import", some_damaged, "-o", campaign).stdout
+    described = (campaign / "campaign.toml").read_text(encoding="utf-8")
+    left_out = described.partition("[[imported.left_out]]")[2]
+    assert "B_empty.csv" in left_out and "C_cut.xlsx" not in left_out
+
+
+def test_where_no_file_can_be_used_nothing_is_offered(refused, tmp_path):
+    (tmp_path / "e").mkdir()
+    (tmp_path / "e" / "a.csv").write_bytes(b"")
+    (tmp_path / "e" / "b.csv").write_bytes(b"no numbers")
+    told = refused("import", tmp_path / "e", "-o", tmp_path / "c", "--skip-unusable")
+    assert "2 of 2 files can't be used" in told
+    assert "--skip-unusable" not in told
+
+
+def test_where_all_files_lack_a_channel_it_is_asked_for_after_some_of_them(refused, tmp_path, monkeypatch):
+    from pipeclamp_identification.importing import importer
+
+    names = "Zeit [s];Wert A;Wert B"
+    folder = write_texts(tmp_path / "e", [loop(0.3 + number / 100) for number in range(25)], names=names)
+    looked = []
+    take = importer.take_file
+    monkeypatch.setattr(importer, "take_file", lambda path, *rest: looked.append(path) or take(path, *rest))
+    told = refused("import", folder, "-o", tmp_path / "c")
+    assert "no channel is called a displacement" in told and '--columns "' in told
+    assert len(looked) == 20
+
+
+@pytest.mark.parametrize(("answers", "written"), [("y\ny\n", True), ("n\n", False)])
+def test_at_a_terminal_files_that_cant_be_used_are_left_out_if_one_says_so(
+    some_damaged, tmp_path, monkeypatch, answers, written
+):
+    monkeypatch.setattr("pipeclamp.cli.importing._at_a_terminal", lambda: True)
+    done = CliRunner().invoke(app, ["import", str(some_damaged), "-o", str(tmp_path / "c")], input=answers)
+    assert "3 of 13 files can't be used" in done.output
+    assert "Leave them out, and import the other 10?" in done.output
+    assert (tmp_path / "c").exists() is written
+
+
+def test_python_leaves_out_what_it_may(some_damaged, tmp_path):
+    with pytest.raises(pc.UserError, match="3 of 13 files can't be used"):
+        pc.import_files(some_damaged, tmp_path / "c")
+    found = pc.import_files(some_damaged, tmp_path / "c", skip_unusable=True)
+    assert len(found.to_frame()) == 10
+    assert any("B_empty.csv" in note and "is empty" in note for note in found.notes)
+
+
 KILLED = """
 import os, sys
 from pathlib import Path
@@ -194,6 +287,7 @@ def test_a_campaign_survives_a_kill_while_it_is_replaced(pipeclamp, refused, exp
     )
     assert killed.returncode == 9
     assert not campaign.exists()
+    assert list(tmp_path.glob(".clamp_7.*.part"))
     told = refused("metrics", campaign)
     assert "ended while it replaced this campaign" in told
     assert len(told.splitlines()) == 1
@@ -201,4 +295,4 @@ def test_a_campaign_survives_a_kill_while_it_is_replaced(pipeclamp, refused, exp
     assert contents(campaign) == before
     joined = pipeclamp("import", exports, later, "-o", campaign)
     assert "1 run of 1 file, 10 more" in joined.stdout
-    assert not (tmp_path / ".clamp_7.before").exists()
+    assert not [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]

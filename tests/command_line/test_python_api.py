@@ -122,6 +122,28 @@ def test_force_with_memory_follows_the_motion_from_rest(tests):
 
 
 @pytest.mark.parametrize(
+    ("effect", "values", "straight"), [("memory", {"k_s": 700.0, "z_s": 120.0}, 5e-3), ("play", {"g_p": 0.05}, 5e-3)]
+)
+def test_force_at_coarse_samples_unloads_where_the_motion_turned(effect, values, straight, tmp_path, write_law):
+    """Some twelve samples a cycle, against 400 between each two of them."""
+    write_law(
+        tmp_path / "law.json", {"k10": 900.0, "k30": 40.0, "c0": 2.0, "alpha0": 1.0, **values}, "power", (effect,)
+    )
+    law, h, omega, given = pc.open_law(tmp_path / "law.json"), 1 / 37.0, 6 * np.pi, {"A": 0.6, "f": 3.0, "T": 20.0}
+
+    def motion(each):
+        theta = omega * (0.02 + np.arange(72 * each) * h / each)
+        return 0.6 * np.sin(theta), 0.6 * omega * np.cos(theta)
+
+    fine = law.force(*motion(400), **given)[::400]
+    rough, walked = law.force(*motion(1), **given), law.force(*motion(1), h=h, **given)
+    size = np.sqrt(np.mean(fine[12:] ** 2))
+    off = [np.sqrt(np.mean((force - fine)[12:] ** 2)) / size for force in (rough, walked)]
+    assert off[0] > straight
+    assert off[1] < 2e-4
+
+
+@pytest.mark.parametrize(
     ("given", "expected"),
     [
         ({"y": 0.1, "v": 1.0, "A": 0.5, "f": 1.0}, "follows T, which isn't given"),

@@ -17,7 +17,7 @@ from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
-from pipeclamp_system.steady.detached import detached_branches
+from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.response import Curve, FrequencyResponse
 from pipeclamp_system.steady.states import half_range
 from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
@@ -78,6 +78,7 @@ def test_a_folded_curve_has_no_branch_apart(tmp_path: Path, write_law: Callable[
     assert followed.whole
     assert np.any(np.diff(frequencies) < 0)
     assert detached_branches(system, followed.pieces, FIRST, LAST) == ()
+    assert leaving_branches(system, followed.pieces, FIRST, LAST) == ()
 
 
 def test_what_a_path_left_out_is_found(tmp_path: Path, write_law: Callable[..., None]) -> None:

@@ -14,9 +14,15 @@ from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.drive import Drive, DrivePlan, Profile, drive_content, read_drive
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.diagnosis.limits import Limits, drivable, limits_words, parse_limits, stated_levels
-from pipeclamp_identification.diagnosis.next_test import Proposal, next_test
-from pipeclamp_identification.diagnosis.outlook import PROFILES, deviations_of
+from pipeclamp_identification.diagnosis.further_test.limits import (
+    Limits,
+    drivable,
+    limits_words,
+    parse_limits,
+    stated_levels,
+)
+from pipeclamp_identification.diagnosis.further_test.next_test import Proposal, next_test
+from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, deviations_of
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of

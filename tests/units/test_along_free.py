@@ -7,8 +7,9 @@ import pytest
 from typer.main import get_command
 
 from pipeclamp.cli.app import app
+from pipeclamp.show.comparison import how_much
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.diagnosis.limits import Limits, limits_words, parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words, parse_limits
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_identification.workflow.after_comparison import after_comparison
 from pipeclamp_identification.workflow.along_free import along_free
@@ -46,6 +47,24 @@ def test_what_scatter_explains(off, scatter_on_sines, explained):
     found = along_free([misfit(off, scatter_on_sines)])
     assert found.scatter_explains is explained
     assert ("nothing is found missing" in found.words()) is explained
+
+
+@pytest.mark.parametrize(
+    ("scatter_on_sines", "told"),
+    [
+        (None, "by the noise between neighbouring samples"),
+        (0.05, "scatter alone makes 5.00%, by that of the law's own"),
+    ],
+)
+def test_the_first_words_tell_the_scatter_that_the_last_ones_judge_by(scatter_on_sines, told):
+    held = Comparison(None, None, None, (), {}, (misfit(NOISE + 0.03 * FORCE, scatter_on_sines),))
+    (first,) = how_much(held)
+    found = along_free(held.free)
+    assert first.startswith("RMS error 3.")
+    assert f"scatter alone makes {found.scatter:.2%}" in first
+    assert told in first
+    assert "known" not in first
+    assert "beyond scatter" in found.words()
 
 
 def test_the_noise_is_that_of_the_samples_whatever_the_law_lacks():

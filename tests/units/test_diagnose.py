@@ -17,10 +17,11 @@ from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis import problem
 from pipeclamp_identification.diagnosis.diagnosed import diagnosed
-from pipeclamp_identification.diagnosis.limits import Limits, parse_limits
-from pipeclamp_identification.diagnosis.next_test import next_test
-from pipeclamp_identification.diagnosis.problem import judge, prepare
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, parse_limits
+from pipeclamp_identification.diagnosis.further_test.next_test import next_test
+from pipeclamp_identification.diagnosis.problem import judge, prepare, roughly
 from pipeclamp_identification.diagnosis.revision import ask_again, better_structures, simpler_structure
+from pipeclamp_identification.diagnosis.screen import screened
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.observations import SAMPLES, points_enough
@@ -33,7 +34,7 @@ from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import InVain, LastDiagnosis, law_text
-from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.law.law import Law, Structure, with_effect
 
 BASE = {
     "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
@@ -106,6 +107,20 @@ def test_a_missing_effect_is_named(campaign, effect, values):
     assert best.effects == diagnosis.effects
     assert best.squares < diagnosis.law.squares
     assert best.heldout_nrmse < 1.05 * diagnosis.problem.loops.noise_nrmse
+
+
+def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(campaign):
+    """Its stated starts are some hundred times as large; rough fits from them came to 0.07 of the cost without it."""
+    oil = {"k_oil": 600.0, "F_oil": 20.0, "v_oil": 15.0, "a_oil": 0.6, "p_oil": 0.24}
+    tests = campaign(
+        ("oil_damper",), plan=rig.TestPlan((0.3, 0.5, 0.8), (1.0, 3.0, 6.0), (20.0,), force_noise=0.3), **oil
+    )
+    problem, fitted = prepare(Structure("power"), loops_of(tests))
+    law = judge((), Structure("power"), [fitted.law.values], problem)
+    (promise,) = screened(Structure("power"), problem, law, silent, ["oil_damper"])
+    found = [roughly(with_effect(Structure("power"), "oil_damper"), [start], problem) for start in promise.starts]
+    assert max(each.cost for each in found) < law.result.cost
+    assert min(each.cost for each in found) < 0.02 * law.result.cost
 
 
 BUMP = """

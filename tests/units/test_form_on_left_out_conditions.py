@@ -9,7 +9,8 @@ from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import beyond_scatter
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore
 from pipeclamp_identification.diagnosis.noise import NoiseModel
-from pipeclamp_identification.diagnosis.weighing import Tolerance, weigh
+from pipeclamp_identification.diagnosis.tolerance import Tolerance
+from pipeclamp_identification.diagnosis.weighing import weigh
 
 RUNS, CHANNELS, NOISE, SCATTER = 16, 7, 0.3, 0.02
 GROUPS = np.repeat(np.arange(8), 2)

@@ -305,3 +305,36 @@ def test_blocks_of_a_file_are_called_by_the_titles_above_them(tmp_path, headers,
     (tmp_path / "day.csv").write_text(content, encoding="utf-8")
     found = pc.import_files([tmp_path / "day.csv"], tmp_path / "campaign")
     assert [run["run"] for run in found.to_dict()["runs"]] == [f"day_{name}" for name in names]
+
+
+@pytest.mark.parametrize(("before", "after"), [(".", ","), (",", ".")])
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.98])
+def test_a_decimal_sign_that_changes_is_told_with_its_line(tmp_path, before, after, delimiter, share):
+    names = delimiter.join(["Time [s]", "Displacement [mm]", "Force [kN]"])
+    lines, others = (
+        text(loop(cycles=20), names=names, delimiter=delimiter, decimal=decimal).split("\n")
+        for decimal in (before, after)
+    )
+    first = next(place for place in range(int(share * len(lines)), len(lines)) if others[place].count(after) == 3)
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(lines[:first] + others[first:]))
+    with pytest.raises(pc.UserError) as told:
+        read_file(path)
+    sign = {".": "decimal points", ",": "decimal commas"}
+    assert f"changes its decimal sign in line {first + 1}: got " in str(told.value)
+    assert f"with {sign[after]}; expected {sign[before]} as in the lines above" in str(told.value)
+
+
+def test_thousands_beside_decimal_commas_are_no_decimals(tmp_path):
+    """1.017 N among 998 N, in whole newtons: read as a decimal it would be a thousandth of itself."""
+    run = loop(2.0)
+    samples = zip(run.time, run.y, run.force, strict=True)
+    rows = [f"{t:.4f};{y:.5f}".replace(".", ",") + f";{f:,.0f}".replace(",", ".") for t, y, f in samples]
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(["Zeit [s];Weg [mm];Kraft [N]", *rows]))
+    (table,) = read_file(path).tables
+    force = table.channels[2].values
+    kept = np.isfinite(force)
+    np.testing.assert_allclose(force[kept], np.round(run.force[kept]))
+    assert 0 < np.count_nonzero(~kept) == table.unread[0].count

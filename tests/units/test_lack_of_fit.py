@@ -1,11 +1,14 @@
 """What of the residuals follows the conditions, and how much of it scatter from run to run may hide."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import Whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel
+from pipeclamp_identification.diagnosis.reasons import scatter_words
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 
 AMPLITUDES, FREQUENCIES = (0.1, 0.2, 0.5, 1.0), (4.0, 8.0, 15.0, 30.0)
@@ -41,3 +44,19 @@ def test_repeats_leave_scatter_less_to_hide():
     random = np.random.default_rng(7)
     once, thrice = (np.median([told(random, repeats).most_share for _ in range(DRAWS)]) for repeats in (1, 3))
     assert HIDDEN / NOISE < thrice < 0.85 * once
+
+
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [
+        (0.02, "what follows the conditions is 2.0% of the force noise; the rest is noise, and 0.20% of stiffness"),
+        (
+            0.99,
+            "as much as 99% of the force noise seems to follow the conditions, no more than scatter makes of it (noise",
+        ),
+    ],
+)
+def test_what_scatter_may_hide_is_no_share_that_follows_the_conditions(share, words):
+    """A complete law's reason had said that 99.9 % of the force noise follow the conditions, "the rest is noise"."""
+    problem = SimpleNamespace(noise=SimpleNamespace(stiffness_scatter=0.002, damping_scatter=0.0))
+    assert scatter_words(SimpleNamespace(share=share), problem).startswith(words)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign, MetricRun, metric_observations
 from pipeclamp_identification.metrics_only.diagnosed import MetricDiagnosed
 from pipeclamp_identification.metrics_only.evidence import judge_metrics, scatter_of

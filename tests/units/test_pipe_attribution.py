@@ -204,9 +204,11 @@ def test_each_verdict_ends_with_what_comes_next(compared, found, verdict, report
 
 def test_what_comes_next_where_nothing_can_be_asked_or_the_branch_is_not_known(compared, found):
     untold = replace(found, verdict="unknown", branch_unknown=True)
+    unrepeated = replace(found, verdict="unknown", noise_unknown=True)
+    repeated = "Next, once some sines are repeated: pipeclamp compare my.toml measured"
     swept = "Next, once it says which way it was swept: pipeclamp compare my.toml measured"
     more = "Next, once more is measured: pipeclamp compare my.toml measured"
-    for judged, words in ((untold, swept), (None, more)):
+    for judged, words in ((untold, swept), (unrepeated, repeated), (None, more)):
         following = after_pipe_comparison(Attributed(compared, judged, None), "my.toml", "measured", reported=False)
         assert following.words() == words
 
@@ -262,6 +264,35 @@ def test_a_rival_that_the_best_does_not_rule_out_is_named_though_it_is_not_beyon
     badly_left_out = leaving(singles[1], 0.65, -1e3)
     judged = _judged(compared, task, [best, badly_left_out, *others], everything, lambda what: None)
     assert judged.named == (best, badly_left_out)
+
+
+def test_what_is_left_is_no_noise_only_because_it_is_as_rough(compared, found, monkeypatch):
+    """Sines far apart make any misfit rough: more than tests scatter by is noise only where repeats tell it."""
+    monkeypatch.setattr("pipeclamp_identification.attribution.verdict._pairs", lambda *_: [])
+    task = replace(found.task, sines=found.task.sines.scaled(found.stated.refit.rms / 2.2))
+    stated = as_stated(task)
+
+    def judged(share: float, nrmse: float) -> Attribution:
+        residual = stated.residual * share**0.5
+        singles = [
+            replace(one, nrmse=nrmse, heldout=stated.squared - 5) for one in found.candidates if len(one.suspects) == 1
+        ]
+        singles = [replace(one, refit=replace(one.refit, residual=stated.residual)) for one in singles]
+        best = replace(singles[0], refit=replace(singles[0].refit, residual=residual), heldout=share * stated.squared)
+        everything = replace(found.together.refit, residual=0.98 * residual)
+        return _judged(compared, task, [best, *singles[1:]], everything, lambda what: None)
+
+    assert compared.sines.noise_nrmse is None
+    assert (judged(0.16, 0.09).verdict, judged(0.16, 0.09).kind) == ("wrong", "cause")
+    part = judged(0.16, 0.5)
+    assert (part.verdict, part.kind, part.noise_unknown) == ("wrong", "part", True)
+    words = attribution_words(part, None)
+    assert words[0].startswith("part of what is wrong")
+    assert any("no sine was repeated" in one for one in words)
+    assert judged(0.31, 0.09).kind == "cause"
+    assert judged(0.31, 0.5).verdict == "unknown", "it takes less than seven tenths of all that is wrong"
+    monkeypatch.setattr(PipeComparison, "noise_nrmse", 0.5)
+    assert judged(0.16, 0.5).kind == "cause"
 
 
 def test_a_proposed_test_may_have_fewer_probes_than_the_measurement(bench, found):

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis.evidence import lack_of_fit
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.diagnosis.left_out import Whitened
-from pipeclamp_identification.diagnosis.limits import parse_limits
 from pipeclamp_identification.diagnosis.noise import NoiseModel
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 from pipeclamp_identification.planning.campaign import Asked, plan_campaign

@@ -10,8 +10,8 @@ import pytest
 from banded import SPREAD, banded
 
 from pipeclamp.show.narrowing import beyond_words
-from pipeclamp_identification.diagnosis.limits import parse_limits
-from pipeclamp_identification.diagnosis.outlook import REPEATS
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
 from pipeclamp_identification.planning.loop_tests import LoopTests, with_tests
 from pipeclamp_identification.planning.narrowing import WORTH, Map, plan_tests
 from pipeclamp_models.base.errors import UsageError

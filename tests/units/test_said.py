@@ -17,3 +17,10 @@ def test_a_long_line_loses_its_middle():
     assert said.startswith("/a/b.csv: got")
     assert said.endswith("; expected less")
     assert len(said) == LONGEST
+
+
+def test_a_long_line_of_a_list_stays_one():
+    first, line = message(f"two can't be read\n  /home/{'folder/' * 60}{SAID}").split("\n")
+    assert first == "two can't be read"
+    assert line.startswith("  [...] ")
+    assert len(line) == LONGEST

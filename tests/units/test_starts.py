@@ -1,9 +1,9 @@
-"""Where fits start: all combinations of few starts, and of many the most promising ones, by a few evaluations."""
+"""Where fits start: all combinations of few starts, of many the most promising ones, and as large as the data ask."""
 
 import numpy as np
 import pytest
 
-from pipeclamp_identification.fitting.starts import MOST_STARTS, combined, most_promising
+from pipeclamp_identification.fitting.starts import MOST_STARTS, Linearised, combined, most_promising, sized
 
 CHOICES = [[{name: float(value)} for value in range(count)] for name, count in (("a", 4), ("b", 1), ("c", 5), ("d", 3))]
 BEST = {"a": 2.0, "b": 0.0, "c": 3.0, "d": 1.0}
@@ -38,3 +38,20 @@ def test_the_best_of_many_is_near_the_best_of_all(seed):
 
     every = sorted(map(coupled, combined(CHOICES)))
     assert min(map(coupled, most_promising(CHOICES, coupled))) <= every[1]
+
+
+def term(start, asked):
+    """Linearise a x with a term k tanh(F x / k), which is asked for so many times as large beside 3 x."""
+    x = np.linspace(-1, 1, 41)
+    u = start["F"] * x / start["k"]
+    slope = np.cosh(u) ** -2
+    jacobian = -np.column_stack([x, slope * x, np.tanh(u) - slope * u])
+    return Linearised(("a", "F", "k"), (3 - start["a"]) * x + (asked - 1) * start["k"] * np.tanh(u), jacobian)
+
+
+@pytest.mark.parametrize(("asked", "found"), [(0.02, 0.02), (1.0, 1.0), (50.0, 50.0), (0.0, 1.0), (-2.0, 1.0)])
+def test_a_start_is_as_large_as_the_data_ask_and_keeps_its_shape(asked, found):
+    start = {"a": 2.0, "F": 40.0, "k": 10.0}
+    assert sized(start, term(start, asked), {"a"}, [["F", "k"]]) == pytest.approx(
+        {"a": 2.0, "F": 40.0 * found, "k": 10.0 * found}
+    )

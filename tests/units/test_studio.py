@@ -160,6 +160,8 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
     assert added.effects == both
     assert [(step.step, step.kind) for step in added.history[-2:]] == [(f"+ {name}", "part") for name in both]
     assert Project("virtual", home).parent(made.stem) == "law1"
+    chips = studio.ask(f"/c/virtual/laws/{made.stem}")[2].decode().split('aria-label="Laws of this campaign"')[1]
+    assert f"<b>{made.stem}</b> + viscous + asymmetry" in chips
     assert _precedes(law, added) and not _precedes(added, law)
     made.unlink()
     (home / "law1.told.json").unlink()
@@ -237,11 +239,18 @@ def test_files_become_a_campaign_once_they_are_confirmed(studio, campaign, home)
     for path in sorted((campaign / "runs").iterdir()):
         assert studio.ask(f"/uploads/{batch}/{path.name}", "PUT", path.read_bytes())[0] == 200
 
-    def asked(dry_run):
-        job = studio.json("/import/jobs", {"batch": batch, "name": name, "dry_run": dry_run})
+    assert studio.ask(f"/uploads/{batch}/cut.csv", "PUT", b"")[0] == 200
+
+    def asked(dry_run, skip=True):
+        job = studio.json("/import/jobs", {"batch": batch, "name": name, "skip_unusable": skip, "dry_run": dry_run})
+        assert ("--skip-unusable" in job["command"]) is skip
         return studio.done(job)
 
+    refused = asked(True, skip=False)
+    assert refused["state"] == "refused"
+    assert "1 of 9 files can't be used" in refused["says"] and "is empty" in refused["says"]
     looked = asked(True)
+    assert any("cut.csv: left out" in line for line in looked["result"]["lines"])
     assert looked["state"] == "done", looked
     assert not looked["result"]["written"]
     assert [table["header"][0] for table in looked["result"]["tables"]] == ["column", "run"]

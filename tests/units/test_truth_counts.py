@@ -1,5 +1,8 @@
 """The truth table counts what a diagnosis said in the words that the issue's targets use."""
 
+import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -92,3 +95,14 @@ def test_targets_leave_weak_cases_aside_and_say_what_was_missed():
     text = markdown(rows, "the command")
     assert "| one effect, clean: right | 3 | 66.7% | >= 98% | **missed** |" in text
     assert "effect/gap/clean/middle/low/A/wrong" in text
+
+
+def test_several_draws_are_counted_together_from_their_journals(tmp_path):
+    """Of a run that was killed a journal may hold half a line at its end."""
+    for name, rows in (("cases-1.jsonl", [row("right")]), ("cases-2.jsonl", [row("right"), row("wrong")])):
+        text = "".join(f"{json.dumps(one)}\n" for one in rows) + json.dumps(row("failed"))[:40]
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    program = [sys.executable, FOLDER / "run.py", "--journals", tmp_path / "cases-1.jsonl", tmp_path / "cases-2.jsonl"]
+    told = subprocess.run(program, capture_output=True, encoding="utf-8", check=True).stdout
+    assert "run.py --journals cases-1.jsonl cases-2.jsonl`: 3 cases." in told
+    assert "| one effect, clean: right | 3 | 66.7% |" in told

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.diagnosis import reasons, weighing
-from pipeclamp_identification.diagnosis.weighing import Scales, Tolerance, weigh
+from pipeclamp_identification.diagnosis.channel import BentChannel
+from pipeclamp_identification.diagnosis.tolerance import Tolerance
+from pipeclamp_identification.diagnosis.weighing import Scales, weigh
 from pipeclamp_models.law.law import Structure
 
 
@@ -21,6 +23,12 @@ def candidate(effect, left, squares, structure="power"):
 
 
 TOLERANCE = Tolerance(0.1, 0.1, 0.75)
+
+
+@pytest.fixture(autouse=True)
+def straight(monkeypatch):
+    """The force channel is straight, but where a test bends it."""
+    monkeypatch.setattr(weighing, "bent_channel", lambda problem, law: None)
 
 
 def usable(*candidates):
@@ -84,6 +92,21 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, ki
     assert ("hardening, which leaves more in N, fits the weak harmonics clearly better" in found.reasons[0]) != near
 
 
+@pytest.mark.parametrize(
+    ("akaike", "expected"),
+    [(80.0, ("unknown", None, ())), (95.0, ("missing", "part", ("gap",))), (120.0, ("missing", "cause", ("gap",)))],
+)
+def test_a_bent_channel_is_a_rival_of_every_effect(akaike, expected, monkeypatch):
+    gap, law = candidate("gap", 8.0, 100.0), candidate("", 100.0, 1000.0)
+    gap.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: [])
+    monkeypatch.setattr(weighing, "bent_channel", lambda problem, law: BentChannel(200.0, -0.013, 1, 0.97, akaike))
+    found = weigh(law.result.law.structure, None, law, [gap], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind, found.effects) == expected
+    words = "a force channel that gives 1.30% less of what lies beyond 200 N, in the positive direction, takes 97% of"
+    assert (words in found.reasons[-1]) == (akaike < 110.0)
+
+
 @pytest.mark.parametrize(("near", "named"), [(True, ()), (False, ("stiffness_frequency",))])
 def test_what_does_no_better_than_the_law_as_it_is_explains_nothing(near, named, monkeypatch):
     """Hum of the mains left something that follows the conditions, and one effect of forty left less by chance."""
@@ -100,8 +123,12 @@ def test_what_does_no_better_than_the_law_as_it_is_explains_nothing(near, named,
     assert found.effects == named
 
 
-def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(monkeypatch):
-    """An asymmetry and a slip that is pressed came as near each other as a gas spring was ahead of both."""
+@pytest.mark.parametrize("rivals", [1, 2])
+def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(rivals, monkeypatch):
+    """An asymmetry and a slip that is pressed came as near each other as a gas spring was ahead of both.
+
+    And of a relaxation that spreads the relaxation alone had been named, with the other in the reason.
+    """
     general, special = candidate("gas_spring", 7.0, 70.0), candidate("asymmetry", 8.0, 100.0)
     rival, law = candidate("pressed_slip", 8.0, 101.0), candidate("", 100.0, 1000.0)
     for each in (general, special, rival):
@@ -111,9 +138,39 @@ def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(m
     monkeypatch.setattr(
         weighing, "_near", lambda best, asked, problem: [one for one in asked if best in alike and one in alike]
     )
-    found = weigh(law.result.law.structure, None, law, [general, special, rival], TOLERANCE, 1, print)
+    others = [special, rival][:rivals]
+    found = weigh(law.result.law.structure, None, law, [general, *others], TOLERANCE, 1, print)
     assert (found.verdict, found.kind) == ("ambiguous", "part")
-    assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")
+    assert found.effects == ("gas_spring", "asymmetry", "pressed_slip")[: 1 + rivals]
+
+
+def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypatch):
+    """Of a weak gas spring, first of all, an asymmetry and a slip that is pressed had been named, and it not."""
+    general, special = candidate("gas_spring", 7.0, 90.0), candidate("asymmetry", 8.0, 100.0)
+    rival, law = candidate("pressed_slip", 8.0, 91.0), candidate("", 100.0, 1000.0)
+    for each in (general, special, rival):
+        each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
+    monkeypatch.setattr(
+        weighing, "_near", lambda best, asked, problem: [one for one in asked if one not in (best, law)]
+    )
+    found = weigh(law.result.law.structure, None, law, [general, special, rival], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind) == ("ambiguous", "cause")
+    assert sorted(found.effects) == ["asymmetry", "gas_spring", "pressed_slip"]
+
+
+def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeypatch):
+    """A further condition left nothing over, but was third by what scatter leaves to tell of left-out conditions."""
+    first, second, last = (
+        candidate(*of) for of in (("stribeck", 80.0, 90.0), ("memory", 82.0, 95.0), ("gap", 70.0, 97.0))
+    )
+    law = candidate("", 100.0, 100.0)
+    for each, left in ((first, 0.6), (second, 0.6), (last, 0.0)):
+        each.lack = SimpleNamespace(p_value=0.5 if not left else 0.0, share=left, sure_share=left)
+    law.lack = SimpleNamespace(p_value=0.0, share=0.79, sure_share=0.7)
+    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
+    found = weigh(law.result.law.structure, None, law, [first, second, last], TOLERANCE, 1, print)
+    assert (found.verdict, found.effects) == ("missing", ("gap",))
 
 
 def weighed_part(monkeypatch, *, same):
@@ -151,6 +208,29 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
     assert (found.verdict, found.effects) == ("unknown", ())
     words = "viscous and offset together would take 92% of it, but leave 16.9 N (3.6 times the force noise)"
     assert any(words in reason for reason in found.reasons) == told
+
+
+def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkeypatch):
+    """An inertia and an asymmetry were missing; that a gas spring could be the second left open which comes first."""
+    asymmetry, gas, inertia = (
+        candidate("asymmetry", 60.0, 60.0),
+        candidate("gas_spring", 58.0, 55.0),
+        candidate("inertia", 70.0, 70.0),
+    )
+    law = candidate("", 100.0, 100.0)
+    for each, excess in ((asymmetry, 60.0), (gas, 58.0), (inertia, 70.0), (law, 100.0)):
+        each.lack = SimpleNamespace(p_value=0.0, share=3.0, sure_share=3.0, excess=excess)
+    pairs = []
+    for place, other in enumerate(("asymmetry", "gas_spring", "pressed_slip")):
+        pairs.append(candidate("inertia", 1.0, 10.0 + 20.0 * (place == 2)))
+        pairs[-1].effects, pairs[-1].lack = (other, "inertia"), SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
+    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
+    monkeypatch.setattr(weighing, "screened", lambda *of: [])
+    monkeypatch.setattr(weighing, "pairs", lambda *of: pairs)
+    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: False)
+    found = weigh(law.result.law.structure, None, law, [gas, asymmetry, inertia], TOLERANCE, 1, print)
+    assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("inertia",))
+    assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
 
 
 @pytest.mark.parametrize(("akaike", "told"), [(96.0, True), (104.0, False)])

@@ -182,6 +182,24 @@ class CosimResult:
             found.append(_about_beats(self.beats))
         return found
 
+    def remedy(self) -> str:
+        """Say in few words what helps where it isn't to be trusted."""
+        if self.beats is not None:
+            settles = self.beats.settles_at is not None
+            return "with solve = true in place of track = true" if settles else "with a larger stop_s"
+        error = self.step_error or 0.0
+        right = self._right_step(error) if error > self.trusted_share else None
+        return "with a smaller step_s" if right is None else f"with step_s = {right:.2g} or less"
+
+    @property
+    def mistaken(self) -> tuple[str, ...]:
+        """The clamps whose law is given an A and f that the motion doesn't have, so that its force is off."""
+        return tuple(
+            clamp.at
+            for clamp in self.system.clamps
+            if clamp.mode == "given" and self.columns[f"{clamp.at}.forceDeviation"][-1] > LIMIT
+        )
+
     def marks(self) -> list[str]:
         """Give the lines that say so wherever the result is shown; none where it is to be trusted."""
         return [doubt(f"{what}, {rest}") for what, rest in self.doubts()]
@@ -195,10 +213,17 @@ class CosimResult:
     def _shorter_step(self, error: float) -> str:
         """Say what would make the motion's error the expected one."""
         better = "" if self.scheme in ROLLS_BACK else ", or scheme = 'implicit'"
-        if error == inf or np.ptp(np.diff(self.time)) > UNEVEN * self.step:
+        right = self._right_step(error)
+        if right is None:
             return f"use a smaller step_s or energy_tolerance{better}"
-        right = self.step * (self.trusted_share / error) ** (1 / (self.order or ORDER[self.scheme]))
-        return f"use step_s = {MARGIN * right:.2g} or less{better}"
+        return f"use step_s = {right:.2g} or less{better}"
+
+    def _right_step(self, error: float) -> float | None:
+        """Give a step that makes the motion's error the expected one; None where none can be foretold."""
+        if error == inf or np.ptp(np.diff(self.time)) > UNEVEN * self.step:
+            return None
+        power = 1 / (self.order or ORDER[self.scheme])
+        return MARGIN * self.step * float((self.trusted_share / error) ** power)
 
     def amplitude(self, column: str, share: float = LAST_SHARE, but: float = 0.0) -> float:
         """Give half the peak-to-peak value of a column over the last share of the run, but for the very last one."""

@@ -23,7 +23,17 @@ from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
 from pipeclamp_system.steady.continuation import Equation, Refinement, Solution, Steps, between, follow, solve
 from pipeclamp_system.steady.floquet import growth
-from pipeclamp_system.steady.harmonics import A_HARMONIC, FEWEST, STILL, left_out, packed, resized, unpacked, wanted
+from pipeclamp_system.steady.harmonics import (
+    A_HARMONIC,
+    FEWEST,
+    SMALLEST,
+    STILL,
+    left_out,
+    packed,
+    resized,
+    unpacked,
+    wanted,
+)
 from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
 from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, steps
@@ -32,12 +42,13 @@ from pipeclamp_system.steady.tangents import linearised, tangents
 NUDGE = 1e-5
 """By which share of its size an unknown is moved for a derivative."""
 
+OVER_FREQUENCY = Steps(widest=0.05)
+"""Of a path over frequency: a resonance damped by 1 % stands out twentyfold so far from its frequency, as a share: in
+a longer step one that is small beside others could begin and end unseen."""
+
 STEEP = 100.0
 """Change of a motion over that of the frequency, both as shares, beyond which the path turns: what a motion is off by
 is told along the path there, not at the frequency."""
-
-SMALLEST = 1e-6
-"""mm: no motion is taken for smaller."""
 
 
 class SteadySystem:
@@ -269,6 +280,16 @@ class SteadySystem:
         size = max(one.size for one in unknowns)
         return [self._in_so_many(one, size) for one in unknowns]
 
+    def mirrored(self, unknowns: Array) -> Array:
+        """Give the motion with both directions exchanged, half a cycle later: where pipe and laws have no preferred
+        direction it is a solution too, and the same one unless the motion has even harmonics."""
+        motion = self.unpacked(unknowns[None])
+        return np.asarray(packed(np.where(np.arange(motion.shape[2]) % 2, motion, -motion))[0])
+
+    def lopsided(self, unknowns: Array) -> Array:
+        """Give the even harmonics of a motion, which change sign when it is mirrored; the others are 0, (m,)."""
+        return np.asarray((unknowns - self.mirrored(unknowns)) / 2)
+
     def _asked(self, unknowns: Array, frequency: float, level: float | None = None) -> int:
         """Give how many unknowns a motion asks for; at a level, where steps of force have no harmonics of their own."""
         at, H = np.array([frequency]), self._up_to(unknowns)
@@ -378,7 +399,7 @@ class SteadySystem:
 
         The curve begins at the first frequency; where it ends before the last one, the list does too.
         """
-        return [self.state(point.unknowns, point.parameter) for point in self.path(first, last)]
+        return [self.state(point.unknowns, point.parameter, point.side) for point in self.path(first, last)]
 
     def path(self, first: float, last: float) -> list[Solution]:
         """Give the solutions that `curve` evaluates, which takes as long as to find them."""
@@ -387,7 +408,8 @@ class SteadySystem:
             return []
         if not self._clamps:
             return [Solution(frequency, start) for frequency in np.linspace(first, last, 200).tolist()]
-        return list(follow(self.over_frequency(), Solution(first, start), last, float(self.sizes(start[None])[0])))
+        size = float(self.sizes(start[None])[0])
+        return list(follow(self.over_frequency(), Solution(first, start), last, size, OVER_FREQUENCY))
 
     def followed(self, first: float, last: float) -> FollowedResponse:
         """Follow the frequency response from its lower end (Hz), and from its upper end where that isn't reached."""
@@ -422,8 +444,8 @@ class SteadySystem:
         """Give the states at a frequency (Hz) at which a curve passes it."""
         return [self.state(unknowns, frequency) for unknowns in self.solutions(states, frequency)]
 
-    def state(self, unknowns: Array, frequency: float) -> SteadyState:
-        """Evaluate a solution (m,) at a frequency (Hz), and its stability."""
+    def state(self, unknowns: Array, frequency: float, side: int = 0) -> SteadyState:
+        """Evaluate a solution (m,) at a frequency (Hz), and its stability; side as of `Solution`."""
         count = len(self._clamps)
         motion = self.unpacked(unknowns[None])
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
@@ -452,4 +474,5 @@ class SteadySystem:
             growth=growth(self._stiffness, self._damping, self._shapes, laws, 1 / frequency, adrift=adrift),
             truncated=self._truncated(unknowns, at, drive, forces) if count else 0.0,
             beyond=tuple(c.beyond(motion[0, i], frequency, farthest[i]) for i, c in enumerate(self._clamps)),
+            side=side,
         )

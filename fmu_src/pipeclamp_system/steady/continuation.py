@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,6 +59,7 @@ class Steps:
         first: the first step.
         shortest: below it the path is given up.
         longest: no step is longer.
+        widest: nor goes farther in the parameter, as a share of it.
         most: no path has more points.
         tolerance: of the unknowns, as a share of their size.
     """
@@ -66,6 +67,7 @@ class Steps:
     first: float = 0.01
     shortest: float = 1e-6
     longest: float = 0.08
+    widest: float = float("inf")
     most: int = 1500
     tolerance: float = 1e-6
 
@@ -75,10 +77,16 @@ QUICK = 4
 """Newton corrections after which a step is given up, and up to which the next one may be longer."""
 
 STRAIGHT = 0.7
-"""Cosine of the angle by which a path may turn in a step: what turns by more may have left it for another."""
+"""Cosine of the angle by which a path may turn in a step: what turns by more may have left it for another, and so may
+what changes its side."""
 
 CAREFUL = 2e-3
-"""Steps that are shorter may turn by more: there a path can have a kink."""
+"""Steps that are shorter may turn by more, or change sides: there a path can have a kink, or be crossed."""
+
+CROSSING_HALVINGS = 3
+CROSSING_STEPS = (0.02, 0.05, 0.1)
+"""How often the piece of a path that another crosses is halved, and how far from there the other is looked for, as
+shares of the unknowns' size: the first at which it is found."""
 
 HALVINGS = 30
 BESIDE, SAME = 0.25, 1e-4
@@ -88,10 +96,18 @@ is looked for, as a share of their distance, and what difference is none, as a s
 
 @dataclass(frozen=True)
 class Solution:
-    """A solution: the parameter and the unknowns there, (m,)."""
+    """A solution.
+
+    Attributes:
+        parameter: the parameter.
+        unknowns: the unknowns there, (m,).
+        side: of a path, the sign of the determinant of all derivatives with its direction as the last row: it changes
+            where another path crosses, not where the path turns. 0: not told.
+    """
 
     parameter: float
     unknowns: Array
+    side: int = 0
 
 
 _Corrected = tuple[Solution, Array, Array, int]
@@ -188,9 +204,12 @@ def follow(
     ahead = _direction(by_unknowns, by_parameter, largest, span)
     ahead = ahead if ahead[-1] > 0 else -ahead
     finer: tuple[Solution, Array] | None = None
-    yield start
+    point = replace(start, side=_side(by_unknowns, by_parameter, ahead, largest, span))
+    yield point
     for _ in range(steps.most):
         scales = np.append(np.full(point.unknowns.size, largest), span)
+        if steps.widest * abs(point.parameter) < step * abs(ahead[-1] * span):
+            step = steps.widest * abs(point.parameter) / abs(ahead[-1] * span)
         found = _corrected(equation, point, ahead, step, scales, steps.tolerance)
         fitted = None if found is None else _refined(equation, point, ahead, step, scales, found, steps.tolerance)
         if fitted is not None:
@@ -199,7 +218,9 @@ def follow(
             before = equation.resized(ahead[:-1], there.unknowns.size)
             onwards = _direction(by_unknowns, by_parameter, largest, span)
             turn = float(onwards @ np.append(before, ahead[-1]))
-        if fitted is None or (abs(turn) < STRAIGHT and step > CAREFUL):
+            onwards = onwards if turn > 0 else -onwards
+            side = _side(by_unknowns, by_parameter, onwards, largest, span)
+        if fitted is None or ((abs(turn) < STRAIGHT or side != point.side) and step > CAREFUL):
             if finer is not None:
                 (point, ahead), finer = finer, None
                 continue
@@ -207,7 +228,7 @@ def follow(
             if step < steps.shortest:
                 return
             continue
-        last, point, ahead = point, there, onwards if turn > 0 else -onwards
+        last, point, ahead = point, replace(there, side=side), onwards
         if corrections <= QUICK:
             step = min(1.5 * step, steps.longest)
         share = (point.parameter - start.parameter) / span
@@ -215,13 +236,13 @@ def follow(
             edge = end if share > 1 else start.parameter
             at_edge = between(equation, last, point, edge)
             if at_edge is not None:
-                yield Solution(edge, at_edge)
+                yield Solution(edge, at_edge, last.side)
             return
         yield point
         asked, finer = equation.asked(point.unknowns, point.parameter), None
         if asked < point.unknowns.size:  # from here on fewer will do, or else the path goes on from as many
             finer = point, ahead
-            point = Solution(point.parameter, equation.resized(point.unknowns, asked))
+            point = replace(point, unknowns=equation.resized(point.unknowns, asked))
             ahead = np.append(equation.resized(ahead[:-1], asked), ahead[-1])
             ahead = ahead / np.linalg.norm(ahead)
 
@@ -230,6 +251,46 @@ def _direction(by_unknowns: Array, by_parameter: Array, largest: float, span: fl
     """Give the direction of a path, along which the residual doesn't change, in scaled unknowns, (m + 1,)."""
     scales = np.append(np.full(by_parameter.size, largest), span)
     return np.asarray(np.linalg.svd(np.column_stack([by_unknowns, by_parameter]) * scales)[2][-1])
+
+
+def _side(by_unknowns: Array, by_parameter: Array, ahead: Array, largest: float, span: float) -> int:
+    """Give `Solution.side` of a path with a direction in scaled unknowns, (m + 1,)."""
+    scales = np.append(np.full(by_parameter.size, largest), span)
+    bordered = np.vstack([np.column_stack([by_unknowns, by_parameter]) * scales, ahead])
+    return int(np.linalg.slogdet(bordered)[0] * np.sign(span))
+
+
+def crossing(equation: Equation, before: Solution, after: Solution) -> Solution | None:
+    """Give a point of the path that crosses another one between two of its points; None where none is found.
+
+    Between them the other path must not turn. Where they cross the derivatives by the unknowns have a direction in
+    which the residual doesn't change; there, at a right angle to it, the path that crosses is met again.
+    """
+    low, high = before, after
+    for _ in range(CROSSING_HALVINGS):
+        parameter = (low.parameter + high.parameter) / 2
+        unknowns = between(equation, low, high, parameter)
+        if unknowns is None:
+            return None
+        middle = Solution(parameter, unknowns)
+        if _sign(equation, middle) == _sign(equation, low):
+            low = middle
+        else:
+            high = middle
+    scales = np.append(np.full(low.unknowns.size, np.abs(low.unknowns).max()), abs(low.parameter))
+    by_unknowns = equation(low.unknowns, low.parameter)[1]
+    across = np.append(np.linalg.svd(by_unknowns)[2][-1], 0.0)
+    for step in CROSSING_STEPS:
+        found = _corrected(equation, low, across, step, scales, Steps.tolerance)
+        fitted = None if found is None else _refined(equation, low, across, step, scales, found, Steps.tolerance)
+        if fitted is not None:
+            return fitted[0]
+    return None
+
+
+def _sign(equation: Equation, solution: Solution) -> float:
+    """Give the sign of the determinant of the derivatives by the unknowns."""
+    return float(np.linalg.slogdet(equation(solution.unknowns, solution.parameter)[1])[0])
 
 
 def _refined(

@@ -1,19 +1,23 @@
-"""Branches of a frequency response that nothing joins to the rest of it inside its range: closed ones, mostly.
+"""Branches of a frequency response besides the curve that its ends lead to.
 
-They are found where the excitation's level joins them to the response that is known: from one of its states, with the
-frequency held, the level is raised or lowered until the path comes back to the level that is asked for, elsewhere.
+Those that leave a curve begin where they cross it: where a symmetric motion becomes unstable, a pair of less symmetric
+ones does, each the other's mirror image, of which one stands for both. Those that nothing joins to the rest inside its
+range, closed ones mostly, are found where the excitation's level joins them to the response that is known: from one of
+its states, with the frequency held, the level is raised or lowered until the path comes back to the level that is asked
+for, elsewhere.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import cycle, islice
+from dataclasses import replace
+from itertools import cycle, islice, pairwise
 
 import numpy as np
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.continuation import Solution, Steps, follow
+from pipeclamp_system.steady.balance import OVER_FREQUENCY, SteadySystem
+from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow
 from pipeclamp_system.steady.harmonics import packed
 from pipeclamp_system.steady.states import SteadyState
 
@@ -35,10 +39,10 @@ MOST_HALVES = 20
 STEPS = Steps(first=0.05, longest=0.2)
 
 
-def detached_branches(
+def leaving_branches(
     system: SteadySystem, known: Sequence[Sequence[SteadyState]], first: float, last: float
 ) -> tuple[tuple[SteadyState, ...], ...]:
-    """Seek branches that a frequency response isn't joined to in its range.
+    """Follow the branches that leave pieces of a frequency response inside its range, and those that leave these.
 
     Args:
         system: pipe and clamps under their sine.
@@ -46,13 +50,61 @@ def detached_branches(
         first, last: ends of the range, Hz.
     """
     found: list[tuple[SteadyState, ...]] = []
+    waiting = list(known)
+    while waiting:
+        for before, after in pairwise(waiting.pop(0)):
+            if before.side * after.side >= 0 or any(_ends_between(system, one, before, after) for one in found):
+                continue
+            start = crossing(system.over_frequency(), *(_solution(state) for state in (before, after)))
+            if start is None or not first < start.parameter < last:
+                continue
+            met = (one for piece in [*known, *found] for one in system.solutions(piece, start.parameter))
+            if not any(_same(system, start.unknowns, one) for one in met):
+                branch = _followed(system, start, first, last)
+                found.append(branch)
+                waiting.append(branch[1:-1])  # at its ends it crosses what it leaves
+    return tuple(found)
+
+
+def _ends_between(system: SteadySystem, branch: Sequence[SteadyState], before: SteadyState, after: SteadyState) -> bool:
+    """Tell whether a branch leaves a curve between two of its states, no farther from it than these are apart."""
+    ends = system.matched([_solution(before).unknowns, _solution(after).unknowns])
+    apart = np.abs(ends[1] - ends[0]).max()
+    for state in (branch[0], branch[-1]):
+        for met in system.solutions([before, after], state.frequency):
+            here, there = system.matched([_solution(state).unknowns, met])
+            if np.abs(here - system.lopsided(here) - there).max() <= apart:
+                return True
+    return False
+
+
+def _solution(state: SteadyState) -> Solution:
+    return Solution(state.frequency, packed(state.balanced[None])[0])
+
+
+def detached_branches(
+    system: SteadySystem,
+    known: Sequence[Sequence[SteadyState]],
+    first: float,
+    last: float,
+    leaving: Sequence[Sequence[SteadyState]] = (),
+) -> tuple[tuple[SteadyState, ...], ...]:
+    """Seek branches that a frequency response isn't joined to in its range.
+
+    Args:
+        system: pipe and clamps under their sine.
+        known: the pieces of the response that are known, from whose states others are sought.
+        first, last: ends of the range, Hz.
+        leaving: further ones that are known, from which none is sought: that would take as long again.
+    """
+    found: list[tuple[SteadyState, ...]] = []
     if not system.clamps:  # without laws all is linear
         return ()
     for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
-        met = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
+        waiting = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
         # Where a response that was given up has a gap, it begins at rest.
-        unseen = [] if met else [start for start in [system.start(frequency)] if start is not None]
-        waiting = list(met)
+        unseen = [] if waiting else [start for start in [system.start(frequency)] if start is not None]
+        met = [*waiting, *(unknowns for piece in leaving for unknowns in system.solutions(piece, frequency))]
         while waiting or unseen:
             while unseen:
                 branch = _followed(system, Solution(frequency, unseen[0]), first, last)
@@ -60,7 +112,7 @@ def detached_branches(
                 unseen = _others(system, unseen, crossed)
                 waiting += crossed
                 met += crossed
-                if not _is_known(system, branch, [*known, *found]):
+                if not _is_known(system, branch, [*known, *leaving, *found]):
                     found.append(branch)
             unseen = _others(system, list(_joined(system, waiting.pop(), frequency)), met)
     return tuple(found)
@@ -71,7 +123,7 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
     looked_at = branch[:: max(1, len(branch) // LOOKS)]
     there = [
         any(
-            _same(system, unknowns, packed(state.balanced[None])[0])
+            _same(system, unknowns, _solution(state).unknowns)
             for piece in pieces
             for unknowns in system.solutions(piece, state.frequency)
         )
@@ -81,8 +133,9 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
 
 
 def _same(system: SteadySystem, *two: Array) -> bool:
+    """Tell whether two motions of one frequency are the same, or each the other's mirror image."""
     one, other = system.matched(two)
-    return bool(np.abs(one - other).max() <= SAME * np.abs(other).max())
+    return any(np.abs(one - it).max() <= SAME * np.abs(it).max() for it in (other, system.mirrored(other)))
 
 
 def _others(system: SteadySystem, some: Sequence[Array], known: Sequence[Array]) -> list[Array]:
@@ -103,19 +156,45 @@ def _followed(system: SteadySystem, start: Solution, first: float, last: float) 
     """Follow a branch from one of its points to where it closes, leaves the range, or is given up."""
     onwards, closed = _half_by_half(system, start, (last, first))
     backwards = [] if closed else _half_by_half(system, start, (first, last))[0]
-    return tuple(system.state(point.unknowns, point.parameter) for point in [*reversed(backwards[1:]), *onwards])
+    back = [replace(point, side=-point.side) for point in reversed(backwards[1:])]
+    return tuple(system.state(point.unknowns, point.parameter, point.side) for point in [*back, *onwards])
 
 
 def _half_by_half(system: SteadySystem, start: Solution, ends: tuple[float, float]) -> tuple[list[Solution], bool]:
-    """Follow a branch above and below its first frequency in turn; also say whether it came back to where it was."""
+    """Follow a branch above and below its first frequency in turn; also say whether it came back to where it was.
+
+    Where it meets its own mirror image it has come to the symmetric motion that it branches off from, and ends.
+    """
     path, passed = [start], [start.unknowns]
+    mirrored = _is_mirrored(system, start)
     for end in islice(cycle(ends), MOST_HALVES):
         size = float(system.sizes(path[-1].unknowns[None])[0])
-        _, *half = follow(system.over_frequency(), path[-1], end, size)
-        path += half
+        onwards = follow(system.over_frequency(), path[-1], end, size, OVER_FREQUENCY)
+        begun, *half = _until_mirrored(system, onwards, mirrored=mirrored)
+        path = [*path[:-1], begun, *half]
         if not half or half[-1].parameter != start.parameter:
             return path, False
         if not _others(system, [half[-1].unknowns], passed):
             return path, True
         passed.append(half[-1].unknowns)
     return path, False
+
+
+def _is_mirrored(system: SteadySystem, point: Solution) -> bool:
+    """Tell whether a motion has a mirror image that isn't itself and that is balanced too."""
+    mirrored = system.mirrored(point.unknowns)
+    size = SAME * float(np.abs(mirrored).max())
+    unbalanced = np.abs(system.over_frequency()(mirrored, point.parameter)[0]).max()
+    return bool(np.abs(mirrored - point.unknowns).max() > size >= unbalanced)
+
+
+def _until_mirrored(system: SteadySystem, path: Iterator[Solution], *, mirrored: bool) -> Iterator[Solution]:
+    """Give the points of a path; where it is mirrored, to the first that is nearer to the image of that before."""
+    before = None
+    for point in path:
+        yield point
+        if before is not None and mirrored:
+            two = system.matched([before.unknowns, point.unknowns])
+            if np.dot(*(system.lopsided(one) for one in two)) < 0:
+                return
+        before = point

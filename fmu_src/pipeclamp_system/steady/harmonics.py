@@ -12,6 +12,9 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.clamp import Complex
 
+SMALLEST = 1e-6
+"""mm: no motion is taken for smaller."""
+
 FEWEST = 3
 """Harmonics that are balanced at least, unless told."""
 

@@ -23,7 +23,7 @@ from pipeclamp_system.description.system import ResponseTable, read_system
 from pipeclamp_system.description.trust_mark import doubt
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.described import ranges_of, response_table, steady_system
-from pipeclamp_system.steady.detached import detached_branches
+from pipeclamp_system.steady.detached import detached_branches, leaving_branches
 from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_system.steady.harmonics import DOUBTFUL
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
@@ -38,17 +38,19 @@ class Curve:
         level: factor on the excitation's amplitude.
         followed: states along the curve, round its turning points.
         detached: branches that nothing joins to it in its range.
+        leaving: branches that leave it, or one of those.
     """
 
     temperature: float | None
     level: float
     followed: FollowedResponse
     detached: tuple[tuple[SteadyState, ...], ...] = ()
+    leaving: tuple[tuple[SteadyState, ...], ...] = ()
 
     @property
     def pieces(self) -> tuple[tuple[SteadyState, ...], ...]:
         """All pieces, the detached ones last."""
-        return (*self.followed.pieces, *self.detached)
+        return (*self.followed.pieces, *self.leaving, *self.detached)
 
     @property
     def states(self) -> tuple[SteadyState, ...]:
@@ -91,6 +93,16 @@ class FrequencyResponse:
         """Names of all clamps and probes."""
         return (*self.clamp_names, *self.probe_names)
 
+    @property
+    def left_out(self) -> bool:
+        """Whether harmonics that are left out would move a motion by more than can be overlooked."""
+        return any(state.truncated > DOUBTFUL for curve in self.curves for state in curve.states)
+
+    @property
+    def doubtful_dots(self) -> tuple[Dot, ...]:
+        """The co-simulations that aren't to be trusted."""
+        return tuple(dot for dot in self.dots if not dot.trusted)
+
     def summary(self) -> str:
         """Give peaks, unstable branches and how well the two ways agree, for a person to read."""
         lines = [f"system {self.name!r}, level 1: {self.excitation}"]
@@ -103,7 +115,11 @@ class FrequencyResponse:
             stretches = [_span(low, high) for low, high in unstable_stretches(curve.pieces)]
             branch = f"; unstable {', '.join(stretches)}" if stretches else ""
             broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
-            apart = "".join(f"; {_about_detached(piece)}" for piece in curve.detached)
+            apart = "".join(
+                f"; {about(piece)}"
+                for about, of_kind in ((_about_leaving, curve.leaving), (_about_detached, curve.detached))
+                for piece in of_kind
+            )
             lines.append(f"{label(curve.temperature, curve.level)}: peak {peak_text}{branch}{apart}{broken}")
         lines += self._about_harmonics()
         lines += self.about_ranges()
@@ -172,7 +188,7 @@ class FrequencyResponse:
                 f"{len(alone)} co-simulations settle where no stable branch was found: one is missing there "
                 f"({_places(alone)})"
             )
-        doubtful = [dot for dot in self.dots if not dot.trusted]
+        doubtful = self.doubtful_dots
         if doubtful:
             places = _places(doubtful)
             lines.append(
@@ -213,9 +229,20 @@ def _span(low: float, high: float) -> str:
 
 def _about_detached(branch: Sequence[SteadyState]) -> str:
     """Say where a branch lies that nothing joins to the others."""
+    return f"a branch apart {_where(branch)}"
+
+
+def _about_leaving(branch: Sequence[SteadyState]) -> str:
+    """Say where a branch lies that leaves another one, and how far it is off the middle."""
+    off = max(float(np.abs(state.clamps[:, 0]).max()) for state in branch)
+    return f"a less symmetric branch {_where(branch)}, off the middle by up to {off:.2g} mm at a clamp"
+
+
+def _where(branch: Sequence[SteadyState]) -> str:
+    """Say which frequencies a branch spans, and whether none of it is stable."""
     frequencies = [state.frequency for state in branch]
     stable = "" if any(state.stable for state in branch) else " (all of it unstable)"
-    return f"a branch apart {_span(min(frequencies), max(frequencies))}{stable}"
+    return f"{_span(min(frequencies), max(frequencies))}{stable}"
 
 
 def label(temperature: float | None, level: float) -> str:
@@ -296,8 +323,10 @@ def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | No
             f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
             f"{table.to_Hz:g} Hz; try other ends of [response]"
         )
-    detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
-    return Curve(temperature, level, followed, detached)
+    leaving = leaving_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
+    detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, leaving)
+    leaving += leaving_branches(system, detached, table.from_Hz, table.to_Hz)
+    return Curve(temperature, level, followed, detached, leaving)
 
 
 def _dot_frequencies(table: ResponseTable) -> Sequence[float]:
@@ -325,6 +354,8 @@ def write_response(
             row = _row("curve", curve.temperature, curve.level, state.frequency, amplitudes_of(state), response)
             row |= {"piece": number, "stable": float(state.stable), "growth [1/s]": state.growth}
             row |= {"harmonics": state.harmonics, "truncated [1]": state.truncated}
+            means = np.concatenate([state.clamps[:, 0].real, state.probes[:, 0].real])
+            row |= {f"{name}.mean [mm]": mean for name, mean in zip(response.points, means.tolist(), strict=True)}
             for name, (amplitude, frequency), force, beyond in zip(
                 response.clamp_names, state.conditions.tolist(), half_range(state.forces).tolist(), state.beyond,
                 strict=True,

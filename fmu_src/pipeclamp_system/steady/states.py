@@ -25,6 +25,7 @@ class SteadyState:
         growth: of the disturbance that grows fastest, 1/s; below 0 where the motion is stable.
         truncated: rms of the harmonics that are left out, as a share of that of the motion, where it is largest.
         beyond: each clamp's conditions that lie beyond its law's data, by name: A (mm), f (Hz), T (K), further ones.
+        side: of a curve's state, as of `Solution`: it changes where a branch leaves the curve.
     """
 
     frequency: float
@@ -35,6 +36,7 @@ class SteadyState:
     growth: float
     truncated: float
     beyond: tuple[Mapping[str, float], ...]
+    side: int = 0
 
     @property
     def harmonics(self) -> int:

@@ -12,6 +12,7 @@ from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_models.realise.states import SETTLED, trail
 from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
+from pipeclamp_system.steady.harmonics import SMALLEST
 
 NUDGE = 1e-5
 """By which share of its size an argument is moved for a derivative."""
@@ -128,7 +129,9 @@ def along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
     still = arguments(cycle)[:, 0]
     own = len(still)
     at = np.stack([*still, *(np.roll(state[0], 1) for state in along_cycle.states)])
-    nudges = NUDGE * np.maximum(np.abs(at).max(axis=1, keepdims=True), np.finfo(float).tiny) * np.ones_like(at)
+    least = np.full((len(at), 1), np.finfo(float).tiny)
+    least[[Y, BEFORE]] = SMALLEST  # at rest a law may give a force, beside which less than that is lost
+    nudges = NUDGE * np.maximum(np.abs(at).max(axis=1, keepdims=True), least) * np.ones_like(at)
     nudges[V] = np.maximum(nudges[V], np.abs(a) * h / 2)
     each = np.eye(len(at))[:, :, None] * nudges
     moved = np.concatenate([at + each, at - each]).swapaxes(0, 1)  # (arguments, rows, n)

@@ -13,7 +13,7 @@ from pipeclamp.api.law import Law, opened
 from pipeclamp.api.shown import PathOrName, Shown, frame_of
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.workflow.next_command import next_command
 from pipeclamp_identification.workflow.tests import Diagnosed, silent
 from pipeclamp_models.base.one_thread import one_thread

@@ -94,6 +94,7 @@ def import_files(
     name: str = "",
     notes: str = "",
     format: Format = "parquet",
+    skip_unusable: bool = False,
     dry_run: bool = False,
     progress: Progress | None = None,
 ) -> Import:
@@ -108,15 +109,16 @@ def import_files(
         rate: samples per second, where no channel holds the time.
         name, notes: of the campaign; its folder's name by default.
         format: of the records: "parquet", "csv" or "csv.gz".
+        skip_unusable: leave out files that are damaged or hold no test; notes, page and campaign.toml name them.
         dry_run: write nothing.
         progress: is told what is being done.
 
     Returns:
-        what the files became; nothing is written unless all of them can be used.
+        what the files became; nothing is written unless all of them can be used, or those that can't may be left out.
 
     Raises:
-        UserError: a file can't be read, or names and units don't tell which channel is what (the message ends with
-            what to state).
+        UserError: files can't be used (all of them are named, with the reason), or names and units don't tell which
+            channel is what (the message ends with what to state).
 
     >>> from pathlib import Path
     >>> from pipeclamp_identification.campaign.bundled import campaign_folder
@@ -138,8 +140,9 @@ def import_files(
         ",".join(f"{ours}={channel}" for ours, channel in columns.items()) if isinstance(columns, Mapping) else columns
     )
     table = None if conditions is None else Path(path_of(conditions, "a table of conditions"))
+    options = stated_options(stated, pattern, table, rate, leave_out=lambda unusable: skip_unusable)
     found = import_whole(
-        paths, Path(path_of(campaign, "a campaign's folder")), stated_options(stated, pattern, table, rate),
+        paths, Path(path_of(campaign, "a campaign's folder")), options,
         page=import_page, dry_run=dry_run, name=name, notes=notes, software=software(), format=format,
         progress=progress,
     )  # fmt: skip

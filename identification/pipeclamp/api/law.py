@@ -88,7 +88,9 @@ class Law:
             A: amplitude of the motion in mm, where the law follows it; shapes as v.
             f: its frequency in Hz, likewise.
             T: temperature in degC, likewise.
-            h: seconds between samples, for laws whose memory fades with time (`relaxation`).
+            h: seconds between samples, where the law has memory: it then goes from sample to sample as an FMU through
+                its step, and unloads from where the motion turned between two of them; without h each is one straight
+                move. Laws whose memory fades with time (`relaxation`) ask for it.
             conditions: further ones by the column's name in runs.csv: density_g_cm3, first_cycle, current_A.
 
         Returns:

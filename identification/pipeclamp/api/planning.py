@@ -10,7 +10,7 @@ from pipeclamp.api.shown import PathOrName, Shown, path_of
 from pipeclamp.show.campaign_plan import campaign_plan_view
 from pipeclamp.show.narrowing import band_plan_view
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_identification.planning import campaign
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import plan_files

@@ -17,6 +17,7 @@ from pipeclamp_system.cosim.run import run_system
 
 if TYPE_CHECKING:
     from pipeclamp.pages.page import Section
+    from pipeclamp_identification.workflow.next_step import NextStep
     from pipeclamp_system.bands.ensemble import RunBands
 
 
@@ -81,11 +82,19 @@ class Cosimulation:
     def _sections(self) -> Sequence[Section]:
         from pipeclamp.pages.system.cosim import cosim_sections
 
-        return cosim_sections(self.result, self.bands)
+        return cosim_sections(self.result, self.bands, self._following())
+
+    def _following(self) -> NextStep:
+        from pipeclamp_identification.workflow.next_in_system import after_cosim
+
+        return after_cosim(self.result, self.origin, "cosim.csv", bands=self.bands.per_cent if self.bands else None)
 
     def __str__(self) -> str:
         """Say what came out, and what isn't to be trusted."""
-        return "\n".join([*self._sections()[0].paragraphs, *(self.bands.words() if self.bands else ())])
+        from pipeclamp.pages.system.cosim import answer_first
+
+        banded = self.bands.words() if self.bands else ()
+        return "\n".join([*answer_first(self.result.summary().splitlines()), *banded, self._following().words()])
 
     def __repr__(self) -> str:
         """Give the system, and whether the result can be trusted."""

@@ -62,8 +62,9 @@ class Tests(Shown):
     def page(self) -> tuple[str, str, Sequence[Section]]:
         """Give the page of the loops' metrics, as `pipeclamp metrics --report` writes it."""
         from pipeclamp.pages.sections import metrics_page
+        from pipeclamp_identification.workflow.next_command import after_import
 
-        return f"Loop metrics of {self.name}", self.tests.notes, metrics_page(self.tests)
+        return f"Loop metrics of {self.name}", self.tests.notes, metrics_page(self.tests, after_import(self.origin))
 
     def to_frame(self) -> pl.DataFrame:
         """Give a row a run: conditions (mm, Hz, degC), dW and W (J), loss factor, stiffness (N/mm), scatter."""

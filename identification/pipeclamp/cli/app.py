@@ -159,22 +159,27 @@ def metrics(
     """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
     from pipeclamp.show.views import metrics_view
     from pipeclamp_identification.metrics_only.writing import metric_files
+    from pipeclamp_identification.workflow.next_command import after_import
     from pipeclamp_models.base.files import write_folder
 
     spare(campaign, outputs=(json, report))
     with told("metrics") as tell:
         tests = read_and_tell(campaign, strict, tell)
         view = metrics_view(tests)
+    following = after_import(str(campaign))
     if output:
         write_folder(output, metric_files(tests.metrics()))
     if report:
         from pipeclamp.pages.page import write_report
         from pipeclamp.pages.sections import metrics_page
 
-        write_report(report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests), command_called())
+        write_report(
+            report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests, following), command_called()
+        )
     show(view, json)
     if tests.has_loops and not (json or report):
         console().print("Every run is in --json and --report.", highlight=False)
+    print_next(following)
 
 
 @app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
@@ -326,10 +331,10 @@ def diagnose(
     strict: StrictOption = False,
 ) -> None:
     """Which physical effect does the law lack? Or which test would tell?"""
+    from pipeclamp.cli.ladder import climbed
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
-    from pipeclamp_identification.diagnosis.limits import parse_limits
-    from pipeclamp_identification.workflow.auto import add_until_settled
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
     from pipeclamp_models.law.declaration_files import read_declaration, read_effects
     from pipeclamp_models.law.file import law_text
@@ -344,13 +349,21 @@ def diagnose(
         tests = read_and_tell(campaign, strict, tell)
         reach = parse_limits(limits) if limits else None
         if auto:
-            settled = add_until_settled(
-                file, tests, command=command_called(), declared=declarations, limits=reach, jobs=jobs, progress=tell
+            settled = climbed(
+                file,
+                tests,
+                campaign,
+                auto,
+                tell,
+                command=command_called(),
+                declared=declarations,
+                limits=reach,
+                jobs=jobs,
             )
-            file, found, ladder, climbed = settled.told(tests.name), settled.found, settled.ladder, settled.words()
+            file, found, ladder, rungs = settled.told(tests.name), settled.found, settled.ladder, settled.words()
         else:
             found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
-            ladder, climbed = (), []
+            ladder, rungs = (), []
     paths = {read_declaration(path).id: str(path) for path in declared or ()}
     following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
     view = diagnosis_view(found, ladder, following, drive)
@@ -364,7 +377,7 @@ def diagnose(
         write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
     if auto:
         write_whole(auto, law_text(file))
-    for line in climbed:
+    for line in rungs:
         console().print(line, highlight=False)
     show(view, json)
 

@@ -17,6 +17,7 @@ from pipeclamp_models.base.files import refuse_folder
 if TYPE_CHECKING:
     from pipeclamp_identification.importing.answer import Found
     from pipeclamp_identification.importing.columns import Mapped, Stated
+    from pipeclamp_identification.importing.unusable import UnusableFiles
 
 app = typer.Typer()
 
@@ -66,6 +67,10 @@ def import_command(
     notes: Annotated[str, typer.Option(help="Notes on the campaign.")] = "",
     format: Annotated[RecordFormat, typer.Option(help="Format of the records.")] = RecordFormat.parquet,
     dry_run: Annotated[bool, typer.Option("--dry-run", metavar="", help="Show it, and write nothing.")] = False,
+    skip_unusable: Annotated[
+        bool,
+        typer.Option("--skip-unusable", metavar="", help="Leave out damaged files, and those without a test."),
+    ] = False,
     yes: Annotated[bool, typer.Option("--yes", metavar="", help="Don't ask whether the columns are right.")] = False,
     json: JsonOption = None,
     report: ReportOption = None,
@@ -80,7 +85,8 @@ def import_command(
 
     spare(*files, outputs=(json, report))
     asked = _at_a_terminal()
-    options = stated_options(columns, pattern, conditions, rate, _ask if asked else None)
+    leave_out = _may_be_left_out if asked and not skip_unusable else lambda unusable: skip_unusable
+    options = stated_options(columns, pattern, conditions, rate, leave_out=leave_out, ask=_ask if asked else None)
     with told("import") as tell:
         found = import_whole(
             files, output, options, page=import_page, confirm=_confirmed if asked and not yes else None,
@@ -115,6 +121,15 @@ def _ask(where: str, mapped: Mapped) -> Sequence[Stated]:
             answer = question.choices[int(answer) - 1].text
         stated += parse_columns(answer)
     return stated
+
+
+def _may_be_left_out(unusable: UnusableFiles) -> bool:
+    """Show which files can't be used, and ask whether the others are to be imported."""
+    console().print("\n  ".join([f"{unusable.heading()}:", *unusable.lines()]), markup=False, highlight=False)
+    try:
+        return typer.confirm(f"Leave them out, and import the other {unusable.others}?", default=False)
+    except typer.Abort:
+        return False
 
 
 def _confirmed(found: Found) -> bool:

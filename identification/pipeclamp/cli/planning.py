@@ -81,7 +81,7 @@ def plan(
         return
     assert output is not None
     from pipeclamp.show.campaign_plan import campaign_plan_view
-    from pipeclamp_identification.diagnosis.limits import parse_limits
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.planning.campaign import Asked, plan_campaign
     from pipeclamp_identification.planning.campaign_answer import plan_files
     from pipeclamp_identification.planning.loop_tests import RIG
@@ -109,7 +109,7 @@ def _next_test(
     """Say which loop test narrows the band of a pipe's peak most."""
     from pipeclamp.show.narrowing import band_plan_view
     from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
-    from pipeclamp_identification.diagnosis.limits import parse_limits
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.planning.narrowing import plan_tests
     from pipeclamp_identification.workflow.next_command import NEXT_TEST
     from pipeclamp_models.base.files import write_whole

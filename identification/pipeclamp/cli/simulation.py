@@ -22,6 +22,7 @@ from pipeclamp.cli.terminal import (
     file_option,
     names_in,
     opened_law,
+    print_next,
     say,
     spare,
     told,
@@ -31,7 +32,11 @@ from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_system.description.trust_mark import doubt
 
 if TYPE_CHECKING:
+    from pipeclamp.pages.page import Section
     from pipeclamp_fmu.native.packing import Built
+    from pipeclamp_identification.workflow.next_step import NextStep
+    from pipeclamp_system.bands.ensemble import RunBands
+    from pipeclamp_system.bands.told import ResponseBands
 
 app = typer.Typer()
 
@@ -179,6 +184,7 @@ def cosim(
 ) -> None:
     """Couple a pipe FMU with clamp FMUs and run them."""
     from pipeclamp.pages.system.cosim import cosim_sections
+    from pipeclamp_identification.workflow.next_in_system import after_cosim
     from pipeclamp_system.cosim.result import write_result
     from pipeclamp_system.cosim.run import run_system
 
@@ -193,13 +199,14 @@ def cosim(
         if bands is not None:
             banded = run_bands(system, result, bands, tell)
             result = banded.result
-        sections = cosim_sections(result, banded)
+        following = after_cosim(result, system, str(output), report, bands)
+        sections = cosim_sections(result, banded, following)
     if report:
         from pipeclamp.pages.page import write_report
 
         write_report(report, f"Co-simulation: {result.name}", system.name, sections, command_called())
     write_result(result, output)
-    say([*sections[0].paragraphs, *(banded.words() if banded else ()), str(output)])
+    _say_all(sections[0], banded, output, following)
 
 
 @app.command(epilog="Example: pipeclamp response system.toml -o response.csv --report response.html")
@@ -212,6 +219,7 @@ def response(
 ) -> None:
     """Frequency response with the clamps: steady states, stable or not, and co-simulations on them."""
     from pipeclamp.pages.system.response import response_sections
+    from pipeclamp_identification.workflow.next_in_system import after_response
     from pipeclamp_system.steady.response import run_response, write_response
 
     spare(system, outputs=(output, report))
@@ -225,13 +233,20 @@ def response(
         found = run_response(system, tell)
         if bands is not None:
             banded = response_bands(system, found, bands, limits, tell)
-        sections = response_sections(found, banded)
+        following = after_response(found, system, str(output), report, bands)
+        sections = response_sections(found, banded, following)
     if report:
         from pipeclamp.pages.page import write_report
 
         write_report(report, f"Frequency response: {found.name}", system.name, sections, command_called())
     write_response(found, output, banded.columns() if banded else None)
-    say([*sections[0].paragraphs, *(banded.words() if banded else ()), str(output)])
+    _say_all(sections[0], banded, output, following)
+
+
+def _say_all(answer: Section, banded: RunBands | ResponseBands | None, output: Path, following: NextStep) -> None:
+    """Print what came out, how sure it is, the file, and what comes next."""
+    lines = [line for line in answer.paragraphs if line not in following.before()]
+    say([*lines, *(banded.words() if banded else ()), str(output), following.words()])
 
 
 def _limits(texts: list[str] | None, bands: float | None) -> dict[str, float]:
@@ -257,6 +272,7 @@ def system_structure(
     kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
+    from pipeclamp_identification.workflow.next_in_system import after_packaging
     from pipeclamp_system.cosim.building import NATIVE, PYTHON
     from pipeclamp_system.cosim.ssp import write_system
 
@@ -274,6 +290,7 @@ def system_structure(
             f"displacement errs by {found.error:.1%}; libcosim reads the step from the SSP",
             highlight=False, markup=False, soft_wrap=True,
         )  # fmt: skip
+    print_next(after_packaging(system))
 
 
 @app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")
@@ -296,6 +313,7 @@ def sweep(
     )
 
     from pipeclamp.pages.system.study import study_sections
+    from pipeclamp_identification.workflow.next_in_system import after_sweep
     from pipeclamp_system.study.description import read_study
     from pipeclamp_system.study.run import run_study
 
@@ -308,12 +326,13 @@ def sweep(
             read, output, jobs, dask, lambda done, _: shown.update(task, completed=done),
             lambda: errors().print("the cases that run are finished first; Ctrl-C again ends at once", highlight=False),
         )  # fmt: skip
-    sections = study_sections(read, frame)
+    following = after_sweep(read, frame, study, str(output), report)
+    sections = study_sections(read, frame, following)
     if report:
         from pipeclamp.pages.page import write_report
 
         write_report(report, f"Study: {read.description.name}", read.description.notes, sections, command_called())
-    say([*sections[0].paragraphs, str(output)])
+    _say_all(sections[0], None, output, following)
 
 
 def _built(

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -20,6 +19,7 @@ import typer
 from pipeclamp_models.base.errors import UsageError, UserError
 from pipeclamp_models.base.files import refuse_file, refuse_folder, write_whole
 from pipeclamp_models.base.said import printable
+from pipeclamp_models.base.shell import shell_line
 from pipeclamp_system.description.trust_mark import is_doubt
 
 if TYPE_CHECKING:
@@ -288,12 +288,12 @@ def command_called() -> str:
         return ",".join(part if re.match(r"\w\w+:", part) else Path(part).name or part for part in word.split(","))
 
     words = [word if word.startswith("-") else last(word) for word in sys.argv[1:]]
-    return printable(" ".join(["pipeclamp", *words]))
+    return printable(shell_line(*words))
 
 
 def line_called() -> str:
     """Give the command as it was called, as a shell takes it again."""
-    return shlex.join(["pipeclamp", *sys.argv[1:]])
+    return shell_line(*sys.argv[1:])
 
 
 def read_and_tell(folder: Path, strict: bool, tell: Tell, *, free: bool = False) -> Tests:

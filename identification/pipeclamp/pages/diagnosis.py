@@ -13,7 +13,7 @@ from pipeclamp.show.sentences import sentence
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
-from pipeclamp_identification.diagnosis.next_test import Proposal
+from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_models.equations.effect import Effect
@@ -43,7 +43,7 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
     """
     named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
     # what runs at the same stated conditions differ by is promised to no effect
-    best = [] if diagnosis.found.unstated else diagnosis.candidates[:1]
+    best = [] if diagnosis.found.unstated or diagnosis.found.bent else diagnosis.candidates[:1]
     both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
     alone = [] if both else named or best
     together = [diagnosis.pair] if diagnosis.pair else []

@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import GRID, MEASURED, SERIES, Section, render, styled
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
-from pipeclamp.show.imported import columns_table, cut_table, import_lines, imported_runs_table
+from pipeclamp.show.imported import columns_table, cut_table, import_lines, imported_runs_table, left_out_table
 from pipeclamp_identification.importing.answer import Found
 from pipeclamp_identification.importing.looked_at import CYCLES, ShownLoop
 from pipeclamp_identification.importing.plan import Overview
@@ -42,6 +42,8 @@ def import_sections(found: Found) -> list[Section]:
         *_loops(found),
         Section("All runs", (), [imported_runs_table(answer)]),
     ]
+    if answer.left_out_files:
+        sections.append(Section("Files that were left out", (), [left_out_table(answer)]))
     if answer.cut:
         sections.append(
             Section("What was cut", ["Samples are lines of the file where it is a text."], [cut_table(answer)])

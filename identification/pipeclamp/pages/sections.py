@@ -159,17 +159,19 @@ def law_alone_page(file: LawFile) -> list[Section]:
     return [Section("Answer", words, figures=_falling(file, ())), *law_sections(file)]
 
 
-def metrics_page(tests: Tests) -> list[Section]:
-    """Give the page of tests by their loop metrics.
+def metrics_page(tests: Tests, next_command: str = "") -> list[Section]:
+    """Give the page of tests by their loop metrics, the shell line to run next in its first section.
 
     Raises:
         TypeError: tests of a kind that has none.
     """
     if isinstance(tests, RecordTests):
-        return metrics_sections(tests.sines, tests.loops)
-    if isinstance(tests, MetricTests):
-        return [Section("All runs", (), [metric_table(tests.campaign)])]
-    raise TypeError(f"no page of the metrics of {type(tests).__name__}")
+        first, *others = metrics_sections(tests.sines, tests.loops)
+    elif isinstance(tests, MetricTests):
+        first, *others = [Section("All runs", (), [metric_table(tests.campaign)])]
+    else:
+        raise TypeError(f"no page of the metrics of {type(tests).__name__}")
+    return [replace(first, command=next_command), *others]
 
 
 def _difference(laws: Sequence[tuple[LawFile, Held]], about: int) -> list[Section]:

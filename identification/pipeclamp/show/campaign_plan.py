@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.limits import limits_words
+from pipeclamp_identification.diagnosis.further_test.limits import limits_words
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import campaign_plan_answer
 from pipeclamp_identification.planning.telling import NAMED

@@ -27,7 +27,7 @@ def how_much(comparison: Comparison) -> list[str]:
     if not comparison.free:
         return _errs(comparison, "")
     free = f"RMS error {overall_nrmse(comparison.free):.2%} of RMS force over {_runs(len(comparison.free))}"
-    words = [f"{free} of free motion; no motion repeats, so that no scatter can be known."]
+    words = [f"{free} of free motion; {along_free(comparison.free).scatter_words()}."]
     words += [f"{_MEAN_TAKEN}: {run.run}." for run in comparison.free if run.adrift]
     return [*words, *(_errs(comparison, " of sines") if comparison.runs else [])]
 

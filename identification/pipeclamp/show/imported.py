@@ -10,6 +10,7 @@ from pipeclamp_identification.campaign.description import ImportedColumn, Import
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
+from pipeclamp_models.base.shell import quoted
 
 MOST_NAMED = 3
 MOST_SHOWN = 60
@@ -61,6 +62,11 @@ def cut_table(answer: ImportAnswer) -> Table:
     return Table(("file", "samples", "cut because"), rows)
 
 
+def left_out_table(answer: ImportAnswer) -> Table:
+    """Give the files that couldn't be used, and why."""
+    return Table(("file", "left out because"), [(one.file, one.why) for one in answer.left_out_files])
+
+
 def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
     """Say what was written, and what to know of it."""
     new = sum(run.new for run in answer.runs)
@@ -74,6 +80,9 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
         files = _counted(len(answer.new_files), "file")
         head = f"{found.folder}: {_counted(new, 'run')} of {files}{_known(answer)}{done}"
     lines = [head]
+    if answer.left_out_files:
+        count = len(answer.left_out_files)
+        lines.append(f"{_counted(count, 'file')} left out, for {'it' if count == 1 else 'they'} can't be used")
     if answer.cut:
         why = Counter(one.why for one in answer.cut)
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
@@ -82,7 +91,7 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
         again = ", with another folder by -o" if found.written else ""
         lines.append(
             f"the files' names look as if they state settings; to take them, import again{again}: "
-            f'--pattern "{answer.pattern}"'
+            f"--pattern {quoted(answer.pattern, always=True)}"
         )
     unknown = [run.run for run in answer.runs if run.temperature_C is None]
     if unknown:

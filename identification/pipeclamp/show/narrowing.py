@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
-from pipeclamp_identification.diagnosis.outlook import REPEATS
+from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
 from pipeclamp_identification.planning.narrowing import WORTH, BandPlan, Map, test_words
 from pipeclamp_identification.planning.narrowing_answer import band_plan_answer
 from pipeclamp_system.bands.band import TOLD, Band, ends_words, origin_words

@@ -10,11 +10,11 @@ from pipeclamp.show.view import View
 from pipeclamp_identification.attribution.answer import system_comparison_answer
 from pipeclamp_identification.attribution.attributed import Attributed
 from pipeclamp_identification.attribution.repeats import NextMeasurement
-from pipeclamp_identification.attribution.verdict import FEWEST, Attribution, Candidate
+from pipeclamp_identification.attribution.verdict import FEWEST, PLAUSIBLE_NOISE_NRMSE, Attribution, Candidate
 from pipeclamp_identification.diagnosis.named import NO_PROOF
 from pipeclamp_identification.on_pipe.records import records_words
 from pipeclamp_identification.on_pipe.where import how_much, where_words
-from pipeclamp_identification.workflow.next_on_pipe import NextStep
+from pipeclamp_identification.workflow.next_step import NextStep
 
 CANDIDATES_PRINTED = 8
 
@@ -45,6 +45,11 @@ def attribution_words(found: Attribution | None, proposal: NextMeasurement | Non
     elif found.verdict == "unknown":
         best = found.candidates[0]
         words.append(f"The best refit is {best.told()}. {_left(best, found)}")
+    if found.noise_unknown:
+        words.append(
+            f"More is left than the {PLAUSIBLE_NOISE_NRMSE:.0%} that tests on pipes scatter by at most, as a rule; no "
+            "sine was repeated, which alone would tell that it is noise."
+        )
     if proposal is not None:
         words.append(proposal.words())
     elif found.verdict == "ambiguous":
@@ -68,6 +73,8 @@ def _headline(found: Attribution) -> str:
             return f"ambiguous: one of these is wrong, and this measurement can't tell which: {'; '.join(names)}."
         case "unknown" if found.branch_unknown:
             return "unknown: no parameter errs where it is known which of the model's motions was measured."
+        case "unknown" if found.noise_unknown:
+            return "unknown: no parameter takes clearly more than chance does, and what is left may be noise or not."
         case "unknown":
             return "unknown: something is wrong that no one or two parameters of pipe, clamps and measurement explain."
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.work import Task
-from pipeclamp_identification.diagnosis.limits import parse_limits
+from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+from pipeclamp_models.base.shell import quoted, shell_line
 from pipeclamp_models.law.file import Kind
 
 BASES = {
@@ -17,15 +18,10 @@ BASES = {
 }
 
 
-def line(*words: str) -> str:
-    """Join words to a command line; double quotes are understood by the shells of Windows too."""
-    return " ".join(["pipeclamp", *(word if re.fullmatch(r"[\w./\\:+=@,-]+", word) else f'"{word}"' for word in words)])
-
-
 def identify_line(project: Project, law: str, base: str) -> str:
     """Give the line that fits a base law."""
     beside = () if base == "power" else ("--base", base)
-    return line("identify", project.campaign, "-o", project.shown(f"{law}.json"), *beside)
+    return shell_line("identify", project.campaign, "-o", project.shown(f"{law}.json"), *beside)
 
 
 def identify_task(project: Project, base: str) -> tuple[Task, str]:
@@ -47,7 +43,7 @@ def add_line(project: Project, of: str, effect: str, kind: Kind | None, law: str
     """Give the line that adds an effect, or several with commas between them, which the diagnosis means so."""
     meant = ("--as", kind) if kind == "part" else ()
     given = project.shown(f"{of}.json"), effect, project.campaign, "-o", project.shown(f"{law}.json")
-    return line("add", *given, *meant)
+    return shell_line("add", *given, *meant)
 
 
 def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple[Task, str]:
@@ -63,7 +59,7 @@ def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple
 
 def diagnose_line(project: Project, law: str, limits: str = "") -> str:
     """Give the line that diagnoses a law; `limits` say what the rig can do."""
-    return line(
+    return shell_line(
         "diagnose", project.shown(f"{law}.json"), project.campaign, "--json", project.shown(f"{law}.diagnosis.json"),
         "--drive", project.shown(f"{law}.next_test.csv"), *(("--limits", limits) if limits else ()),
     )  # fmt: skip
@@ -87,7 +83,7 @@ def diagnose_task(project: Project, law: str, limits: str) -> Task:
 
 def discover_line(project: Project, of: str, law: str) -> str:
     """Give the line that searches a term which no catalogue has."""
-    return line(
+    return shell_line(
         "discover", project.shown(f"{of}.json"), project.campaign, "-o", project.shown(f"{of}.term.toml"),
         "--auto", project.shown(f"{law}.json"), "--json", project.shown(f"{of}.discovery.json"),
     )  # fmt: skip
@@ -108,7 +104,7 @@ def discover_task(project: Project, of: str) -> tuple[Task, str]:
 def build_line(project: Project, law: str, kind: str) -> str:
     """Give the line that builds a law's FMU."""
     beside = ("--kind", "native") if kind == "native" else ()
-    return line("build-fmu", project.shown(f"{law}.json"), "-o", project.shown(f"{law}.fmu"), "--track", *beside)
+    return shell_line("build-fmu", project.shown(f"{law}.json"), "-o", project.shown(f"{law}.fmu"), "--track", *beside)
 
 
 def build_task(project: Project, law: str, kind: str) -> Task:
@@ -120,7 +116,7 @@ def build_task(project: Project, law: str, kind: str) -> Task:
 def report_line(project: Project, law: str) -> str:
     """Give the line that writes a law's page."""
     law_file, page = project.shown(f"{law}.json"), project.shown(f"{law}.html")
-    return line("compare", law_file, project.campaign, "--report", page)
+    return shell_line("compare", law_file, project.campaign, "--report", page)
 
 
 def report_task(project: Project, law: str) -> Task:
@@ -133,7 +129,7 @@ def report_task(project: Project, law: str) -> Task:
 
 def response_line(project: Project, law: str) -> str:
     """Give the line that finds the response of a pipe with a law's clamp."""
-    return line("response", project.shown(f"{law}.system.toml"), "-o", project.shown(f"{law}.response.csv"))
+    return shell_line("response", project.shown(f"{law}.system.toml"), "-o", project.shown(f"{law}.response.csv"))
 
 
 def response_task(project: Project, law: str) -> Task:
@@ -145,15 +141,20 @@ def response_task(project: Project, law: str) -> Task:
     return Task("respond", f"The pipe with the clamp of {law}, cold and hot", response_line(project, law), given, law)
 
 
-def import_task(files: Path, folder: Path, columns: str, pattern: str, *, dry_run: bool) -> Task:
+def import_task(files: Path, folder: Path, columns: str, pattern: str, *, skip_unusable: bool, dry_run: bool) -> Task:
     """Give the task that makes a campaign of uploaded files, or says what it would be."""
     stated = [*(("--columns", columns) if columns else ()), *(("--pattern", pattern) if pattern else ())]
-    command = line("import", str(files), "-o", str(folder), *stated, *(("--dry-run",) if dry_run else ()))
-    given = {"files": [str(files)], "folder": str(folder), "columns": columns, "pattern": pattern}
+    flags = [*(("--skip-unusable",) if skip_unusable else ()), *(("--dry-run",) if dry_run else ())]
+    command = shell_line("import", str(files), "-o", str(folder), *stated, *flags)
+    given = {
+        "files": [str(files)], "folder": str(folder), "columns": columns, "pattern": pattern,
+        "skip_unusable": skip_unusable,
+    }  # fmt: skip
     kind, title = ("look", "Look into the files") if dry_run else ("import", f"Make the campaign {folder.name}")
     return Task(kind, title, command, given)
 
 
 def _last_parts(command: str) -> str:
     """Give a line with paths by their last part, as law files keep it."""
-    return re.sub(r'[^\s"]*[/\\]([^\s"/\\]+)', r"\1", command)
+    words = ("".join(found) for found in re.findall(r"\"([^\"]*)\"|'([^']*)'|(\S+)", command))
+    return " ".join(quoted(re.split(r"[/\\]", word)[-1] or word) for word in words)

@@ -132,9 +132,18 @@ def chips_of(project: Project) -> list[LawChip]:
         except UserError:
             continue
         error = 100 * file.fit.nrmse if file.fit else None
-        words = file.history[-1].step if file.history else title_of(file)
-        chips.append(LawChip(name, words, error, project.parent(name)))
+        parent = project.parent(name)
+        words = steps_since(file, project.law(parent) if parent else None)
+        chips.append(LawChip(name, words, error, parent))
     return chips
+
+
+def steps_since(file: LawFile, before: LawFile | None) -> str:
+    """Say by which steps a law came from another; by its last one where it didn't."""
+    steps = [entry.step for entry in file.history]
+    first = [entry.step for entry in before.history] if before else []
+    own = steps[len(first) :] if first and steps[: len(first)] == first else steps[-1:]
+    return " ".join(own) or title_of(file)
 
 
 def waterfall_of(file: LawFile, told: Told | None) -> Picture:

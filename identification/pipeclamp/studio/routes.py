@@ -210,7 +210,7 @@ class Pages:
         files = uploads.batch_folder(self.desk.home, _text(asked, "batch"))
         task = commands.import_task(
             files, self.desk.home / name, str(asked.get("columns", "")), str(asked.get("pattern", "")),
-            dry_run=bool(asked.get("dry_run", True)),
+            skip_unusable=bool(asked.get("skip_unusable", False)), dry_run=bool(asked.get("dry_run", True)),
         )  # fmt: skip
         job = self.desk.jobs.start("", task, lambda job: self.desk.forget(name))
         return JSONResponse(job.to_dict())

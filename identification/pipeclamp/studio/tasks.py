@@ -41,7 +41,7 @@ def diagnose(
     from pipeclamp.studio.told import told_of
     from pipeclamp_identification.campaign.drive import drive_content
     from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-    from pipeclamp_identification.diagnosis.limits import parse_limits
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
 
     tests, file = _tests(tell, campaign), read_law(Path(law))
@@ -77,23 +77,21 @@ def report(tell: Progress, *, campaign: str, law: str, page: str) -> dict[str, A
     return {"file": Path(page).name}
 
 
-def look_into(tell: Progress, *, files: list[str], folder: str, columns: str, pattern: str) -> dict[str, Any]:
-    """Say what files would become, and write nothing."""
-    return _imported(tell, files, folder, columns, pattern, dry_run=True)
+def look_into(tell: Progress, *, files: list[str], folder: str, **stated: Any) -> dict[str, Any]:
+    """Say what files would become, and write nothing; `stated` are options of an import."""
+    return _imported(tell, files, folder, dry_run=True, **stated)
 
 
-def import_into(tell: Progress, *, files: list[str], folder: str, columns: str, pattern: str) -> dict[str, Any]:
-    """Make a campaign of files."""
-    return _imported(tell, files, folder, columns, pattern, dry_run=False)
+def import_into(tell: Progress, *, files: list[str], folder: str, **stated: Any) -> dict[str, Any]:
+    """Make a campaign of files; `stated` are options of an import."""
+    return _imported(tell, files, folder, dry_run=False, **stated)
 
 
-def _imported(
-    tell: Progress, files: list[str], folder: str, columns: str, pattern: str, *, dry_run: bool
-) -> dict[str, Any]:
+def _imported(tell: Progress, files: list[str], folder: str, **stated: Any) -> dict[str, Any]:
     from pipeclamp.api.importing import import_files
     from pipeclamp.show.table import cell
 
-    found = import_files(files, folder, columns=columns, pattern=pattern, dry_run=dry_run, progress=tell)
+    found = import_files(files, folder, progress=tell, **stated)
     view = found.view()
     tables = [
         {"caption": table.caption, "header": list(table.header), "rows": [[cell(v) for v in row] for row in table.rows]}

@@ -62,6 +62,9 @@ NEXT_BEST = 3
 """Rivals of such a refit that may be on another branch."""
 NOISE_ONLY_RMS = 1.4
 """Rms in units of the noise up to which what is left is noise."""
+PLAUSIBLE_NOISE_NRMSE = 0.1
+"""More than tests on pipes scatter by: of what is left beyond it repeated sines alone tell that it is noise. How rough
+a misfit is doesn't, where sines lie farther apart than resonances are wide."""
 EXPLAINED_SQUARES_SHARE = 0.7
 """Share of the squared misfit that a suspect must take away to be named although more than noise is left."""
 PLAIN_SQUARES_SHARE = 0.9
@@ -135,6 +138,7 @@ class Attribution:
             alike stands behind it.
         branch_unknown: whether it is "unknown" since what is named errs at sines alone of which it isn't known which of
             the model's stable motions was measured.
+        noise_unknown: whether more is left than can be taken for noise, and no sine was repeated that would tell.
     """
 
     verdict: Verdict
@@ -146,6 +150,7 @@ class Attribution:
     task: Task
     kind: Kind | None = None
     branch_unknown: bool = False
+    noise_unknown: bool = False
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:
@@ -279,15 +284,20 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
     singles = sorted(singles, key=lambda one: one.unlikelihood)
     most_general = min(singles, key=lambda one: one.heldout)
     if not _better(most_general, stated):
-        enough = stated.refit.rms <= NOISE_ONLY_RMS and not _needs_more(stated.refit, together)
-        return found("complete" if enough else "unknown", (), singles)
+        if stated.refit.rms > NOISE_ONLY_RMS or _needs_more(stated.refit, together):
+            return found("unknown", (), singles)
+        if not _may_be_noise(compared, stated):
+            return replace(found("unknown", (), singles), noise_unknown=True)
+        return found("complete", (), singles)
     pairs = _pairs(compared, task, singles, everything, tell)
     of_size = pairs if pairs and _better(min(pairs, key=lambda one: one.heldout), most_general) else singles
     candidates = sorted([*singles, *pairs], key=lambda one: one.unlikelihood)
     best = of_size[0]
     needs_more = _needs_more(best.refit, together)
-    explained = (stated.refit.squared - best.refit.squared) / (stated.refit.squared - best.refit.residual.size)
-    noise_only = best.refit.rms <= NOISE_ONLY_RMS and not needs_more
+    told = _may_be_noise(compared, best)
+    of_noise = best.refit.residual.size if told else 0.0
+    explained = (stated.refit.squared - best.refit.squared) / (stated.refit.squared - of_noise)
+    noise_only = told and best.refit.rms <= NOISE_ONLY_RMS and not needs_more
     if not noise_only and explained < (PLAIN_SQUARES_SHARE if needs_more else EXPLAINED_SQUARES_SHARE):
         return found("unknown", (), candidates)
     if _hangs_on_a_branch(task, stated, best):
@@ -295,7 +305,7 @@ def _judged(compared: Compared, task: Task, singles: list[Candidate], together: 
     # A rival needn't be beyond doubt by itself: it is enough that the best one doesn't rule it out.
     rivals = [one for one in of_size if one is best or (not _rules_out(best, one) and _may_help(one, stated))]
     verdict: Verdict = "wrong" if len(rivals) == 1 else "ambiguous"
-    return found(verdict, rivals, candidates, "cause" if noise_only else "part")
+    return replace(found(verdict, rivals, candidates, "cause" if noise_only else "part"), noise_unknown=not told)
 
 
 def _pairs(
@@ -316,6 +326,11 @@ def _hangs_on_a_branch(task: Task, stated: Candidate, best: Candidate) -> bool:
     before, after = (task.on_known_branches(one.refit.residual) for one in (stated, best))
     gained = float(before @ before) - float(after @ after)
     return before.size < stated.refit.residual.size and gained <= CLEARLY_MORE_SQUARES * best.overdispersion
+
+
+def _may_be_noise(compared: Compared, one: Candidate) -> bool:
+    """Tell whether what a candidate leaves may be noise: it is little, or repeats tell how much that is."""
+    return compared.sines is None or compared.sines.noise_nrmse is not None or one.nrmse <= PLAUSIBLE_NOISE_NRMSE
 
 
 def _better(one: Candidate, other: Candidate) -> bool:

@@ -135,6 +135,14 @@ class ImportedCut(Table):
     why: StrictStr
 
 
+class LeftOutFile(Table):
+    """A file that couldn't be used, was left out as the user said, and why."""
+
+    file: StrictStr
+    sha256: Sha256 | None = Field(default=None, description="of its content; not there where it couldn't be read")
+    why: StrictStr
+
+
 class ImportedDelay(Table):
     """A delay of the force behind the displacement that all runs share, as it was found; it is not taken off."""
 
@@ -151,6 +159,7 @@ class Imported(Table):
     files: tuple[ImportedFile, ...] = ()
     runs: tuple[ImportedRun, ...] = ()
     cut: tuple[ImportedCut, ...] = ()
+    left_out: tuple[LeftOutFile, ...] = ()
 
 
 class CampaignDescription(Table):

@@ -1,6 +1,6 @@
 """Breakdowns of a law's squared error along free motions: over time, between turning points, by what the motion does.
 
-As those of sines, each parts the same whole. What of it is scatter nobody knows: no motion repeats.
+As those of sines, each parts the same whole. What of a part is scatter nobody knows: no motion repeats.
 """
 
 from __future__ import annotations

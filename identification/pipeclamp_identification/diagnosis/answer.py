@@ -10,7 +10,7 @@ from pydantic import Field
 from pipeclamp_identification.campaign.faults import SensorFault
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
-from pipeclamp_identification.diagnosis.next_test import Proposal
+from pipeclamp_identification.diagnosis.further_test.next_test import Proposal
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
 from pipeclamp_identification.fitting.groups_answer import GroupsAnswer, groups_answer

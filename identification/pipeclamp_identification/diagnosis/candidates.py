@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, starting_points, unfitted
+from pipeclamp_identification.fitting.least_squares import Fit, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
@@ -75,7 +75,7 @@ def _closely_where_worth(
     contenders: Sequence[Contender], problem: Problem, law: Judged, tell: Callable[[str], None]
 ) -> list[Contender]:
     """Fit all roughly; give where to go on from, closely where a rough fit gains much of what the best one does."""
-    as_it_is = unfitted(law.result.law.structure, problem.coarse, law.result.law.values).cost
+    as_it_is = law.result.cost
     rough = _each_roughly(contenders, problem, tell)
     most = max((as_it_is - result.cost for result in rough), default=0.0)
     return [

@@ -10,9 +10,9 @@ from typing import Self
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import explained_share
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, parts_of
-from pipeclamp_identification.diagnosis.next_test import NoTest, Proposal, next_test
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
@@ -102,7 +102,7 @@ class Diagnosed:
     def calls_for_a_term(self) -> bool:
         """Whether a term beyond the catalogue is worth a search: nothing is named for what follows the conditions."""
         diagnosis = self.diagnosis
-        if diagnosis.found.unstated is not None:
+        if diagnosis.found.unstated is not None or diagnosis.found.bent is not None:
             return False
         elsewhere = bool(self.sensors()) or diagnosis.leftover.not_periodic or diagnosis.is_adequate(diagnosis.law)
         enough = int(diagnosis.problem.groups.max()) + 1 >= FEWEST_GROUPS

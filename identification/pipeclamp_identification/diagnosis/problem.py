@@ -18,7 +18,7 @@ from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
 from pipeclamp_identification.fitting.identify import ages, fit_structure
-from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised
+from pipeclamp_identification.fitting.least_squares import Fit, fit, linearised, unfitted
 from pipeclamp_identification.fitting.observations import (
     LoopObservations,
     Rows,
@@ -39,7 +39,7 @@ CLOSELY = 1e-5
 """Tolerance of a candidate's fit: a step that gains less is far below what any verdict asks."""
 FROM_NEAR = 1e-4
 """Tolerance of a fit to all points of the cycle that begins where the fit to few of them ended."""
-ROUGHLY = 1e-3
+ROUGHLY = 1e-4
 """Tolerance of the fits that only tell the best of several starts, or of several pairs."""
 VALLEYS = 2
 """Starts from which an effect is fitted, those that promise most: the error has valleys between them."""
@@ -61,6 +61,9 @@ class Problem:
         discrepancy: variance of each harmonic part that the laws' form is granted besides the noise, N2. Where the
             best law misses far more than noise, noise alone would let the quietest harmonics rule.
         factors: random factors of groups that differ beside their conditions; None where none do.
+        grid_error: what the law as it is shows otherwise at few points of the cycle than at many, N, shape (R, m).
+            Rough fits are held against what was measured and that besides: a jump of force between two of few points
+            is no physics, and can be many times the noise.
     """
 
     loops: Loops
@@ -71,6 +74,7 @@ class Problem:
     further_groups: Mapping[str, Rows]
     discrepancy: float = 0.0
     factors: GroupFactors | None = None
+    grid_error: Array | float = 0.0
 
     @property
     def is_large(self) -> bool:
@@ -85,9 +89,9 @@ class Problem:
     @cached_property
     def coarse(self) -> WhitenedObservations:
         """The same for rough fits: laws are evaluated at fewer points."""
-        return WhitenedObservations(
-            coarser(self.loops, self.harmonics), self.noise.whitener(self.discrepancy), self.factors
-        )
+        few = coarser(self.loops, self.harmonics)
+        shown = replace(few, harmonics=few.harmonics + self.grid_error)
+        return WhitenedObservations(shown, self.noise.whitener(self.discrepancy), self.factors)
 
     @cached_property
     def against_noise(self) -> WhitenedObservations:
@@ -175,7 +179,8 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     residual = harmonics.plain_residual(first.law_force)
     noise = noise_model(loops, residual if factors is None else residual - factors.beside(first.law_force).force())
     groups = condition_groups(loops)
-    return Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors), first
+    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors)
+    return with_grid_error(problem, first), first
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:
@@ -204,7 +209,17 @@ def weighed_again(problem: Problem, structure: Structure, best: Fit, starts: Seq
         starts: fits from whose values the law starts, most promising first.
     """
     weighed = weighed_for(problem, best)
-    return weighed, judge((), structure, [start.law.values for start in starts], weighed)
+    law = judge((), structure, [start.law.values for start in starts], weighed)
+    return with_grid_error(weighed, law.result), law
+
+
+def with_grid_error(problem: Problem, law: Fit) -> Problem:
+    """Give the problem with what few points of the cycle show otherwise than many, as a law has it."""
+    few = coarser(problem.loops, problem.harmonics)
+    at_few = unfitted(law.law.structure, few, law.law.values).law_force
+    return replace(
+        problem, grid_error=few.transformed(at_few.force) - problem.harmonics.transformed(law.law_force.force)
+    )
 
 
 def judge(

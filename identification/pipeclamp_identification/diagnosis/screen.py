@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, are_one_memory
-from pipeclamp_identification.fitting.least_squares import Linearised, linearised, starting_points, unfitted
+from pipeclamp_identification.fitting.least_squares import sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
-from pipeclamp_models.base.arrays import Array
+from pipeclamp_identification.fitting.starts import Linearised
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.equations.effect import Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
@@ -61,7 +61,7 @@ class Promise:
         return [self.starts[place] for place in np.argsort(costs, kind="stable")]
 
 
-def _promise(structure: Structure, name: str, problem: Problem, law: Judged, unseen: Array) -> Promise | None:
+def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> Promise | None:
     """Give what an effect promises; None if it can't be fitted.
 
     Args:
@@ -69,31 +69,31 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged, uns
         name: the effect.
         problem: the data.
         law: the law as it is.
-        unseen: residuals that coarse sampling of the law as it is doesn't show, flat.
     """
     try:
         larger = with_effect(structure, name)
-        points = _starts(structure, larger, name, problem, law)
+        stated, known = _starts(structure, larger, name, problem, law)
     except UserError:
         if any(declaration.id == name for declaration in structure.declared):
             raise  # who declares an effect wants to know why it can't be tried
         return None
-    coarse = [linearised(larger, problem.coarse, point) for point in points]
-    steps = [replace(step, residual=step.residual + unseen) for step in coarse]
+    started = [sized_and_linearised(larger, problem.coarse, point, known) for point in stated]
+    starts, steps = [start for start, _ in started], [step for _, step in started]
     costs = [step.cost_after_one_step() for step in steps]
     best = int(np.argmin(costs))
-    return Promise(name, law.result.cost - costs[best], points[best], steps, points)
+    return Promise(name, law.result.cost - costs[best], starts[best], steps, starts)
 
 
 def _starts(
     structure: Structure, larger: Structure, name: str, problem: Problem, law: Judged
-) -> list[dict[str, float]]:
-    """Give the points that an effect is tried from, beside or in place of what the law has."""
+) -> tuple[Sequence[Mapping[str, float]], Collection[str]]:
+    """Give the points that an effect is tried from, beside or in place of what the law has, and what stays of that."""
     values = law.result.law.values
     smaller = next((one for one in structure.all_effects() if effect_id(one.name) == effect_id(name)), None)
     if smaller is None:
-        return starting_points(larger, problem.observations, values)
-    return refined_starts(larger, smaller, problem.observations, values)
+        return starting_points(larger, problem.observations, values), set(values)
+    gone = {parameter.name for parameter in smaller.parameters}
+    return refined_starts(larger, smaller, problem.observations, values), set(values) - gone
 
 
 def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], Promise]:
@@ -130,12 +130,10 @@ def screened(
 ) -> list[Promise]:
     """Screen every effect, or those of some ids, by one step; most promising first."""
     promises = []
-    as_it_is = unfitted(structure, problem.coarse, law.result.law.values).law_force
-    unseen = (law.fitted.residual - problem.coarse.residual(as_it_is)).ravel()
     names = candidate_names(structure, problem.loops.conditions)
     for name in names if ids is None else [name for name in names if effect_id(name) in ids]:
         tell(f"screen {name}")
-        promise = _promise(structure, name, problem, law, unseen)
+        promise = _promise(structure, name, problem, law)
         if promise is not None:
             promises.append(promise)
     return sorted(promises, key=lambda promise: -promise.gain)

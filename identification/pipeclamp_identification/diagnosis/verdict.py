@@ -37,7 +37,8 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
 )
-from pipeclamp_identification.diagnosis.weighing import Tolerance, Weighed, is_adequate, is_complete, weigh
+from pipeclamp_identification.diagnosis.tolerance import Tolerance, is_adequate, is_complete
+from pipeclamp_identification.diagnosis.weighing import Weighed, weigh
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs, ranked
-from pipeclamp_identification.diagnosis.evidence import LackOfFit
+from pipeclamp_identification.diagnosis.channel import BentChannel, bent_channel
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
 from pipeclamp_identification.diagnosis.reasons import (
@@ -26,16 +26,14 @@ from pipeclamp_identification.diagnosis.screen import Promise, beside, fits, fit
 from pipeclamp_identification.diagnosis.thresholds import (
     ALONE_SHARE,
     FORM_NOISE_SHARE,
-    HALF_LEFT_SHARE,
     HALF_TAKEN_SHARE,
     MATERIAL_PART_SHARE,
     NEAR_NOISE_SHARE,
-    REAL_LACK_CHANCE,
     RIVAL_DRAWS_SHARE,
     RIVAL_LIKELIHOOD,
     SAME_PART_SHARE,
-    UNEXPLAINED_SHARE,
 )
+from pipeclamp_identification.diagnosis.tolerance import Tolerance, explains, is_adequate, is_complete, may_be_form
 from pipeclamp_identification.fitting.resampling import DRAWS, draws
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.equations.effect import Effect
@@ -48,31 +46,12 @@ BEYOND_COMPARISON = 1e200
 
 
 @dataclass(frozen=True)
-class Tolerance:
-    """Lack of fit that is let pass, as shares of the force noise.
-
-    Attributes:
-        complete: below this a law counts as complete.
-        form: below this what no effect explains passes for the form of the effects that the law has.
-        left: below this, and below a share of what is missing, an effect counts as explaining it; of what a law lacks
-            below this, a part takes half at least.
-        proved: whether nothing of the law is a mere part. Where something is, its form isn't known, and doubt whether
-            the law errs on left-out conditions counts against it.
-    """
-
-    complete: float
-    form: float
-    left: float
-    proved: bool = True
-
-
-@dataclass(frozen=True)
 class Weighed:
     """What the candidates make of the verdict, but for what doesn't repeat with each cycle; see `verdict.Diagnosis`.
 
     `named` is the law with what is named first, by which the leftover is told. `others` are laws with another effect
     each that takes a part too, and not much the same one. `unstated` is what differs between runs at the same stated
-    conditions.
+    conditions; `bent` is a force channel that would explain it all.
     """
 
     verdict: Verdict
@@ -83,6 +62,7 @@ class Weighed:
     reasons: tuple[str, ...]
     others: tuple[Judged, ...] = ()
     unstated: Unstated | None = None
+    bent: BentChannel | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +89,7 @@ class Scales:
     @property
     def form_allowed(self) -> bool:
         """Whether what is missing is so small that it may be the form of the effects that the law has."""
-        return _may_be_form(self.law, self.tolerance)
+        return may_be_form(self.law, self.tolerance)
 
     @cached_property
     def usable(self) -> list[Judged]:
@@ -125,12 +105,17 @@ class Scales:
         """Of these, the ones that may be the cause, for nothing speaks against them; best first."""
         return [each for each in self.usable if each.may_be_cause]
 
+    @cached_property
+    def bent(self) -> BentChannel | None:
+        """A force channel that isn't straight and explains what is missing; None where none does."""
+        return bent_channel(self.problem, self.law)
+
     def explains(self, candidate: Judged) -> bool:
         """Tell whether a law leaves over next to nothing of what is missing, or what may be form.
 
         And does so beyond chance: the law as it is is a rival too.
         """
-        return _explains(candidate, self.law, self.tolerance) and not _near(candidate, [self.law], self.problem)
+        return explains(candidate, self.law, self.tolerance) and not _near(candidate, [self.law], self.problem)
 
 
 def weigh(
@@ -164,10 +149,10 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
     pair: Judged | None = None
     if sound and causes:
         # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
-        asked = (sound[0], likeliest(sound), *_takers(sound, law))
+        asked = (sound[0], likeliest(sound), *_takers(sound, law), *sound)
         best = next((each for each in asked if scales.explains(each)), None)
         if best is not None:
-            return _cause(best, sound, scales)
+            return _but_for_the_channel(_cause(best, sound, scales), scales)
     if usable and not scales.form_allowed:
         able = _able_to_take_a_part(scales)
         rivals = _near(able[0], able, problem) if able else []
@@ -182,7 +167,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
             weighed = _cause_of_two(found, sound, scales)
         weighed = weighed or _part(able, rivals, promises, pair, scales) or _part_of_two(pair, sound, scales)
         if weighed is not None:
-            return weighed
+            return _but_for_the_channel(weighed, scales)
     if scales.form_allowed:
         if law.lack.most_share > FORM_NOISE_SHARE:
             return _nothing("unknown", hidden_words(law.lack, problem))
@@ -190,11 +175,28 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
             return _nothing("unknown", foretold_words(law.lack, elsewhere))
         return _nothing("complete", form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
+    if scales.bent is not None:
+        return _the_channel(scales.bent)
     if not usable:
         return _nothing("unknown", "no effect of the catalogue lowers the error on left-out conditions")
     most = max(usable, key=lambda each: explained_share(each, law))
     none = _nothing("unknown", immaterial_words(most, law, problem), pair)
     return replace(none, reasons=(*none.reasons, *pair_words(pair, law)))
+
+
+def _but_for_the_channel(found: Weighed, scales: Scales) -> Weighed:
+    """Name nothing where a bent force channel explains what is missing clearly better; no cause if it does as well."""
+    named, bent = found.pair or found.named, scales.bent
+    if named is None or bent is None or bent.akaike >= named.akaike + RIVAL_LIKELIHOOD:
+        return found
+    if bent.akaike < named.akaike - RIVAL_LIKELIHOOD:
+        return _the_channel(bent)
+    as_well = f"{bent.words()}; it would explain it as well"
+    return replace(found, kind="part", reasons=(*found.reasons, as_well), bent=bent)
+
+
+def _the_channel(bent: BentChannel) -> Weighed:
+    return replace(_nothing("unknown", f"{bent.words()}; no effect explains it as well"), bent=bent)
 
 
 def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
@@ -211,17 +213,6 @@ def _nothing(verdict: Verdict, reason: str, pair: Judged | None = None) -> Weigh
     return Weighed(verdict, (), None, None, pair, (reason,))
 
 
-def is_adequate(lack: LackOfFit, tolerance: Tolerance) -> bool:
-    """Tell whether nothing that a law leaves over follows the conditions."""
-    return lack.p_value > REAL_LACK_CHANCE or lack.share < tolerance.complete
-
-
-def is_complete(law: Judged, problem: Problem, tolerance: Tolerance) -> bool:
-    """Tell whether what a law leaves over is scatter, and such as rigs have."""
-    immaterial = law.lack.share < tolerance.complete
-    return is_adequate(law.lack, tolerance) and (immaterial or not problem.noise.is_no_rigs)
-
-
 def _betters(candidate: Judged, law: Judged) -> bool:
     """Tell whether an effect betters the law: on left-out conditions, or by the fit to all data beyond doubt."""
     return candidate.squares < law.squares or candidate.akaike + RIVAL_LIKELIHOOD < law.akaike
@@ -234,29 +225,25 @@ def _cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
     names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
     generals = _generals(best, scales)
     clearly = [each for each in generals if not _near(each, [best], scales.problem)]
+    if clearly:
+        general = clearly[0]
+        fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
+        reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
+        return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
     if len(names) > 1:
-        reason = f"this data can't tell {' from '.join(names)}"
-        if not clearly:
-            return Weighed("ambiguous", names, "cause", best, None, (reason,))
-        reason += f"; {clearly[0].effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
-        return Weighed("ambiguous", (clearly[0].effects[0], *names), "part", clearly[0], None, (reason,))
+        # simplicity speaks for a special case alone; where it has rivals, so has the general effect
+        aside = [each for one in (best, *rivals) for each in _generals(one, scales)]
+        names = distinct([*names, *(each.effects[0] for each in _near(best, aside, scales.problem))])
+        return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
     others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
-    if better := clearly + [each for each in others if not _near(each, [best], scales.problem)]:
-        reason = _better_fit_words(best, better[0], general=bool(clearly))
+    if better := [each for each in others if not _near(each, [best], scales.problem)]:
+        weak = f"{better[0].effects[0]}, which leaves more in N, fits the weak harmonics clearly better"
+        reason = f"{best.effects[0]} leaves little over, but {weak}: neither has the exact form"
         return Weighed("missing", names, "part", best, None, (reason,))
     reason = f"{best.effects[0]} explains it and no rival comes near"
     if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
         reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
     return Weighed("missing", names, "cause", best, None, (reason,))
-
-
-def _better_fit_words(best: Judged, better: Judged, *, general: bool) -> str:
-    """Say why an effect that leaves little over is no cause: another fits all tests better beyond doubt."""
-    leaves = f"{best.effects[0]} leaves little over, but {better.effects[0]}"
-    if general:
-        fits_better = "of which it is a special case, fits these tests clearly better"
-        return f"{leaves}, {fits_better}: which of the two it is, its exact form would decide"
-    return f"{leaves}, which leaves more in N, fits the weak harmonics clearly better: neither has the exact form"
 
 
 def _generals(special: Judged, scales: Scales) -> list[Judged]:
@@ -276,14 +263,16 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
     pair = found[0]
     together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
     kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
-    firsts = [name for name in _first_of_pairs(found, sound, scales) if _helps_alone(name, sound, scales.law)]
+    likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
+    firsts = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
     if not firsts:
         return _both(pair, sound, kind, together, scales)
     named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
     if len(firsts) > 1:
         reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
         return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
-    second = next(name for name in pair.effects if effect_id(name) != effect_id(firsts[0]))
+    both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
+    second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
     reason = (
         f"two effects are missing: {named.effects[0]} first, which takes {explained_share(named, scales.law):.0%} by "
         f"itself; with {second} beside it {explained_share(pair, scales.law):.0%} is explained"
@@ -404,20 +393,7 @@ def _leaves_as_little(special: Judged, general: Judged, law: Judged, tolerance: 
     takes_half = law.squares - special.squares >= HALF_TAKEN_SHARE * (law.squares - general.squares)
     if not takes_half or explained_share(general, special) >= HALF_TAKEN_SHARE:
         return False
-    return _explains(special, law, tolerance) or not _explains(general, law, tolerance)
-
-
-def _may_be_form(law: Judged, tolerance: Tolerance) -> bool:
-    return law.lack.share < tolerance.form
-
-
-def _explains(candidate: Judged, law: Judged, tolerance: Tolerance) -> bool:
-    left, missing = candidate.lack.sure_share, law.lack.share
-    least = HALF_TAKEN_SHARE if _may_be_form(law, tolerance) else MATERIAL_PART_SHARE
-    if left > HALF_LEFT_SHARE * missing or explained_share(candidate, law) < least:
-        return False
-    next_to_nothing = left < tolerance.left and left < UNEXPLAINED_SHARE * missing
-    return is_adequate(candidate.lack, tolerance) or next_to_nothing or left < tolerance.form
+    return explains(special, law, tolerance) or not explains(general, law, tolerance)
 
 
 def _is_special_case(effect: Effect, general: Effect) -> bool:
@@ -444,13 +420,19 @@ def _same_part(other: Judged, best: Judged, promises: Sequence[Promise], scales:
     return beside(promise, best, scales.law)[0] < SAME_PART_SHARE * promise.gain
 
 
-def _first_of_pairs(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
-    """Give the better effect of the best pair, and of each pair without it that is as likely."""
+def _first_of_pairs(likely: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
+    """Give the effect that all pairs share which can't be told from the best one: what is open is the other alone.
+
+    Where they share none that helps by itself, give the better effect of the best pair, and of each pair without it.
+    """
+    shared = set.intersection(*({effect_id(name) for name in pair.effects} for pair in likely))
+    in_all = [name for name in likely[0].effects if effect_id(name) in shared and _helps_alone(name, sound, scales.law)]
+    if in_all:
+        return [min(in_all, key=lambda name: _alone(name, sound))]
     firsts: list[str] = []
-    for pair in found:
+    for pair in likely:
         taken = {effect_id(name) for name in firsts}
-        as_likely = pair.akaike - found[0].akaike < RIVAL_LIKELIHOOD and scales.explains(pair)
-        if as_likely and not taken & {effect_id(name) for name in pair.effects}:
+        if not taken & {effect_id(name) for name in pair.effects}:
             firsts.append(min(pair.effects, key=lambda name: _alone(name, sound)))
     return firsts
 

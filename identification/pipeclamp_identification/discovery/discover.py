@@ -27,8 +27,8 @@ from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refi
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
 from pipeclamp_identification.fitting.heldout import condition_groups
-from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops, loops_of
+from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration

@@ -21,8 +21,7 @@ from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import Motion, refuse_unknown_conditions
-from pipeclamp_models.realise.scalar_law import scalar_law
-from pipeclamp_models.steps.jumps import parts_of_step
+from pipeclamp_models.realise.scalar_law import parts_of_law
 from pipeclamp_models.steps.tracker import Interval, held, start_tracking, tracked
 from pipeclamp_models.steps.ways import ways_along
 
@@ -243,24 +242,11 @@ def _law_motion(
             raise UserError(f"the law depends on {column}, which isn't known for {run.name}; fill it in in runs.csv")
     motion = Motion(y, v, smooth.a[None], conditions, h, periodic=False, rest=rest)
     refuse_unknown_conditions(sorted(law.equations.slow_signals), motion)
-    ways = ways_along(y, v, h, rest, _parts(law, conditions, ranges))
+    means = {name: float(np.mean(values)) for name, values in conditions.items()}
+    ways = ways_along(y, v, h, rest, parts_of_law(law, means, ranges[0][1], ranges[1][1]))
     counted = np.cumsum(ways.length / (4 * A), axis=1)[:, :-1]
     cycles = run.first_cycle + np.pad(counted, ((0, 0), (1, 0)))  # as the FMU counts: those that have passed before
     return replace(motion, slow={**conditions, "N": cycles}, ways=ways), tracks
-
-
-def _parts(law: Law, conditions: Mapping[str, Array], ranges: tuple[Interval, Interval]) -> int:
-    """Give in how many parts an FMU of the law walks its steps: one where the law has no value in its range."""
-    if not law.equations.states:
-        return 1
-    scalar = scalar_law(law)
-    A, f = ranges[0][1], ranges[1][1]
-    T, *further = (float(np.mean(conditions[name])) for name in ("T", *scalar.further))
-    rest = [start for _, start in scalar.states]
-    try:
-        return parts_of_step(scalar.step, scalar.coefficients(A, f, T, *further), rest, A, f)
-    except (ArithmeticError, ValueError):
-        return 1
 
 
 def tracked_along(step: float, y: Array, v: Array, ranges: tuple[Interval, Interval]) -> tuple[Array, Array]:

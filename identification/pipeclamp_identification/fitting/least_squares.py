@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,20 @@ from pipeclamp_identification.fitting.covariance import covariance_of
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
 from pipeclamp_identification.fitting.priors import priors_of, spreads_of
-from pipeclamp_identification.fitting.starts import combined, most_promising, starts_of_effects
+from pipeclamp_identification.fitting.starts import (
+    SINGULAR,
+    Linearised,
+    combined,
+    most_promising,
+    sized,
+    starts_of_effects,
+)
+from pipeclamp_identification.signals.levels import count_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.base.units import grows_with_force
 from pipeclamp_models.law.law import Equations, Law, Structure, find_base, smoothing
 from pipeclamp_models.law.outline import ParameterOutline, Sizes, number_in
 from pipeclamp_models.realise.force import LawForce, force_of_equations
@@ -31,17 +40,9 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-10
 HELD = "held by the law's structure"
 WISHED = "held by wish"
-VARIES = {"A": 0.05}
-VARIES_OTHERWISE = 0.02
-"""A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
-by a few percent."""
-LEVELS_APART = 0.04
-"""Values of a condition further apart than this share of its range are different levels."""
 MOST_EVALUATIONS = 100
 BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
-SINGULAR = 1e-7
-"""Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
 ALIKE = 1e-3
 """Parameters whose shares of an undetermined direction differ by less are alike in it."""
 AT_BOUND = 1e-6
@@ -182,7 +183,7 @@ def undetermined(equations: Equations, observations: Observations) -> dict[str, 
                 reasons[parameter.name] = f"{signal} isn't known"
             elif values is None or not np.all(np.isfinite(values)):
                 reasons[parameter.name] = f"{signal} isn't known in every run"
-            elif (count := _levels(signal, values)) < parameter.levels:
+            elif (count := count_levels(signal, values)) < parameter.levels:
                 reasons[parameter.name] = (
                     f"{signal} doesn't vary in the data" if count == 1 else f"{signal} has {count} levels only"
                 )
@@ -194,26 +195,6 @@ def _reasons(structure: Structure, equations: Equations, observations: Observati
     fixed = find_base(structure.base).fixed
     held = {name: HELD if fixed.get(name) == value else WISHED for name, value in structure.held().items()}
     return {**undetermined(equations, observations), **{name: held[name] for name in held if name in equations.names}}
-
-
-def varies(signal: str, values: Array) -> bool:
-    """Tell whether a condition varies by more than tests scatter that were meant to be alike."""
-    share = VARIES.get(signal, VARIES_OTHERWISE)
-    return bool(np.ptp(values) > share * np.max(np.abs(values)))
-
-
-def _levels(signal: str, values: Array) -> int:
-    """Count the levels of a condition: clusters of values; one where it doesn't vary."""
-    if not varies(signal, values):
-        return 1
-    ordered = np.sort(values, axis=None)
-    apart = LEVELS_APART * (ordered[-1] - ordered[0])
-    count, begin = 1, ordered[0]
-    for value in ordered:
-        # From the level's own beginning, so that a condition that varies finely has many levels, not one.
-        if value > begin + apart:
-            count, begin = count + 1, value
-    return count
 
 
 def fit(
@@ -250,7 +231,8 @@ def fit(
     smooth = smoothing(float(np.min(A)), float(np.min(f)))
     best: tuple[float, Array] | None = None
     choices = starts_of_effects(equations, start or {}, scales)
-    starts = most_promising(choices, lambda at: linearised(structure, observations, at).cost_after_one_step())
+    chosen = most_promising(choices, lambda at: linearised(structure, observations, at).cost_after_one_step())
+    starts = [sized_start(structure, observations, values, start or {}) for values in chosen]
     with one_thread():
         law = _Remembered(observations, equations, smooth)
         for attempt, values in enumerate(starts):
@@ -273,28 +255,44 @@ def starting_points(
     return combined(starts_of_effects(structure.equations, given, data_scales(observations)))
 
 
-@dataclass(frozen=True)
-class Linearised:
-    """A law's weighted residuals at a point, flat, with their derivatives by the parameters that a fit would free.
+def sized_start(
+    structure: Structure, observations: Observations, start: Mapping[str, float], known: Collection[str]
+) -> Mapping[str, float]:
+    """Give a start with each effect that isn't known as large as the data ask for; see `sized`.
 
-    Attributes:
-        free: names of those parameters.
-        residual: shape (residuals,).
-        jacobian: shape (residuals, free).
+    Args:
+        structure: the law's structure.
+        observations: what is fitted.
+        start: a value for each parameter.
+        known: names of the parameters whose values are known.
     """
+    of_effects = _unsized(structure, known)
+    return sized(start, linearised(structure, observations, start), known, of_effects) if of_effects else start
 
-    free: tuple[str, ...]
-    residual: Array
-    jacobian: Array
 
-    def cost_after_one_step(self) -> float:
-        """Give half the sum of squared residuals that the derivatives can't explain: a cheap screen before a fit."""
-        with one_thread():
-            norms = np.linalg.norm(self.jacobian, axis=0)
-            basis = self.jacobian / np.where(norms > 0, norms, 1.0)
-            gain = basis.T @ self.residual
-            explained = gain @ np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True) @ gain
-        return float(self.residual @ self.residual - explained) / 2
+def sized_and_linearised(
+    structure: Structure, observations: Observations, start: Mapping[str, float], known: Collection[str]
+) -> tuple[Mapping[str, float], Linearised]:
+    """Give a start with each effect that isn't known as large as the data ask for, and the law linearised there.
+
+    Arguments as for `sized_start`.
+    """
+    there = linearised(structure, observations, start)
+    of_effects = _unsized(structure, known)
+    larger = sized(start, there, known, of_effects) if of_effects else start
+    return (start, there) if larger == start else (larger, linearised(structure, observations, larger))
+
+
+def _unsized(structure: Structure, known: Collection[str]) -> list[list[str]]:
+    """Give, for each effect that isn't known, the parameters that its force is in proportion to, if it has others."""
+    held = structure.held()
+    found = []
+    for _, group in itertools.groupby(structure.equations.parameters, key=lambda parameter: parameter.effect):
+        parameters = [one for one in group if one.name not in known and one.name not in held]
+        sizes = [one.name for one in parameters if grows_with_force(one.unit)]
+        if sizes and len(parameters) > 1:  # the size of a single one is a fit's first step
+            found.append(sizes)
+    return found
 
 
 def linearised(structure: Structure, observations: Observations, values: Mapping[str, float]) -> Linearised:

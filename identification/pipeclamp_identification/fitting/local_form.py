@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.arrays import Array, IntArray
 from pipeclamp_models.law.file import KrigedShare, LocalForm
 from pipeclamp_models.law.local_form import coordinate, likeness, squares

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import varies
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
 

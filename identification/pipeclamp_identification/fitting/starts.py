@@ -5,15 +5,85 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 
+import numpy as np
+
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.law.law import Equations
 from pipeclamp_models.law.outline import Sizes, number_in
 
+SINGULAR = 1e-7
+"""Directions of the scaled Jacobian with a smaller share of its largest singular value are undetermined."""
+SMALLEST_SIZE = 1e-3
+"""Of a start's force; where the data ask for less, or for the opposite, its shape is none of theirs."""
 MOST_STARTS = 8
 """A fit starts from all combinations of its effects' starts, but from so many at most: those that promise most."""
 
 Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """A law's weighted residuals at a point, flat, with their derivatives by the parameters that a fit would free.
+
+    Attributes:
+        free: names of those parameters.
+        residual: shape (residuals,).
+        jacobian: shape (residuals, free).
+    """
+
+    free: tuple[str, ...]
+    residual: Array
+    jacobian: Array
+
+    def cost_after_one_step(self) -> float:
+        """Give half the sum of squared residuals that the derivatives can't explain: a cheap screen before a fit."""
+        with one_thread():
+            change = self.step()
+            explained = -self.residual @ self.jacobian @ change
+        return float(self.residual @ self.residual - explained) / 2
+
+    def by(self, name: str) -> Array:
+        """Give the residuals' derivatives by a free parameter, shape (residuals,)."""
+        return self.jacobian[:, self.free.index(name)]
+
+    def step(self) -> Array:
+        """Give the step of linear least squares, shape (free,); none where the residuals don't determine it."""
+        norms = np.linalg.norm(self.jacobian, axis=0)
+        norms[norms == 0] = 1.0
+        basis = self.jacobian / norms
+        inverse = np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True)
+        return np.asarray(-(inverse @ (basis.T @ self.residual)) / norms)
+
+
+def sized(start: Values, there: Linearised, known: Collection[str], of_effects: Sequence[Sequence[str]]) -> Values:
+    """Give a start with each effect's force as large as the data ask for, and of the shape that it had.
+
+    A term's force is in proportion to its forces, stiffnesses and masses together, so that one step of linear least
+    squares finds how large it is, the rest of the law following it. Where that is nothing, or the opposite, the start
+    stays: from there a fit may find another shape.
+
+    Args:
+        start: a value for each parameter.
+        there: the law linearised at the start.
+        known: parameters of the law that the effects join.
+        of_effects: for each effect, the parameters that its force is in proportion to.
+    """
+    scaled = [[name for name in names if name in there.free] for names in of_effects]
+    ways = [sum((there.by(name) * start[name] for name in names), np.zeros_like(there.residual)) for names in scaled]
+    law = [there.by(name) for name in there.free if name in known]
+    change = Linearised((), there.residual, np.column_stack([*law, *ways])).step()
+    sizes = 1 + change[len(law) :]
+    larger = {
+        name: start[name] * float(size)
+        for names, size in zip(scaled, sizes, strict=True)
+        if size > SMALLEST_SIZE
+        for name in names
+    }
+    return {**start, **larger}
 
 
 def starts_of_effects(equations: Equations, given: Values, scales: Sizes) -> list[list[Values]]:

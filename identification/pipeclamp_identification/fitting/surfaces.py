@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.fitting.least_squares import varies
 from pipeclamp_identification.fitting.observations import loop_motion
 from pipeclamp_identification.loops.loops import Loops, on_grid
+from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.law import Structure

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field
 
-from pipeclamp_identification.campaign.description import Imported
+from pipeclamp_identification.campaign.description import Imported, LeftOutFile
 from pipeclamp_identification.campaign.judging import Judged
 from pipeclamp_identification.campaign.runs_table import RunRow
 from pipeclamp_identification.importing.looked_at import LookedAt
@@ -49,6 +49,7 @@ class ImportAnswer(AnswerModel):
     runs: tuple[ImportedRunAnswer, ...]
     cut: tuple[ImportedCutAnswer, ...]
     left_out: tuple[LeftOutRun, ...]
+    left_out_files: tuple[LeftOutFile, ...] = Field(description="that couldn't be used, by this import or one before")
     pattern: str = Field(description="that the names of files seem to follow; empty where none was found")
     notes: tuple[str, ...]
 
@@ -120,6 +121,7 @@ class Found:
                 for one in self.imported.cut
             ),
             left_out=tuple(LeftOutRun(run=one.run, reason=one.reason) for one in self.judged.left_out),
+            left_out_files=self.imported.left_out,
             pattern=self.plan.pattern,
             notes=self.notes(),
         )

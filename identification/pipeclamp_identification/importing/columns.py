@@ -5,15 +5,16 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from pipeclamp_identification.importing.naming import SEGMENT, condition_name, is_measured, unit_of
 from pipeclamp_identification.importing.questions import NONE, Choice, Question, find
 from pipeclamp_identification.importing.raw import Channel, RawTable
+from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import OURS, QUANTITY_OF, Conversion, conversion, unit_in_name
 from pipeclamp_models.base.errors import UsageError, UserError, did_you_mean
+from pipeclamp_models.base.shell import quoted
 
 MOST_LISTED = 8
 """Channels or choices that an error names; some files have hundreds."""
@@ -159,8 +160,7 @@ def unused_words(files: Sequence[str], headings: Sequence[str], mapped: Mapped) 
 
 def columns_option(entries: Sequence[str]) -> str:
     """Give --columns with these entries, as a shell takes it."""
-    text = ",".join(entries)
-    return f"--columns {shlex.quote(text)}" if re.search(r'["$`\\!]', text) else f'--columns "{text}"'
+    return f"--columns {quoted(','.join(entries), always=True)}"
 
 
 def _entry(column: Column) -> str:
@@ -280,6 +280,7 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
     """Refuse a table of which names and units don't tell all that is needed.
 
     Raises:
+        UnusableFileError: a channel seems to be missing; as the next,
         UserError: with the ready option that states the first of each choice.
     """
     if not mapped.questions:
@@ -291,16 +292,18 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
             problems += f" (--columns states {near[0]!r}: did you mean {question.ours!r}?)"
     rate = " --rate 1000" if mapped.without_time else ""
     if rate and len(mapped.questions) == 1:
-        raise UserError(
-            f"{where}: {problems}; expected its samples per second, for example{rate}, or the channel that is it"
+        raise UnusableFileError(
+            where, problems, f"; expected its samples per second, for example{rate}, or the channel that is it"
         )
     if not mapped.is_answerable():
         there = listed([repr(heading) for heading in mapped.units])
-        raise UserError(
-            f"{where}: {problems}; there are {there}; expected a channel of numbers for time, displacement and force"
+        raise UnusableFileError(
+            where,
+            f"{problems}; there are {there}",
+            "; expected a channel of numbers for time, displacement and force",
         )
     option = mapped.option()
-    lines = [f"{where}: {problems}; expected it to be stated, for example (check it):", f"  {option}{rate}"]
+    lines = ["; expected it to be stated, for example (check it):", f"  {option}{rate}"]
     for question in mapped.questions:
         if len(question.choices) > 1:
             lines.append(f"  {question.ours}: {listed(_short([one.text for one in question.choices]), ' or ')}")
@@ -308,7 +311,11 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
             lines.append("  or --rate 1000, samples per second, where no channel is the time")
     if re.search(r" \[1 [^\]]+\]", option):
         lines.append("  [1 N], [1 mm]: of what one of the channel's own unit is; put its number there")
-    raise UserError("\n".join(lines))
+    remedy = "\n".join(lines)
+    if any(question.is_missing for question in mapped.questions):
+        raise UnusableFileError(where, problems, remedy)
+    # it has all that it needs, and must not be left out for a unit
+    raise UserError(f"{where}: {problems}{remedy}")
 
 
 def _short(texts: Sequence[str]) -> Sequence[str]:

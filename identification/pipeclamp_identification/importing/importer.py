@@ -6,22 +6,29 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun
+from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun, LeftOutFile
 from pipeclamp_identification.campaign.plausibility import PEAK_TO_PEAK, STATED_APART, reversed_sign
 from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
-from pipeclamp_identification.importing.columns import Mapped, Stated, listed, unused_words
+from pipeclamp_identification.importing.columns import Mapped, listed, unused_words
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in
 from pipeclamp_identification.importing.mapping import Open
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
-from pipeclamp_identification.importing.raw import without_controls
-from pipeclamp_identification.importing.reading import stem_of
+from pipeclamp_identification.importing.raw import Above, without_controls
+from pipeclamp_identification.importing.reading import digest_of, stem_of
+from pipeclamp_identification.importing.stated import Ask, LeaveOut, Options
 from pipeclamp_identification.importing.taking import Draft, KnownFile, Over, TakenFile, TakenTable, Way, take_file
 from pipeclamp_identification.importing.texts.decoding import file_name
+from pipeclamp_identification.importing.unusable import (
+    UnusableFileError,
+    UnusableFiles,
+    are_no_strays,
+    listed_why,
+)
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.processes import cores, spread
@@ -38,27 +45,6 @@ MOST_ASIDE = 4
 """Tables that are left aside, of which one line names so many."""
 LONGEST_NAME = 60
 """Characters of a sheet's, group's or label's name that become part of a run's."""
-Ask = Callable[[str, Mapped], Sequence[Stated]]
-"""Asks a person what names and units leave open, and gives what the answers state."""
-
-
-@dataclass(frozen=True)
-class Options:
-    """What a user states.
-
-    Attributes:
-        columns: which channels are ours.
-        pattern: of the files' names.
-        conditions: settings by name of file or run.
-        rate: samples per second, where no channel holds the time.
-        ask: for what is open; None where nobody can answer.
-    """
-
-    columns: tuple[Stated, ...] = ()
-    pattern: Pattern | None = None
-    conditions: Mapping[str, Settings] = field(default_factory=dict)
-    rate: float | None = None
-    ask: Ask | None = None
 
 
 def plan_import(
@@ -68,6 +54,7 @@ def plan_import(
     *,
     format: Format = "parquet",
     known: Mapping[str, str] | None = None,
+    left_out: Sequence[LeftOutFile] = (),
     taken: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> Plan:
@@ -79,14 +66,16 @@ def plan_import(
         records: an empty folder for the records, and
         format: theirs.
         known: SHA-256 of files that the campaign holds already, by name.
+        left_out: files that were left out before, and still are as long as they can't be used.
         taken: names of its runs.
         progress: hears which file is being read.
 
     Raises:
-        UserError: a file can't be read; what a channel is, is open and there is nobody to ask; a name doesn't follow
-            the pattern; no run can be used.
+        UserError: files can't be used and mustn't be left out; what a channel is, is open and there is nobody to ask; a
+            name doesn't follow the pattern; no run can be used.
     """
     known = known or {}
+    unusable: dict[Path, UnusableFileError] = {}
     planner = _Planner(options, set(taken))
     names = {digest: name for name, digest in known.items()}
     new: dict[str, str] = {}
@@ -94,6 +83,11 @@ def plan_import(
     way = Way(options.columns, options.rate, options.ask is not None, records, format, frozenset(names))
     for path, file in zip(paths, _taken_files(paths, way, options.ask, progress), strict=True):
         called = file_name(path)
+        if isinstance(file, UnusableFileError):
+            unusable[path] = file
+            if not new and not again and are_no_strays([*unusable.values()]):
+                raise next(iter(unusable.values()))
+            continue
         if isinstance(file, KnownFile):
             again.append(called)
             continue
@@ -109,7 +103,42 @@ def plan_import(
             raise UserError(f"{path}: another file has this name; expected a name of its own for each")
         new[file.file.sha256] = called
         planner.add(path, file)
-    return planner.plan(tuple(again))
+    return planner.plan(tuple(again), _left_out(unusable, len(paths), left_out, options.leave_out))
+
+
+def _left_out(
+    unusable: Mapping[Path, UnusableFileError], files: int, before: Sequence[LeftOutFile], leave_out: LeaveOut
+) -> tuple[LeftOutFile, ...]:
+    """Give the files that are left out, where they may be.
+
+    Args:
+        unusable: the error of each.
+        files: of the import in all.
+        before: that were left out by an earlier import.
+        leave_out: says whether.
+
+    Raises:
+        UserError: they mustn't be, or there is no other.
+    """
+    found = {path: _of_unusable(path, error) for path, error in unusable.items()}
+    anew = {path: unusable[path] for path, one in found.items() if not _is_among(one, before)}
+    new = UnusableFiles(anew, files)
+    if anew and not (new.others and leave_out(new)):
+        raise new.refusal()
+    return tuple(found.values())
+
+
+def _of_unusable(path: Path, error: UnusableFileError) -> LeftOutFile:
+    try:
+        digest = digest_of(path)
+    except UnusableFileError:
+        digest = None
+    return LeftOutFile(file=file_name(path), sha256=digest, why=error.why)
+
+
+def _is_among(file: LeftOutFile, before: Sequence[LeftOutFile]) -> bool:
+    """Tell whether a file, with this content, was left out before."""
+    return file.sha256 is not None and (file.file, file.sha256) in {(one.file, one.sha256) for one in before}
 
 
 def _stem_of(path: Path, table: TakenTable, several: bool) -> str:
@@ -143,24 +172,28 @@ def _settings_of(path: Path, names: Sequence[str], pattern: Pattern | None) -> S
 
 Job = tuple[int, Path, Way]
 Outcome = TakenFile | KnownFile | Open | UserError
+"""Of taking a file: an UnusableFileError lets the others go on."""
 
 
 def _take(job: Job) -> Outcome:
     """Take a file in a process of its own; a mistake is given, not raised, so that the first one is told first."""
-    number, path, way = job
+    return _outcome(*job)
+
+
+def _outcome(number: int, path: Path, way: Way, over: Over = map) -> Outcome:
     try:
-        return take_file(path, number, way)
+        return take_file(path, number, way, over)
     except UserError as error:
         return error
 
 
 def _taken_files(
     paths: Sequence[Path], way: Way, ask: Ask | None, progress: Callable[[str], None] | None
-) -> Iterator[TakenFile | KnownFile]:
+) -> Iterator[TakenFile | KnownFile | UnusableFileError]:
     """Take files, in their order. What is answered of one holds for all that come after it.
 
     Raises:
-        UserError: one can't be taken.
+        UserError: what is stated of one doesn't serve.
     """
     sizes = [path.stat().st_size for path in paths]
     processes = cores() if sum(sizes) > WORTH_PROCESSES else 1
@@ -179,8 +212,8 @@ def _taken_files(
         while outcome is None or isinstance(outcome, Open) or made.columns != way.columns:
             if isinstance(outcome, Open) and made.columns == way.columns and ask:
                 way = replace(way, columns=(*way.columns, *ask(outcome.where, outcome.mapped)))
-            made, outcome = way, take_file(path, number, way, over)
-        if isinstance(outcome, UserError):
+            made, outcome = way, _outcome(number, path, way, over)
+        if isinstance(outcome, UserError) and not isinstance(outcome, UnusableFileError):
             raise outcome
         yield outcome
 
@@ -199,6 +232,7 @@ class _Planner:
         self.own: dict[str, str] = {}
         self.known_as: dict[str, str] = {}
         self.joined: dict[str, list[str]] = {}
+        self.above: dict[str, Above] = {}
         self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
 
     def add(self, path: Path, file: TakenFile) -> None:
@@ -286,6 +320,10 @@ class _Planner:
         else:
             measured["motion"] = "free"
         row: dict[str, float | str | None] = {**table.stated, **measured}
+        if table.above and "temperature_C" not in row:
+            self.above[name] = table.above
+            if table.above.temperature_C is not None:
+                row["temperature_C"] = table.above.temperature_C
         called = file_name(path)
         known_as = name_in(self.options.conditions, (name, draft.label, own, called, Path(called).stem))
         self.known_as[name] = known_as
@@ -299,6 +337,8 @@ class _Planner:
             if column in ("run", "file"):
                 continue
             row[column] = value
+        if "temperature_C" in stated:
+            self.above.pop(name, None)
         source = ImportedRun(
             run=name,
             file=called,
@@ -316,8 +356,8 @@ class _Planner:
         self.taken.add(name)
         return name
 
-    def plan(self, again: tuple[str, ...]) -> Plan:
-        """Give all that was taken.
+    def plan(self, again: tuple[str, ...], left_out: tuple[LeftOutFile, ...] = ()) -> Plan:
+        """Give all that was taken; `again` names files that are known, `left_out` those that can't be used.
 
         Raises:
             UserError: no run can be used, or the force of all has the wrong sign.
@@ -343,22 +383,25 @@ class _Planner:
                 f"what the rig applies, positive with positive displacement; expected it turned, for example\n  "
                 f"{replace(self.reversed[0], columns=tuple(turned), questions=()).option()}"
             )
+        stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
+        guess = guessed_pattern(stems, self._contradicted)
+        self._note_above(guess)
         for words, files in self.joined.items():
             self.note(f"{listed(list(dict.fromkeys(files)), most=1)}: {words}")
         for headings, (mapped, files) in self.unused.items():
             if headings:
                 self.notes.append(unused_words(files, headings, mapped))
         self._note_conditions({Path(name).stem for name in again} | set(again))
-        stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
-        guess = guessed_pattern(stems, self._contradicted)
+        notes = (*listed_why([(one.file, one.why) for one in left_out]), *self.notes)
         return Plan(
-            tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, tuple(self.notes), again
+            tuple(self.files), tuple(self.runs), tuple(self.cut), tuple(self.overviews), guess, notes, again, left_out
         )
 
     def _contradicted(self, column: str, values: Sequence[float]) -> bool:
         """Tell whether most runs were measured otherwise than the files' names would state, a value a run."""
         if column == "temperature_C":
-            shown = [run.row.get(column) for run in self.runs]
+            # what stands above a table may be that of another test: names may contradict it, not the other way round
+            shown = [None if run.name in self.above else run.row.get(column) for run in self.runs]
             pairs = [(own, value) for own, value in zip(shown, values, strict=True) if isinstance(own, float)]
             apart = [abs(own - value) > TEMPERATURE_APART for own, value in pairs]
         elif column in ("amplitude_mm", "frequency_Hz"):
@@ -368,6 +411,36 @@ class _Planner:
         else:
             return False
         return 2 * sum(apart) > len(apart)
+
+    def _note_above(self, guess: str) -> None:
+        """Say which temperatures stand above tables; where the files' names state others, none is taken.
+
+        Args:
+            guess: the pattern that the names seem to follow.
+        """
+        named = Pattern(guess).settings if guess else lambda stem: None
+        apart = [
+            run
+            for run in self.runs
+            if run.name in self.above
+            and isinstance(value := (named(self.own[run.name]) or {}).get("temperature_C"), float)
+            and abs(value - (self.above[run.name].temperature_C or value)) > TEMPERATURE_APART
+        ]
+        files: dict[str, list[str]] = {}
+        for run in self.runs:
+            if run.name in self.above:
+                files.setdefault(self.above[run.name].words, []).append(run.source.file)
+        if apart:
+            self.runs = [
+                replace(run, row={**run.row, "temperature_C": None}) if run in apart else run for run in self.runs
+            ]
+        for words, own in files.items():
+            self.note(f"{listed(list(dict.fromkeys(own)), most=1)}: {words}")
+        if apart:
+            self.note(
+                f"the names of {len(apart)} of these files state another temperature: neither is taken; import again "
+                "with --pattern, or state it in runs.csv"
+            )
 
     def _note_conditions(self, again: set[str]) -> None:
         """Say which rows of the table of conditions met no run, and which runs no row; `again` are known files."""

@@ -10,6 +10,7 @@ from pipeclamp_identification.importing.naming import rank
 from pipeclamp_identification.importing.rates import by_own_times, joined_rates
 from pipeclamp_identification.importing.raw import RawTable
 from pipeclamp_identification.importing.reading import SourceFile
+from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_models.base.errors import UserError
 
 MOVED = ("displacement", "force")
@@ -94,12 +95,12 @@ def _mapped_or_refused(source: SourceFile, table: RawTable, stated: Sequence[Sta
     """Give the channels of a table.
 
     Raises:
-        UserError: what is stated of them doesn't fit; with the file's name.
+        UnusableFileError: what is stated of them doesn't fit.
     """
     try:
         return map_columns(table, stated)
     except UserError as error:
-        raise UserError(f"{where_of(source, table)}: {error}") from error
+        raise UnusableFileError(where_of(source, table), str(error)) from error
 
 
 def _mapped(

@@ -92,7 +92,7 @@ def unit_of(channel: Channel) -> str:
 def is_of_another(quantity: Quantity, channel: Channel) -> bool:
     """Tell whether a channel is called so and stands in a unit, but in none of the quantity."""
     name, unit = _name_of(channel), unit_of(channel)
-    words = [word for word in _words(name) if len(word) >= CLEAR_NAME]
+    words = [word for word in words_of(name) if len(word) >= CLEAR_NAME]
     return bool(unit) and not fits_unit(quantity, unit) and not _is_other(words) and _is_named(quantity, words, True)
 
 
@@ -101,7 +101,7 @@ def rank(quantity: Quantity, channel: Channel) -> int:
     unit = unit_of(channel)
     if QUANTITY_OF.get(channel.name) == quantity:
         return 4
-    words = _words(_name_of(channel))
+    words = words_of(_name_of(channel))
     if (
         quantity == SEGMENT
         and isinstance(channel, LabelColumn)
@@ -129,7 +129,7 @@ def rank(quantity: Quantity, channel: Channel) -> int:
 
 def serves(quantity: Quantity, channel: Channel) -> bool:
     """Tell whether a channel's unit fits a quantity and its name doesn't say that it is derived or asked for."""
-    return fits_unit(quantity, unit_of(channel)) and not _is_other(_words(_name_of(channel)))
+    return fits_unit(quantity, unit_of(channel)) and not _is_other(words_of(_name_of(channel)))
 
 
 def is_something_else(quantity: Quantity, channel: Channel) -> bool:
@@ -137,18 +137,20 @@ def is_something_else(quantity: Quantity, channel: Channel) -> bool:
     unit = unit_of(channel)
     if not unit or fits_unit(quantity, unit):
         return False
-    return _is_other(_words(_name_of(channel))) or any(rank(other, channel) > 2 for other in OURS if other != quantity)
+    return _is_other(words_of(_name_of(channel))) or any(
+        rank(other, channel) > 2 for other in OURS if other != quantity
+    )
 
 
 def is_count(channel: Channel) -> bool:
     """Tell whether a channel counts cycles or samples, by its name."""
-    return not COUNTS.isdisjoint(_words(_name_of(channel)))
+    return not COUNTS.isdisjoint(words_of(_name_of(channel)))
 
 
 def is_measured(heading: str) -> bool:
     """Tell whether a channel is neither asked for nor derived nor a count, by its heading."""
     name, unit = unit_in_name(heading)
-    words = _words(name)
+    words = words_of(name)
     return not _is_other(words) and COUNTS.isdisjoint(words) and quantity_of_unit(unit) != "time"
 
 
@@ -162,13 +164,13 @@ def condition_name(heading: str) -> str:
 
 def setting_called(name: str) -> str:
     """Give the condition of a run that a name means: amplitude, frequency, temperature or density; "" for others."""
-    words = _words(name)
+    words = words_of(name)
     return next((quantity for quantity, known in SETTINGS_CALLED.items() if len(words) == 1 and words[0] in known), "")
 
 
 def names_specimen(name: str) -> bool:
     """Tell whether a name is that of what is tested: "Specimen", "Prüfling Nr"."""
-    words = set(_words(name))
+    words = set(words_of(name))
     return bool(words & SPECIMENS) and words <= SPECIMENS | LABELLED
 
 
@@ -210,7 +212,7 @@ def _is_named(quantity: Quantity, words: Sequence[str], beside_unit: bool) -> bo
     return False
 
 
-def _words(name: str) -> list[str]:
+def words_of(name: str) -> list[str]:
     """Give a name's words, folded: no capitals, accents or digits."""
     return re.findall(r"[a-z]+", _folded(name))
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun
+from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun, LeftOutFile
 from pipeclamp_identification.campaign.seen import SeenRecord
 from pipeclamp_models.base.arrays import Array
 
@@ -68,3 +68,5 @@ class Plan:
     notes: tuple[str, ...] = ()
     known: tuple[str, ...] = ()
     """Names of files that the campaign holds already."""
+    left_out: tuple[LeftOutFile, ...] = ()
+    """Files that can't be used, which the user lets be left out."""

@@ -81,6 +81,19 @@ class Unread:
 
 
 @dataclass(frozen=True)
+class Above:
+    """What is stated of the temperature above a table.
+
+    Attributes:
+        temperature_C: that of the test; None where that isn't clear.
+        words: how it is stated, or why it isn't clear, for people.
+    """
+
+    temperature_C: float | None
+    words: str
+
+
+@dataclass(frozen=True)
 class RawTable:
     """Channels of one length.
 
@@ -94,6 +107,7 @@ class RawTable:
         joined: what was done to put channels of other rates on one time, for people.
         labels: columns that hold nothing but text: they may tell runs apart, and name them.
         properties: that the file states of the table beside its channels, by name.
+        above: what lines above it state of the temperature.
     """
 
     name: str
@@ -105,6 +119,7 @@ class RawTable:
     titles: tuple[str, ...] = ()
     joined: tuple[str, ...] = ()
     properties: Mapping[str, object] = field(default_factory=dict)
+    above: Above | None = None
 
     @property
     def length(self) -> int:

@@ -19,6 +19,7 @@ from pathlib import Path
 from pipeclamp_identification.importing import formats
 from pipeclamp_identification.importing.raw import Damaged, Format, RawTable, side_by_side, without_controls
 from pipeclamp_identification.importing.texts.decoding import file_name
+from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.quiet import quietly
@@ -98,28 +99,29 @@ def digest_of(path: Path) -> str:
     """Give the SHA-256 of a file's bytes.
 
     Raises:
-        UserError: it can't be read.
+        UnusableFileError: it can't be read.
     """
     try:
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as error:
-        raise UserError(f"{path}: can't be read ({error.strerror})") from error
+        raise _unusable(path, f"can't be read ({error.strerror})") from error
 
 
 def read_file(path: Path) -> SourceFile:
     """Read a test machine's file.
 
     Raises:
-        UserError: it can't be read, is damaged, is of a format whose package isn't installed, or of none that is known.
+        UnusableFileError: it can't be read, is damaged, or of no format that is known.
+        UserError: it is of a format whose package isn't installed.
     """
     try:
         with path.open("rb") as stream:
             head = stream.read(HEAD)
     except OSError as error:
-        raise UserError(f"{path}: can't be read ({error.strerror})") from error
+        raise _unusable(path, f"can't be read ({error.strerror})") from error
     if not head:
-        raise UserError(f"{path}: is empty (0 bytes); export or copy it again")
+        raise _unusable(path, "is empty (0 bytes); export or copy it again")
     found = _format_of(path, head)
     if found.module and find_spec(found.module) is None:
         raise UserError(
@@ -133,19 +135,23 @@ def read_file(path: Path) -> SourceFile:
             read = [part for table in found.read(path) if table.length for part in side_by_side(table)]
             tables = tuple(_told_apart(table) for table in read)
         except Damaged as error:
-            failure = f"{path}: {error}"
-        except UserError as error:
             failure = str(error)
+        except UserError as error:
+            failure = str(error).removeprefix(f"{path}: ")
         except (Exception, pl.exceptions.PanicException) as error:  # foreign readers raise anything of a damaged file
-            failure = f"{path}: is no whole {found.name} file ({_first_line(error)}); export or copy it again"
+            failure = f"is no whole {found.name} file ({_first_line(error)}); export or copy it again"
         if failure:
             # what a reader leaves half made speaks up when it goes
             gc.collect()
     if failure:
-        raise UserError(failure)
+        raise _unusable(path, failure)
     if not tables:
-        raise UserError(f"{path}: holds no channel of numbers; expected {found.name} with time, displacement and force")
+        raise _unusable(path, f"holds no channel of numbers; expected {found.name} with time, displacement and force")
     return SourceFile(path, found.name, tables)
+
+
+def _unusable(path: Path, why: str) -> UnusableFileError:
+    return UnusableFileError(str(path), why, is_damaged=True)
 
 
 def _told_apart(table: RawTable) -> RawTable:
@@ -182,9 +188,9 @@ def _format_of(path: Path, head: bytes) -> Format:
     text = known_formats()[-1]
     # LabVIEW and others call tables of text .xls
     if named not in (None, text) and not _is_text(head):
-        raise UserError(f"{path}: is no {named.name} file, by its first bytes; export or copy it again")
+        raise _unusable(path, f"is no {named.name} file, by its first bytes; export or copy it again")
     if not _is_text(head):
-        raise UserError(f"{path}: is of no known format; expected {', '.join(one.name for one in known_formats())}")
+        raise _unusable(path, f"is of no known format; expected {', '.join(one.name for one in known_formats())}")
     return text
 
 

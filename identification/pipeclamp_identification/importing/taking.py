@@ -21,14 +21,15 @@ from pipeclamp_identification.campaign.writing import Format, encoded
 from pipeclamp_identification.importing.columns import Column, Mapped, Stated
 from pipeclamp_identification.importing.conditions import Settings, of_properties
 from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
-from pipeclamp_identification.importing.questions import MOST_FALLS
-from pipeclamp_identification.importing.raw import RawTable, Unread
+from pipeclamp_identification.importing.questions import MOST_FALLS, NONE
+from pipeclamp_identification.importing.raw import Above, RawTable, Unread
 from pipeclamp_identification.importing.reading import SourceFile, digest_of, read_file
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
 from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
+from pipeclamp_identification.importing.unusable import UnusableFileError
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.tables import pl
@@ -122,6 +123,7 @@ class TakenTable:
         unread: what isn't numbers in those that are ours.
         joined: what was done to put its channels on one time.
         stated: of its runs, by the file's properties.
+        above: what stands above it of the temperature.
         taken: what became of it.
     """
 
@@ -131,6 +133,7 @@ class TakenTable:
     unread: tuple[Unread, ...]
     joined: tuple[str, ...]
     stated: Settings
+    above: Above | None
     taken: TakenPart
 
 
@@ -206,13 +209,17 @@ def take_file(path: Path, number: int, way: Way, over: Over = map) -> TakenFile 
         # a column that is nothing but text serves as the names of runs, as it is
         unread = tuple(one for one in table.unread if one.channel.heading in headings and not one.is_whole)
         stated = of_properties(table.properties)
-        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, stated, taken))
+        # who states that there is none means that above the table, too
+        none = any(one.ours == "temperature" and one.channel.casefold() == NONE for one in way.columns)
+        above = None if none else table.above
+        tables.append(TakenTable(table.name, mapped, unused, unread, table.joined, stated, above, taken))
     first, mapped = used.tables[0]
+    above_first = [tables[0].above.words] if tables[0].above else []
     file = ImportedFile(
         file=source.name,
         sha256=digest,
         format=source.format,
-        read_as="; ".join([*first.told, *first.joined, *(one.words() for one in tables[0].unread)]),
+        read_as="; ".join([*first.told, *first.joined, *(one.words() for one in tables[0].unread), *above_first]),
         columns={OURS.get(one.ours, one.ours): _imported(one) for one in mapped.columns},
     )
     return TakenFile(file, tuple(tables), used.aside)
@@ -248,9 +255,10 @@ def _pieces(where: str, table: RawTable, columns: tuple[Column, ...], record: Pa
     own = time if timed is None else time[timed]
     bounds = np.zeros(2, dtype=np.intp)
     if (falls := np.count_nonzero(own[1:] < own[:-1])) > MOST_FALLS * len(own):
-        raise UserError(
-            f"{where}: its time falls in {falls} of {len(own) - 1} steps, {own[0]:g}, {own[1]:g}, ...; expected one "
-            "that rises: another channel by --columns, or the samples per second by --columns time=none --rate"
+        raise UnusableFileError(
+            where,
+            f"its time falls in {falls} of {len(own) - 1} steps, {own[0]:g}, {own[1]:g}, ...; expected one "
+            "that rises: another channel by --columns, or the samples per second by --columns time=none --rate",
         )
     if len(own):
         bounds = piece_bounds(own, lambda: first_motion(table, columns, timed), segment_of(table, columns, timed))

@@ -21,14 +21,16 @@ from pipeclamp_identification.campaign.runs_table import RunRow, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import Found
-from pipeclamp_identification.importing.importer import Options, plan_import
+from pipeclamp_identification.importing.importer import plan_import
 from pipeclamp_identification.importing.looked_at import looked_at
 from pipeclamp_identification.importing.plan import Plan
 from pipeclamp_identification.importing.reading import files_in
+from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.writing import (
     PAGE,
     existing_campaign,
+    is_left_out_anew,
     write_campaign,
     write_description,
 )
@@ -82,14 +84,16 @@ def import_whole(
     with staged_folder(Path(tempfile.gettempdir()) / folder.name if dry_run else folder) as work:
         drafts = work / "drafts"
         drafts.mkdir()
+        before = existing.imported if existing else Imported()
         plan = plan_import(
-            files, options, drafts, format=format, known=existing.known if existing else {}, taken=taken, progress=tell
-        )
+            files, options, drafts, format=format, known=existing.known if existing else {}, left_out=before.left_out,
+            taken=taken, progress=tell,
+        )  # fmt: skip
         if back:
             plan = replace(plan, notes=(RESTORED, *plan.notes))
-        if not plan.files:
-            if existing is None:
-                raise UserError("no file was named; expected test machines' files")
+        if not plan.files and existing is None:
+            raise UserError("no file was named; expected test machines' files")
+        if existing and not plan.files and not is_left_out_anew(plan, existing):
             return _found(folder, folder, plan, existing.imported, tell, written=False)
         tell("the campaign as a whole")
         imported = write_campaign(work, plan, existing, name=name, notes=notes, software=software, format=format)

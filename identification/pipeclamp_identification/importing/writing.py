@@ -17,6 +17,7 @@ from pipeclamp_identification.campaign import runs_table
 from pipeclamp_identification.campaign.description import (
     CampaignDescription,
     Imported,
+    LeftOutFile,
     description_text,
     read_description,
 )
@@ -110,7 +111,8 @@ def imported_text(imported: Imported) -> str:
     lines = [OURS, "[imported]", f"software = {_text(imported.software)}"]
     if imported.delay:
         lines += ["[imported.delay]", *_pairs(imported.delay.model_dump())]
-    for kind, entries in (("files", imported.files), ("runs", imported.runs), ("cut", imported.cut)):
+    parts = {"files": imported.files, "runs": imported.runs, "cut": imported.cut, "left_out": imported.left_out}
+    for kind, entries in parts.items():
         for entry in entries:
             lines += ["", f"[[imported.{kind}]]", *_pairs(entry.model_dump(exclude_defaults=True))]
     return "\n".join(lines) + "\n"
@@ -178,9 +180,21 @@ def write_campaign(
         files=(*before.files, *plan.files),
         runs=(*before.runs, *(run.source for run in plan.runs)),
         cut=(*before.cut, *plan.cut),
+        left_out=_left_out(before, plan),
     )
     write_description(work, existing.head if existing else description_text(name, notes), imported)
     return imported
+
+
+def is_left_out_anew(plan: Plan, existing: Existing) -> bool:
+    """Tell whether a plan leaves files out that the campaign doesn't name yet."""
+    return any(one not in existing.imported.left_out for one in plan.left_out)
+
+
+def _left_out(before: Imported, plan: Plan) -> tuple[LeftOutFile, ...]:
+    """Give the files that are left out: those of earlier imports as long as no file of their name came in."""
+    anew = {one.file for one in plan.files} | {one.file for one in plan.left_out}
+    return (*(one for one in before.left_out if one.file not in anew), *plan.left_out)
 
 
 def write_description(work: Path, head: str, imported: Imported) -> None:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
 
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.next_test import NoTest
 from pipeclamp_identification.diagnosis.named import NO_PROOF, by_history
-from pipeclamp_identification.diagnosis.next_test import NoTest
 from pipeclamp_identification.metrics_only.campaign import MetricCampaign
 from pipeclamp_identification.metrics_only.law import MetricComparison, compare_metrics
 from pipeclamp_identification.metrics_only.next_test import MetricProposal, next_metric_test

@@ -15,7 +15,8 @@ from scipy import stats
 
 from pipeclamp_identification.diagnosis.problem import objections, reservations
 from pipeclamp_identification.fitting.heldout import folds
-from pipeclamp_identification.fitting.least_squares import SINGULAR, Fit, fit
+from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.starts import SINGULAR
 from pipeclamp_identification.metrics_only.observations import METRICS, MetricObservations
 from pipeclamp_identification.metrics_only.thresholds import RESTS_ON_SHARE
 from pipeclamp_identification.signals.orthonormal import orthonormal

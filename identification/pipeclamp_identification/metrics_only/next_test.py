@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.drive import DrivePlan
-from pipeclamp_identification.diagnosis.limits import Limits, drivable, limits_words, reach, stated_levels
-from pipeclamp_identification.diagnosis.next_test import LEVELS, TEMPERATURES, NoTest, temperature_words
-from pipeclamp_identification.diagnosis.outlook import LEAST_DEVIATIONS, PROFILES, SINE
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, drivable, limits_words, reach, stated_levels
+from pipeclamp_identification.diagnosis.further_test.next_test import LEVELS, TEMPERATURES, NoTest, temperature_words
+from pipeclamp_identification.diagnosis.further_test.outlook import LEAST_DEVIATIONS, PROFILES, SINE
 from pipeclamp_identification.metrics_only.campaign import SAMPLES
 from pipeclamp_identification.metrics_only.evidence import MetricJudged
 from pipeclamp_identification.metrics_only.observations import MetricObservations, loop_energies, metric_slopes

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.limits import Limits, limits_words, reach_around, stated_levels
-from pipeclamp_identification.diagnosis.outlook import PROFILES, SINE
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words, reach_around, stated_levels
+from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, SINE
 from pipeclamp_identification.planning.hidden import peak_forces
 from pipeclamp_identification.planning.loop_tests import RIG
 from pipeclamp_identification.planning.rig_times import HOURS, RIG_TIMES, SCATTER, RigTimes

@@ -13,8 +13,8 @@ from pipeclamp_identification.campaign.description import FILE_NAME as DESCRIPTI
 from pipeclamp_identification.campaign.description import description_text
 from pipeclamp_identification.campaign.drive import DrivePlan, drive_content
 from pipeclamp_identification.campaign.runs_table import FILE_NAME as RUNS
-from pipeclamp_identification.diagnosis.limits import limits_words
-from pipeclamp_identification.diagnosis.outlook import PROFILES, SINE
+from pipeclamp_identification.diagnosis.further_test.limits import limits_words
+from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, SINE
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.schedule import TABLE, table_text
 from pipeclamp_identification.planning.telling import NAMED

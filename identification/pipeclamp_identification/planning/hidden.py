@@ -9,11 +9,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pipeclamp_identification.campaign.rig import TestPlan, truth_of
-from pipeclamp_identification.diagnosis.outlook import HARMONICS
+from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS
 from pipeclamp_identification.fitting.observations import FEWEST_SAMPLES, harmonics_of, mean_squares_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base.units import CELSIUS, grows_with_force
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.realise.force import force_of_law
@@ -85,7 +85,7 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
     motion = sinusoids(grid["A"], grid["f"], grid["T"], FEWEST_SAMPLES)
     without = harmonics_of(force_of_law(bare, motion).force, HARMONICS)
     own = [one for one in law.equations.composed.parameters if one.name not in bare.values]
-    forces = {one.name: float(one.neutral or 0.0) for one in own if one.unit.startswith("N")}
+    forces = {one.name: float(one.neutral or 0.0) for one in own if grows_with_force(one.unit)}
     neutral = forces or {one.name: float(one.neutral) for one in own if one.neutral is not None}
 
     def at(share: float) -> Law:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.rig import TestPlan
-from pipeclamp_identification.diagnosis.limits import Limits, drivable_grid, reach_around
-from pipeclamp_identification.diagnosis.outlook import HARMONICS, PROFILES, REPEATS, SINE, sensor_noise
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, drivable_grid, reach_around
+from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS, PROFILES, REPEATS, SINE, sensor_noise
 from pipeclamp_identification.fitting.observations import harmonic_slopes
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.units import CELSIUS

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_identification.campaign.drive import DrivePlan
-from pipeclamp_identification.diagnosis.limits import Limits, limits_words
-from pipeclamp_identification.diagnosis.next_test import away_from
-from pipeclamp_identification.diagnosis.outlook import PROFILES, REPEATS, SINE
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
+from pipeclamp_identification.diagnosis.further_test.next_test import away_from
+from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, REPEATS, SINE
 from pipeclamp_identification.planning.loop_tests import LoopTests, loop_tests, noise_words, reach_of, with_tests
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UsageError

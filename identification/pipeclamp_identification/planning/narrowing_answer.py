@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from pydantic import Field
 
-from pipeclamp_identification.diagnosis.outlook import REPEATS
+from pipeclamp_identification.diagnosis.further_test.outlook import REPEATS
 from pipeclamp_identification.planning.narrowing import BandPlan, NextLoopTest
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_system.bands.band import Band

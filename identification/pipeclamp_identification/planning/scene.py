@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.diagnosis.outlook import HARMONICS, run_scatter, sensor_noise
+from pipeclamp_identification.diagnosis.further_test.outlook import HARMONICS, run_scatter, sensor_noise
 from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,

@@ -21,6 +21,13 @@ SAME_SHARE, SAME_KELVIN = 0.05, 5.0
 """Conditions closer than this share of each other, and temperatures closer than this, count as the same where tests are
 counted or grouped by them: drives never hit their set points."""
 
+VARIES = {"A": 0.05}
+VARIES_OTHERWISE = 0.02
+"""A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
+by a few percent."""
+LEVELS_APART = 0.04
+"""Values of a condition further apart than this share of its range are different levels."""
+
 Rows = npt.NDArray[np.intp]
 
 
@@ -103,3 +110,23 @@ def distinct(values: Array) -> list[str]:
         if len(set(texts)) >= different:
             break
     return texts
+
+
+def varies(signal: str, values: Array) -> bool:
+    """Tell whether a condition varies by more than tests scatter that were meant to be alike."""
+    share = VARIES.get(signal, VARIES_OTHERWISE)
+    return bool(np.ptp(values) > share * np.max(np.abs(values)))
+
+
+def count_levels(signal: str, values: Array) -> int:
+    """Count the levels of a condition: clusters of values; one where it doesn't vary."""
+    if not varies(signal, values):
+        return 1
+    ordered = np.sort(values, axis=None)
+    apart = LEVELS_APART * (ordered[-1] - ordered[0])
+    count, begin = 1, ordered[0]
+    for value in ordered:
+        # From the level's own beginning, so that a condition that varies finely has many levels, not one.
+        if value > begin + apart:
+            count, begin = count + 1, value
+    return count

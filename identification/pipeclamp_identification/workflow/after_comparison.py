@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pipeclamp_identification.comparison.compare import Comparison
-from pipeclamp_identification.diagnosis.limits import limits_words
+from pipeclamp_identification.diagnosis.further_test.limits import limits_words
 from pipeclamp_identification.workflow.along_free import along_free
-from pipeclamp_identification.workflow.next_command import shell_line, stem_of
+from pipeclamp_identification.workflow.next_command import stem_of
 from pipeclamp_identification.workflow.tests import Held
+from pipeclamp_models.base.shell import shell_line
 
 PLANNED = "planned"
 """What the folder of a campaign that is planned is called, where nobody has named it."""

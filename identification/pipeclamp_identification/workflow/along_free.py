@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, MATERIAL_FORCE_SHARE
 from pipeclamp_identification.fitting.free_misfit import FreeMisfit
 from pipeclamp_identification.fitting.misfit import overall_nrmse
@@ -27,11 +27,13 @@ class AlongFree:
     Attributes:
         nrmse: error as a share of the rms force.
         scatter: what noise and scatter make of it, likewise.
+        of_sines: whether the scatter of the law's own sines tells that, not the noise between samples.
         reach: largest displacement, frequencies and temperatures of the motions: what sines would have to cover.
     """
 
     nrmse: float
     scatter: float
+    of_sines: bool
     reach: Limits
 
     @property
@@ -40,14 +42,18 @@ class AlongFree:
         beyond = math.sqrt(max(self.nrmse**2 - self.scatter**2, 0.0))
         return beyond <= max(FORM_NOISE_SHARE * self.scatter, MATERIAL_FORCE_SHARE)
 
+    def scatter_words(self) -> str:
+        """Say what of the error is scatter, and what tells it."""
+        by = "that of the law's own sines" if self.of_sines else "the noise between neighbouring samples"
+        return f"scatter alone makes {self.scatter:.2%}, by {by}: no motion repeats, so that cycles can't tell it"
+
     def words(self) -> str:
         """Say what it calls for."""
-        scatter = f"{self.scatter:.2%} is noise between samples, or scatter on the law's own sines"
         if self.scatter_explains:
-            return f"Free motion: {scatter}; nothing is found missing along these motions."
+            return "Free motion: beyond scatter nothing is found missing along these motions."
         return (
-            f"Free motion: {scatter}; the rest the law lacks. What that is, a diagnosis tells of sines alone: of those "
-            "that the law was identified from, or of a campaign that reaches as far as these motions."
+            "Free motion: what is beyond scatter the law lacks. What that is, a diagnosis tells of sines alone: of "
+            "those that the law was identified from, or of a campaign that reaches as far as these motions."
         )
 
 
@@ -59,8 +65,8 @@ def along_free(runs: Sequence[FreeMisfit]) -> AlongFree:
     """
     squared_force = sum(run.squared_force for run in runs)
     noise = sum(len(run.time) * _noise_variance(run) for run in runs) / squared_force
-    scatter = max(math.sqrt(noise), runs[0].scatter_on_sines or 0.0)
-    return AlongFree(overall_nrmse(runs), scatter, _reach(runs))
+    of_noise, of_sines = math.sqrt(noise), runs[0].scatter_on_sines or 0.0
+    return AlongFree(overall_nrmse(runs), max(of_noise, of_sines), of_sines > of_noise, _reach(runs))
 
 
 def _noise_variance(run: FreeMisfit) -> float:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.workflow.change import STILL_AS_GOOD
-from pipeclamp_identification.workflow.climb import Climber, Settled, Turn
+from pipeclamp_identification.workflow.climb import Climber, Rung, Settled, Turn
 from pipeclamp_identification.workflow.tests import Diagnosed, Tests, silent
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
@@ -30,6 +30,7 @@ def add_until_settled(
     progress: Progress = silent,
     most: int = MOST_RUNGS,
     seen: Callable[[Diagnosed, LawFile], None] = lambda found, file: None,
+    climbed: Callable[[LawFile, tuple[Rung, ...]], None] = lambda file, ladder: None,
 ) -> Settled:
     """Add the missing effect and diagnose again, while one is missing and the error on left-out conditions falls.
 
@@ -51,11 +52,12 @@ def add_until_settled(
         command, declared, limits, jobs, progress: as for `add_effect` and `Tests.diagnose`.
         most: rungs at most.
         seen: is given each diagnosis with its law, once what it names has been tried; at last that of the end.
+        climbed: is given each law that a rung has come to, with what was done on the way, before it is diagnosed.
 
     Raises:
         UserError: the data can't serve the law.
     """
-    climber = Climber(tests, command, declared, limits, jobs, progress, most, seen)
+    climber = Climber(tests, command, declared, limits, jobs, progress, most, seen, climbed)
     way = climber.climb(file)
     assert way.settled is not None  # no other way came before
     first = best = way.settled

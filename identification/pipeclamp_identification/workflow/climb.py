@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of
 from pipeclamp_identification.workflow.change import (
     Addition,
@@ -138,6 +138,7 @@ class Climber:
     progress: Progress
     most: int
     seen: Callable[[Diagnosed, LawFile], None]
+    climbed: Callable[[LawFile, tuple[Rung, ...]], None]
 
     def climb(
         self,
@@ -160,6 +161,8 @@ class Climber:
             if made in before:
                 return Way(None, turns, met)
             met |= {made}
+            if ladder:
+                self.climbed(file, ladder)
             found = self.tests.diagnose(
                 file, declared=self.declared, limits=self.limits, jobs=self.jobs, progress=self.progress
             )

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import PurePath
 
 from pipeclamp_identification.workflow.tests import Diagnosed
+from pipeclamp_models.base.shell import shell_line
 
 NEXT_TEST = "next_test"
 """What the next test's drive signal and its campaign are called, where nobody has named them."""
@@ -40,7 +40,7 @@ def next_command(
 
 
 def after_import(tests: str) -> str:
-    """Give the shell line to run after an import: a law of its tests; arguments as for `next_command`."""
+    """Give the shell line to run after an import, or metrics: a law of its tests; arguments as for `next_command`."""
     return shell_line("identify", tests, "-o", "law.json")
 
 
@@ -84,11 +84,6 @@ def after_discovery(
     if instead:
         return shell_line("discover", law, tests, "-o", effect, "--auto", _following(law))
     return shell_line("add", law, effect, tests, "-o", _following(law))
-
-
-def shell_line(*words: str) -> str:
-    """Join the words of a pipeclamp command; double quotes are understood by the shells of Windows too."""
-    return " ".join(["pipeclamp", *(f'"{word}"' if re.search(r"\s", word) else word for word in words)])
 
 
 def stem_of(law: str) -> str:

@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pipeclamp_identification.attribution.attributed import Attributed
-from pipeclamp_identification.workflow.next_command import shell_line
+from pipeclamp_identification.workflow.next_step import NextStep
+from pipeclamp_models.base.shell import shell_line
 from pipeclamp_system.description.system import SystemDescription
-
-
-@dataclass(frozen=True)
-class NextStep:
-    """What comes next.
-
-    Attributes:
-        line: the shell line to run.
-        first: what has to be done before it, in words; empty where nothing has.
-    """
-
-    line: str
-    first: str = ""
-
-    def words(self) -> str:
-        """Say it."""
-        return f"Next, {self.first}: {self.line}" if self.first else f"Next: {self.line}"
 
 
 def after_pipe_comparison(found: Attributed, system: str, measured: str, *, reported: bool) -> NextStep:
@@ -43,6 +25,8 @@ def after_pipe_comparison(found: Attributed, system: str, measured: str, *, repo
     if attribution.verdict == "unknown":
         if attribution.branch_unknown:
             return NextStep(again, "once it says which way it was swept")
+        if attribution.noise_unknown:
+            return NextStep(again, "once some sines are repeated")
         if not reported:
             return NextStep(shell_line("compare", system, measured, "--report", "compare.html"))
         return NextStep(again, "once another level or probe is measured")

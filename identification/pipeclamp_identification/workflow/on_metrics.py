@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from pipeclamp_identification.campaign.seen import LeftOut
-from pipeclamp_identification.diagnosis.limits import Limits
+from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.metrics_only.campaign import SCATTER, MetricCampaign, metric_observations

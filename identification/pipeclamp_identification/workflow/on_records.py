@@ -28,7 +28,7 @@ from pipeclamp_models.law.range import rounded
 if TYPE_CHECKING:
     from pipeclamp_identification.comparison.compare import Comparison
     from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-    from pipeclamp_identification.diagnosis.limits import Limits
+    from pipeclamp_identification.diagnosis.further_test.limits import Limits
     from pipeclamp_identification.diagnosis.problem import Prepared
     from pipeclamp_identification.diagnosis.revision import Asked
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign

@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.named import Naming
 if TYPE_CHECKING:
     from pipeclamp_identification.campaign.drive import DrivePlan
     from pipeclamp_identification.campaign.seen import LeftOut
-    from pipeclamp_identification.diagnosis.limits import Limits
+    from pipeclamp_identification.diagnosis.further_test.limits import Limits
     from pipeclamp_identification.fitting.identify import Method
     from pipeclamp_identification.metrics_only.campaign import MetricCampaign
     from pipeclamp_models.base.progress import Progress

@@ -8,10 +8,11 @@ import stat
 import tempfile
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.owned import owned_folder
 
 KINDS = {
     stat.S_ISDIR: "is a folder",
@@ -192,19 +193,19 @@ def write_folder(folder: Path, files: Iterable[tuple[str, bytes]]) -> tuple[str,
 def staged_folder(folder: Path) -> Iterator[Path]:
     """Give a new folder beside the place of another, to be renamed to it when it is whole; what is left is deleted.
 
+    That holds of what killed processes left there, too.
+
     Raises:
         UserError: it can't be made.
     """
-    try:
-        work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}.", suffix=".part"))
-    except OSError as error:
-        raise UserError(
-            f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
-        ) from error
-    try:
+    with ExitStack() as stack:
+        try:
+            work = stack.enter_context(owned_folder(folder))
+        except OSError as error:
+            raise UserError(
+                f"{folder}: can't write there ({error.strerror}); expected an existing parent folder"
+            ) from error
         yield work
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
 
 
 def replace_folder(work: Path, folder: Path) -> None:

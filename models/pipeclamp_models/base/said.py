@@ -50,8 +50,10 @@ def message(text: str) -> str:
 def _fitted(line: str) -> str:
     place, colon, rest = line.partition(": ")
     if len(line) > LONGEST and colon and ("/" in place or "\\" in place) and len(place) > END_OF_PLACE:
-        left = max(LONGEST - len(CUT.lstrip()) - len(colon + rest), END_OF_PLACE)
-        line = CUT.lstrip() + place[-left:] + colon + rest
+        # a line of a list stays one
+        cut = line[: len(line) - len(line.lstrip())] + CUT.lstrip()
+        left = max(LONGEST - len(cut) - len(colon + rest), END_OF_PLACE)
+        line = cut + place[-left:] + colon + rest
     if len(line) <= LONGEST:
         return line
     return line[: LONGEST - ENDING - len(CUT)] + CUT + line[-ENDING:]

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError, did_you_mean
-from pipeclamp_models.base.signals import CONDITION, OWN_SIGNALS, signal_of
+from pipeclamp_models.base.signals import CONDITION, OWN_SIGNALS, REFERENCES, signal_of
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.file import LawFile, law_of
-from pipeclamp_models.law.law import Equations
+from pipeclamp_models.law.law import Equations, Law
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.scalar_law import parts_of_law
+from pipeclamp_models.steps.ways import ways_along
 
 ALWAYS = ("A", "f", "T")
 """Conditions that may be given to every law, whether it follows them or not."""
@@ -30,7 +33,8 @@ def force_along(
         y: displacement in mm, shape (..., n) or (); samples in time along the last axis where the law has memory.
         v: velocity in mm/s, of a shape that broadcasts with it.
         given: conditions by name: A mm, f Hz, T degC, density_g_cm3, first_cycle, columns of runs.csv; shapes likewise.
-        h: seconds between samples; None where they aren't known.
+        h: seconds between samples, by which the law goes from one to the next as an FMU goes through its step; None
+            where they aren't known: each is one straight move.
 
     Returns:
         force in N, of the shape that y and v have together.
@@ -50,12 +54,22 @@ def force_along(
     rows = (-1, shape[-1]) if shape else (1, 1)
     y, v = np.broadcast_to(y, shape), np.broadcast_to(v, shape)
     slow = {name: values.reshape(rows) for name, values in slow.items()}
-    motion = Motion(
-        y.reshape(rows), v.reshape(rows), np.zeros(y.size).reshape(rows), slow,
-        np.full((y.size // rows[1], 1), _step(file.name, equations, h)), periodic=False,
-    )  # fmt: skip
+    steps = np.full((y.size // rows[1], 1), _step(file.name, equations, h))
+    y, v = y.reshape(rows), v.reshape(rows)
+    motion = Motion(y, v, np.zeros_like(y), slow, steps, periodic=False)
+    if h is not None and equations.states:
+        parts = _parts(file, law, slow, y, h)
+        motion = replace(motion, ways=ways_along(y, v, steps, motion.rest, parts))
     force = force_of_equations(equations, law.vector(equations), (law.v_r, law.y_r), motion).force
     return force.reshape(shape) if shape else np.float64(force[0, 0])
+
+
+def _parts(file: LawFile, law: Law, slow: Mapping[str, Array], y: Array, h: float) -> int:
+    """Give in how many parts an FMU of the law walks its steps; where the file tells no range, that of the motion."""
+    largest = {"A": float(np.abs(y).max()), "f": 1 / (h * y.shape[1])}
+    A, f = (file.range[name].maximum if name in file.range else largest[name] for name in largest)
+    means = {"T": REFERENCES["T_0"], **{name: float(np.mean(values)) for name, values in slow.items()}}
+    return parts_of_law(law, means, A, f)
 
 
 def _finite(name: str, values: npt.ArrayLike) -> Array:

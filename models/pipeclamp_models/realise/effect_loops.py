@@ -10,9 +10,9 @@ import sympy as sp
 
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import CONDITION
-from pipeclamp_models.base.units import CELSIUS
+from pipeclamp_models.base.units import CELSIUS, grows_with_force
 from pipeclamp_models.equations import symbols
-from pipeclamp_models.equations.effect import Effect, Parameter
+from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import law_of
@@ -69,18 +69,15 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
     own = {} if effect.part == "base" else {one.name: number_of(one.size, sizes) for one in effect.parameters}
     values = {one.name: number_of(one.size, sizes) for one in structure.equations.composed.parameters}
     values |= {name: value for name, value in known.values.items() if name in values} | own
-    others = values | {one.name: 0.0 for one in effect.parameters if effect.part == "base" and _is_force(one)}
+    others = values | {
+        one.name: 0.0 for one in effect.parameters if effect.part == "base" and grows_with_force(one.unit)
+    }
     with_it = _force(replace(known, structure=structure, values=values), motion)
     without = _force(replace(known, structure=bare, values=others), motion)
     difference = with_it - without
     share = float(np.max(np.abs(difference)) / np.max(np.abs(with_it)))
     times = next((times for times in MAGNIFICATIONS if times * share > SEEN), MAGNIFICATIONS[-1])
     return EffectLoops(labels, motion.y, without, without + times * difference, times)
-
-
-def _is_force(parameter: Parameter) -> bool:
-    """Tell whether a parameter is in proportion to the force that its term adds."""
-    return parameter.unit.startswith("N")
 
 
 def _force(law: Law, motion: Motion) -> Array:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from pipeclamp_models.base.kept import kept
 from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.steps.jumps import parts_of_step
 from pipeclamp_models.steps.within_step import Step
 
 
@@ -57,3 +58,23 @@ def source_of(structure: Structure) -> str:
 def parameter_values(law: Law) -> tuple[float, ...]:
     """Give the values of a law's parameters in the order of `stepping.parameter_symbols`."""
     return (*law.vector(law.structure.equations_without_rig), law.v_r, law.y_r)
+
+
+def parts_of_law(law: Law, conditions: Mapping[str, float], A: float, f: float) -> int:
+    """Give in how many parts an FMU of the law walks its steps: one where the law has no value in its range.
+
+    Args:
+        law: the law.
+        conditions: the slow signals that it follows, by name, but A and f.
+        A: largest amplitude in its range, mm.
+        f: frequency, Hz.
+    """
+    if not law.equations.states:
+        return 1
+    scalar = scalar_law(law)
+    T, *further = (conditions[name] for name in ("T", *scalar.further))
+    rest = [start for _, start in scalar.states]
+    try:
+        return parts_of_step(scalar.step, scalar.coefficients(A, f, T, *further), rest, A, f)
+    except (ArithmeticError, ValueError):
+        return 1

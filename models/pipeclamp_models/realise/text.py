@@ -24,6 +24,13 @@ def equation_lines(equations: Composed) -> list[str]:
     return lines
 
 
+WIDEST = 120
+"""Signs of an equation's plain text from which on it takes several lines."""
+BREAK = r" \\ & "
+SMALL = 1000
+"""Whole numbers from which on their inverse is written as a power of ten, where it is one."""
+
+
 @dataclass(frozen=True)
 class Statement:
     """One thing that an effect does.
@@ -45,10 +52,35 @@ class Statement:
 
     @property
     def latex(self) -> str:
-        """The whole equation in LaTeX."""
+        """The whole equation in LaTeX, a term of the sum a line where it is too wide for one."""
+        if len(self.plain) > WIDEST and (lines := _terms(self.expression)):
+            return rf"\begin{{split}}{self.left} & {BREAK.join(lines)}\end{{split}}"
         right = _latex(self.expression)
         is_sum = isinstance(self.expression, sp.Add) and self.left.endswith(r"\times")
         return rf"{self.left} \left({right}\right)" if is_sum else f"{self.left} {right}"
+
+
+def _terms(expression: sp.Expr) -> list[str]:
+    """Part a sum, or a product with one, into LaTeX of its terms; nothing without one, or where one term is wide.
+
+    Brackets that hold a sum over several lines have a size of their own: those that grow end with the line.
+    """
+    parts = sp.Mul.make_args(expression)
+    sums = [part for part in parts if isinstance(part, sp.Add)]
+    if not sums:
+        return []
+    longest = max(sums, key=lambda part: len(_text(part)))
+    *_, second, _ = sorted(len(_text(term)) for term in longest.args)
+    if second < WIDEST / 4:
+        return []
+    before = sp.Mul(*(part for part in parts if part is not longest))
+    terms = [_latex(term) for term in longest.as_ordered_terms()]
+    terms[1:] = [term if term.startswith("-") else f"+ {term}" for term in terms[1:]]
+    if before == 1:
+        return terms
+    terms[-1] += r" \Bigr)"
+    factor = rf"\left({_latex(before)}\right)" if isinstance(before, sp.Add) else _latex(before)
+    return [rf"{factor} \Bigl(", *terms]
 
 
 def effect_statements(effect: Effect) -> list[Statement]:
@@ -110,8 +142,15 @@ def _stiff(compliance: sp.Expr) -> sp.Expr:
     return compliance.args[0][0]
 
 
+def _is_small_power(expression: sp.Expr) -> bool:
+    """Tell whether a number is 1/1000 or a smaller power of ten."""
+    is_inverse = isinstance(expression, sp.Rational) and expression.p == 1 and expression.q >= SMALL
+    return is_inverse and str(expression.q).strip("0") == "1"
+
+
 def _latex(expression: sp.Expr) -> str:
     expression = expression.replace(expm1, lambda argument: sp.exp(argument) - 1)
+    expression = expression.replace(_is_small_power, lambda one: sp.Symbol(f"10^{{-{len(str(one.q)) - 1}}}"))
     names = {symbols.y_previous: r"y_\mathrm{prev}"}
     for symbol in expression.free_symbols:
         word = re.fullmatch(r"([a-z]{3,})(\d*)", str(symbol))

@@ -11,6 +11,7 @@ from pipeclamp.pages.page import Section, doubted, styled
 from pipeclamp.pages.pictures import curves_picture, thinned
 from pipeclamp.pages.system.bands import add_area, run_bands_section
 from pipeclamp.show.table import Table
+from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_system.bands.ensemble import RunBands
 from pipeclamp_system.cosim.beating import cycle_amplitudes
 from pipeclamp_system.cosim.energy import NAMES
@@ -21,8 +22,10 @@ SYMBOLS = {"s": "y", "A_used": "A"}
 """Of the columns that are drawn, as the clamp's law has them."""
 
 
-def cosim_sections(result: CosimResult, bands: RunBands | None = None) -> list[Section]:
-    """Give the report of a co-simulation; the first section holds the summary in words."""
+def cosim_sections(
+    result: CosimResult, bands: RunBands | None = None, following: NextStep | None = None
+) -> list[Section]:
+    """Give the report of a co-simulation; the first section holds the summary in words, and what comes next."""
     points = [*result.clamp_names, *result.probe_names]
     histories = [history_picture(result, f"{name}.s", 1e3, "mm", f"Displacement at {name}") for name in points]
     loops = [_loop_picture(result, name) for name in result.clamp_names]
@@ -39,7 +42,7 @@ def cosim_sections(result: CosimResult, bands: RunBands | None = None) -> list[S
         for picture in (*histories, *tracked, *loops, balance):
             doubted(picture)
     return [
-        Section("What came out", answer_first(result.summary().splitlines())),
+        answer_section(result.summary().splitlines(), following),
         *_beats_section(result),
         *([run_bands_section(bands)] if bands else []),
         Section("Motion", (), (), histories + tracked),
@@ -52,6 +55,14 @@ def answer_first(lines: Sequence[str]) -> list[str]:
     """Give a summary as a page tells it: what came out before how it was computed."""
     how, *what = lines
     return [*what, how]
+
+
+def answer_section(lines: Sequence[str], following: NextStep | None) -> Section:
+    """Give a summary's section, and what comes next in it."""
+    words = answer_first(lines)
+    if following is None:
+        return Section("What came out", words)
+    return Section("What came out", [*words, *following.before()], command=following.line)
 
 
 def _beats_section(result: CosimResult) -> list[Section]:

@@ -10,7 +10,7 @@ from pipeclamp.pages.system.pipe import pipe_comparison_sections
 from pipeclamp.pages.system.pipe_records import records_sections
 from pipeclamp.show.on_pipe import attribution_words, capital
 from pipeclamp_identification.attribution.attributed import Attributed
-from pipeclamp_identification.workflow.next_on_pipe import NextStep
+from pipeclamp_identification.workflow.next_step import NextStep
 
 
 def attributed_sections(found: Attributed, following: NextStep) -> list[Section]:
@@ -23,8 +23,7 @@ def attributed_sections(found: Attributed, following: NextStep) -> list[Section]
         *(records_sections(records, corrected.records if corrected else None) if records else []),
     ]
     verdict, *why = attribution_words(found.attribution, found.proposal)
-    before = [f"Next, {following.first}, run the command below."] if following.first else []
-    words = [capital(verdict), *why, *how.paragraphs, *before]
+    words = [capital(verdict), *why, *how.paragraphs, *following.before()]
     answer = replace(how, title="Answer", paragraphs=words, command=following.line)
     tried = [attribution_section(found.attribution)] if found.attribution else []
     return [answer, *others[:1], *tried, *others[1:]]

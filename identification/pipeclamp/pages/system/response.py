@@ -8,8 +8,9 @@ import plotly.graph_objects as go
 
 from pipeclamp.pages.page import LOG_AXIS, SERIES, Section, styled
 from pipeclamp.pages.system.bands import add_band, bands_section
-from pipeclamp.pages.system.cosim import answer_first
+from pipeclamp.pages.system.cosim import answer_section
 from pipeclamp.show.table import Table
+from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_system.bands.told import ResponseBands
 from pipeclamp_system.description.trust_mark import DOUBT
 from pipeclamp_system.steady.dots import Dot
@@ -29,8 +30,11 @@ DOUBTFUL = {"size": 9, "symbol": "x-thin-open", "line": {"width": 2}}
 """Marks of co-simulations."""
 
 
-def response_sections(response: FrequencyResponse, bands: ResponseBands | None = None) -> list[Section]:
-    """Give the report of a frequency response; the first section holds the summary in words, the next its bands."""
+def response_sections(
+    response: FrequencyResponse, bands: ResponseBands | None = None, following: NextStep | None = None
+) -> list[Section]:
+    """Give the report of a frequency response; the first section holds the summary in words, and what comes next, the
+    second one its bands."""
     pictures = [response_picture(response, index, bands) for index in range(len(response.points))]
     header = (
         "clamps", "level", "f / Hz", *(f"{name} / mm" for name in response.points), "off the curve",
@@ -47,7 +51,7 @@ def response_sections(response: FrequencyResponse, bands: ResponseBands | None =
     ]  # fmt: skip
     tables = [Table(header, rows, "co-simulations, and how far they are off the nearest stable branch")] if rows else []
     return [
-        Section("What came out", answer_first(response.summary().splitlines())),
+        answer_section(response.summary().splitlines(), following),
         *([bands_section(bands)] if bands else []),
         Section("Frequency response", (WORDS,), (), pictures),
         *([Section("Co-simulations", (), tables)] if tables else []),

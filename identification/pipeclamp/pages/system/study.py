@@ -9,6 +9,7 @@ from pipeclamp.pages.page import Section, doubted
 from pipeclamp.pages.pictures import cells_picture, curves_picture
 from pipeclamp.pages.system.bands import FAINT, add_area
 from pipeclamp.show.table import Table
+from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_models.base.tables import pl
 from pipeclamp_system.description.trust_mark import doubt
 from pipeclamp_system.study.case import HIGH, IN_RANGE, LOW, TRUSTED
@@ -23,8 +24,8 @@ UNITS = {
 """By the ends of a description's keys, longer ones first."""
 
 
-def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
-    """Give the report of a study; the first section holds the summary in words."""
+def study_sections(study: Study, frame: pl.DataFrame, following: NextStep | None = None) -> list[Section]:
+    """Give the report of a study; the first section holds the summary in words, and what comes next."""
     failed = frame.filter(pl.col("error") != "")
     fine = frame.filter(pl.col("error") == "")
     points = [name for name in frame.columns if name.endswith(LEVEL)]
@@ -62,7 +63,9 @@ def study_sections(study: Study, frame: pl.DataFrame) -> list[Section]:
     rows = [(row["case"], *(row[axis] for axis in axes), row["error"]) for row in failed.head(20).iter_rows(named=True)]
     tables = [Table(("case", *axes, "error"), rows, "cases without a result (the first 20)")] if rows else []
     note = "Over the first two of what is varied; the largest over the rest." if len(axes) > 1 else ""
-    return [Section("What came out", lines), Section("Vibration level", (note,) if note else (), tables, figures)]
+    first, line = (following.before(), following.line) if following else ([], "")
+    answer = Section("What came out", [*lines, *first], command=line)
+    return [answer, Section("Vibration level", (note,) if note else (), tables, figures)]
 
 
 def named(axis: str) -> tuple[str, str]:

@@ -35,7 +35,7 @@ form.addEventListener("input", () => { write.disabled = true; });
 form.addEventListener("submit", async (event) => {
   event.preventDefault();
   const dry = event.submitter?.value !== "write";
-  const job = await start("/import/jobs", { batch, name: value("name"), columns: value("columns"), pattern: value("pattern"), dry_run: dry }, "-", ended);
+  const job = await start("/import/jobs", { batch, name: value("name"), columns: value("columns"), pattern: value("pattern"), skip_unusable: document.getElementById("skip").checked, dry_run: dry }, "-", ended);
   if (job) {
     const line = document.createElement("pre");
     line.className = "scroll";

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.importing.labels import Labels
 from pipeclamp_identification.importing.raw import (
     Damaged,
     Format,
@@ -24,9 +23,12 @@ from pipeclamp_identification.importing.raw import (
     refuse_rows,
     table_of,
 )
+from pipeclamp_identification.importing.texts.above import temperature_above
+from pipeclamp_identification.importing.texts.labels import Labels
 from pipeclamp_identification.importing.texts.sniffing import (
     CLEAR,
     OTHER_COLUMNS,
+    is_header,
     is_number,
     is_other_header,
     names_above,
@@ -142,6 +144,7 @@ def _tables(name: str, rows: list[list[Any]]) -> list[RawTable]:
             unread,
             labels,
             tuple(titles[place] for place in places),
+            above=temperature_above(row for row in header if not is_header(row, names)),
         )
     ]
 

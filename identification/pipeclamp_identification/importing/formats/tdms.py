@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeclamp_identification.importing.labels import Labels
 from pipeclamp_identification.importing.raw import Format, LabelColumn, RawTable, refuse_size, table_of
+from pipeclamp_identification.importing.texts.labels import Labels
 from pipeclamp_models.base.tables import pl
 
 UNITS = ("unit_string", "NI_UnitDescription", "unit", "Unit")

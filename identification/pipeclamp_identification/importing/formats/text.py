@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import itertools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,15 +14,19 @@ from typing import BinaryIO, cast
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.importing.labels import Labels
-from pipeclamp_identification.importing.raw import Channel, Damaged, Format, RawTable, Unread, refuse_rows
+from pipeclamp_identification.importing.raw import Above, Channel, Damaged, Format, RawTable, Unread, refuse_rows
+from pipeclamp_identification.importing.texts.above import temperature_above
 from pipeclamp_identification.importing.texts.clock import Clock
 from pipeclamp_identification.importing.texts.decoding import text_blocks
+from pipeclamp_identification.importing.texts.labels import Labels
 from pipeclamp_identification.importing.texts.sniffing import (
     FEWEST_COLUMNS,
+    OTHER,
     OTHER_COLUMNS,
     Layout,
     cells_of,
+    decimals_change,
+    has_other_decimals,
     is_header,
     is_number,
     is_other_header,
@@ -117,7 +121,11 @@ class _Columns:
         self.grouped = False
 
     def add(self, text: str) -> None:
-        """Take the rows of a block."""
+        """Take the rows of a block.
+
+        Raises:
+            Damaged: the decimal sign changes.
+        """
         if not text.strip():
             return
         found, cells = self._numbers_in(text)
@@ -129,6 +137,10 @@ class _Columns:
         if len(gaps):
             lines = text.split("\n")
             own_lines = {row: lines[row] for row in gaps.tolist() if row < len(lines)}
+            for row, line in own_lines.items():
+                if has_other_decimals(line, self.layout):
+                    number = self.layout.first + self.length + row + 1
+                    raise decimals_change(number, line, OTHER[self.layout.decimal])
             self._between |= {self.length + row: line for row, line in own_lines.items()}
             lost = [self.length + row for row, line in own_lines.items() if self._is_lost(line)]
             self._lost.append(np.array(lost, dtype=np.float64))
@@ -163,10 +175,13 @@ class _Columns:
             text, delimiter = "\n".join(SEVERAL_BLANKS.sub("\t", line.strip()) for line in text.split("\n")), "\t"
         content, quote = text.encode(), '"' if '"' in text else None
         try:
-            # most tables are numbers from end to end
-            frame = _frame(content, delimiter, layout, quote, numbers=True)
+            # most tables are numbers from end to end; beside commas polars takes points for them too, even of thousands
+            plain = layout.decimal == "." or "." not in text
+            frame = _frame(content, delimiter, layout, quote, numbers=plain)
         except pl.exceptions.PolarsError:
+            plain = False
             frame = _frame(content, delimiter, layout, quote, numbers=False)
+        if not plain:
             found = [self._read(place, frame[name]) for place, name in enumerate(frame.columns)]
             texts = {place: frame[name] for place, name in enumerate(frame.columns) if np.any(np.isnan(found[place]))}
             return found, texts
@@ -232,6 +247,7 @@ class _Columns:
             for place, one in self._labels.items()
             if place not in numeric and (column := one.column(layout.names[place], units[place], self.length))
         ]
+        above = self._above(blocks)
         return [
             RawTable(
                 name,
@@ -241,9 +257,26 @@ class _Columns:
                 unread,
                 tuple(replace(column, values=column.values[first:last]) for column in labels),
                 tuple(layout.titles[place] for place in numeric),
+                above=own,
             )
-            for name, (first, last) in zip(self._names(blocks), blocks, strict=True)
+            for name, own, (first, last) in zip(self._names(blocks), above, blocks, strict=True)
         ]
+
+    def _above(self, blocks: Sequence[tuple[int, int]]) -> list[Above | None]:
+        """Give what stands above each block of the temperature: right above it, or else in the file's header."""
+        header = temperature_above(self._cells(self._header))
+        between = [
+            temperature_above(self._cells(self._between.get(row, "") for row in range(before, after)))
+            for (_, before), (after, _) in itertools.pairwise(blocks)
+        ]
+        return [header, *(own or header for own in between)]
+
+    def _cells(self, lines: Iterable[str]) -> Iterator[list[str]]:
+        """Give the cells of lines, but of those that name the columns; a whole line where blanks part the numbers."""
+        for line in lines:
+            cells = cells_of(line, self.layout.delimiter)
+            if not is_header(cells, self.layout.names):
+                yield [line] if self.layout.delimiter == " " else cells
 
     def _names(self, blocks: Sequence[tuple[int, int]]) -> list[str]:
         """Give the blocks' names, "" for a single one."""

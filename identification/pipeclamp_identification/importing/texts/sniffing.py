@@ -55,6 +55,9 @@ NAME_LETTERS = ("t", "x", "y", "F", "T", "f")
 """Letters that name columns, though they are units of something, too: tonnes, farads, teslas."""
 
 
+DECIMALS = {".": "decimal point", ",": "decimal comma"}
+OTHER = {".": ",", ",": "."}
+
 Names = tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]
 """Names and units of columns, and titles above the names."""
 
@@ -84,10 +87,9 @@ class Layout:
 
     def words(self) -> str:
         """Say how the table is held."""
-        decimals = "decimal comma" if self.decimal == "," else "decimal point"
         lines = "1 line" if self.first == 1 else f"{self.first} lines"
         header = f", {lines} before the numbers" if self.first else ", no header"
-        return f"cells parted by {WORDS[self.delimiter]}, {decimals}{header}"
+        return f"cells parted by {WORDS[self.delimiter]}, {DECIMALS[self.decimal]}{header}"
 
 
 def cells_of(line: str, delimiter: str) -> list[str]:
@@ -109,6 +111,22 @@ def is_number(cell: str, decimal: str) -> bool:
     if len(cell) > LONGEST_NUMBER:
         return False
     return bool((COMMA if decimal == "," else POINT).match(cell) or STAMP.match(cell))
+
+
+def has_other_decimals(line: str, layout: Layout) -> bool:
+    """Tell whether a row's numbers have the other decimal sign: all of them may, and two at least have none else."""
+    other = OTHER[layout.decimal]
+    cells = [cell for cell in cells_of(line, layout.delimiter)[: layout.width] if cell]
+    sure = sum(is_number(cell, other) and not is_number(cell, layout.decimal) for cell in cells)
+    return sure >= FEWEST_COLUMNS and all(is_number(cell, other) for cell in cells)
+
+
+def decimals_change(number: int, line: str, to: str) -> Damaged:
+    """Give the error of a text whose decimal sign changes `to` another in a line, whose number is given."""
+    return Damaged(
+        f"changes its decimal sign in line {number}: got {line.strip()[:MOST_SHOWN]!r} with {DECIMALS[to]}s; expected "
+        f"{DECIMALS[OTHER[to]]}s as in the lines above: export it again with one sign throughout"
+    )
 
 
 def layout_of(lines: Sequence[str]) -> Layout:
@@ -141,7 +159,12 @@ def layout_of(lines: Sequence[str]) -> Layout:
     names, units, titles = _names_and_units(header, delimiter, width)
     if not any(units):
         units = _labelled_units(header, delimiter, width)
-    return Layout(delimiter, decimal, width, first, names, units, titles, _step(header, delimiter, decimal))
+    layout = Layout(delimiter, decimal, width, first, names, units, titles, _step(header, delimiter, decimal))
+    above = next((place for place in reversed(range(first)) if lines[place].strip()), None)
+    if above is not None and has_other_decimals(lines[above], layout):
+        # the larger part of the file made the layout
+        raise decimals_change(first + 1, lines[first], decimal)
+    return layout
 
 
 def _whole_lines(lines: Sequence[str]) -> list[str]:

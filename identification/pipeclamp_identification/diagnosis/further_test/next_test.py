@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
-from pipeclamp_identification.diagnosis.limits import Limits, drivable_grid, limits_words, reach, span
-from pipeclamp_identification.diagnosis.outlook import (
+from pipeclamp_identification.diagnosis.further_test.limits import Limits, drivable_grid, limits_words, reach, span
+from pipeclamp_identification.diagnosis.further_test.outlook import (
     LEAST_DEVIATIONS,
     PROFILES,
     REPEATS,

@@ -1,0 +1,59 @@
+"""A ladder climbed at the terminal: how far it has come is shown; if it is stopped, the best law so far is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeclamp_identification.workflow.auto import add_until_settled
+from pipeclamp_models.base.errors import InterruptError
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.shell import shell_line
+from pipeclamp_models.law.file import LawFile, law_text
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.workflow.climb import Rung, Settled
+    from pipeclamp_identification.workflow.tests import Tests
+
+
+def climbed(
+    file: LawFile, tests: Tests, campaign: Path, output: Path, tell: Callable[[str], None], **how: Any
+) -> Settled:
+    """Climb until no step helps.
+
+    Args:
+        file: the law to begin with.
+        tests: what it is held against.
+        campaign: where they are.
+        output: the law's file, which the caller writes at the end.
+        tell: is told what is being done, and how far the ladder has come.
+        how: as for `add_until_settled`.
+
+    Raises:
+        InterruptError: the user stopped it. The best law so far is in `output`, where there is one.
+    """
+    so_far: list[tuple[LawFile, tuple[Rung, ...]]] = []
+
+    def shown(what: str) -> None:
+        tell(f"{_error(so_far[-1][1])}; {what}" if so_far else what)
+
+    def come(law: LawFile, ladder: tuple[Rung, ...]) -> None:
+        so_far.append((law, ladder))
+
+    try:
+        return add_until_settled(file, tests, progress=shown, climbed=come, **how)
+    except KeyboardInterrupt as stop:
+        if not so_far:
+            raise
+        law, ladder = min(so_far, key=lambda there: there[1][-1].change.heldout[1])
+        write_whole(output, law_text(law))
+        again = shell_line("diagnose", str(output), str(campaign), "--auto", str(output))
+        raise InterruptError(
+            f"{output} holds the law so far, with {', '.join(law.effects)}: {_error(ladder)}. To go on: {again}"
+        ) from stop
+
+
+def _error(ladder: tuple[Rung, ...]) -> str:
+    """Say what the error on left-out conditions is, and what it was."""
+    return f"{ladder[0].change.heldout[0]:.2%} -> {ladder[-1].change.heldout[1]:.2%} on left-out conditions"

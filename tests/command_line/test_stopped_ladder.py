@@ -1,0 +1,29 @@
+"""`diagnose --auto` that is stopped in the middle keeps what it has climbed, and says how to go on."""
+
+import json
+import os
+import signal
+
+import pytest
+
+
+@pytest.mark.skipif(os.name != "posix", reason="stops with a signal")
+def test_a_ladder_that_is_stopped_keeps_the_law_so_far(monkeypatch, started, pipeclamp, tmp_path):
+    law, better = tmp_path / "law.json", tmp_path / "law2.json"
+    pipeclamp("identify", "clamp_a", "-o", law)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # it tells what it does, as on a terminal
+    monkeypatch.setenv("COLUMNS", "200")
+    with started("diagnose", law, "clamp_a", "--auto", better) as process:
+        told = ""
+        while "on left-out conditions;" not in told:
+            read = process.stderr.read(1)
+            assert read, f"it ended before it could be stopped: {told}"
+            told += read
+        process.send_signal(signal.SIGINT)
+        told = process.stderr.read()
+    assert "Traceback" not in told
+    kept = json.loads(better.read_text(encoding="utf-8"))
+    (effect,) = kept["effects"]
+    assert f"holds the law so far, with {effect}: " in told
+    assert f"To go on: pipeclamp diagnose {better} clamp_a --auto {better}" in told
+    pipeclamp("compare", better, "clamp_a")
