@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import pairwise
 from math import pi
 
@@ -81,12 +82,16 @@ class SteadySystem:
         # Harmonics that a cycle's samples can tell; beyond them forces are known roughly.
         self._told = min((clamp.samples for clamp in self._clamps), default=2) // 2 - 1
         self._most = (self._told + 1) * 2 // A_HARMONIC
-        # Of several clamps most of a cycle can be stuck: that takes minutes.
-        stepping = self.clamps == 1 and steps(self._clamps[0])
-        self._rubbing = [replace(clamp, samples=CELLS) for clamp in self._clamps] if stepping else []
         # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
         self._near: Array | None = None
         self._refinement = Refinement(self._asked, self._in_so_many) if harmonics is None and clamps else None
+
+    @cached_property
+    def _rubbing(self) -> list[SteadyClamp]:
+        """The clamps in cells, where one's force steps with the velocity; none where none does."""
+        # Of several clamps most of a cycle can be stuck: that takes minutes.
+        stepping = self.clamps == 1 and steps(self._clamps[0])
+        return [replace(clamp, samples=CELLS) for clamp in self._clamps] if stepping else []
 
     @property
     def clamps(self) -> int:
