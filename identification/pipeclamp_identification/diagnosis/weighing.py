@@ -290,10 +290,17 @@ def _cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scal
 
 
 def _able_to_take_a_part(scales: Scales) -> list[Judged]:
-    """Give the effects that take a part beyond doubt, best first: of what may be form, half at least."""
-    able = [each for each in scales.usable if takes_part(each, scales.law, scales.problem)]
+    """Give the effects that take a part beyond doubt, best first: of what may be form, half at least.
+
+    A general effect gives way to a special case that leaves about as little only where that is the best.
+    """
     least = HALF_TAKEN_SHARE if scales.law.lack.share < scales.tolerance.left else 0.0
-    return [each for each in able if explained_share(each, scales.law) >= least]
+    every = _able(scales.candidates, scales.law)
+    taking = [each for each in every if takes_part(each, scales.law, scales.problem)]
+    enough = [each for each in taking if explained_share(each, scales.law) >= least]
+    usable = [each for each in enough if any(each is one for one in scales.usable)]
+    gone = {id(each) for each in enough if usable and usable[0] in _simpler(each, every, scales.law, scales.tolerance)}
+    return [each for each in enough if id(each) not in gone] if usable else []
 
 
 def _part(
@@ -317,6 +324,8 @@ def _part(
     same = [each for each in rivals if _same_part(each, able[0], promises, scales)]
     other_part = [each.effects[0] for each in rivals if not any(each is one for one in same)]
     alike = _without_general([able[0], *same])
+    if len(distinct(each.effects[0] for each in alike)) > 1:
+        alike = [able[0], *same]  # simplicity speaks for a special case alone
     best = _likeliest_of(alike, scales.law)
     names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
     named = {effect_id(name) for name in names}
