@@ -185,6 +185,11 @@ class WhitenedObservations:
         """Half the range of the measured force, N, shape (R,)."""
         return self.loops.force_amplitude
 
+    @property
+    def are_linear(self) -> bool:
+        """As harmonics are."""
+        return True
+
     def in_units(self, plain: Array) -> Array:
         """Give harmonics in N, shape (P, R, m), whitened by the noise alone."""
         return np.asarray(np.einsum("rij,prj->pri", self.whitener, plain))

@@ -212,6 +212,11 @@ class PooledObservations:
         """Half the range of the measured force in N, shape (R,)."""
         return self.loops.force_amplitude
 
+    @property
+    def are_linear(self) -> bool:
+        """As harmonics are."""
+        return True
+
     def residual(self, law_force: LawForce) -> Array:
         """Give measured less law, in units in which noise and factors together are independent."""
         return self._poolings.beside(law_force).without(self.loops.residual(law_force))

@@ -260,13 +260,15 @@ def sized_start(
 ) -> Mapping[str, float]:
     """Give a start with each effect that isn't known as large as the data ask for; see `sized`.
 
+    Where the residuals aren't linear in the force, one step doesn't tell: the start stays.
+
     Args:
         structure: the law's structure.
         observations: what is fitted.
         start: a value for each parameter.
         known: names of the parameters whose values are known.
     """
-    of_effects = _unsized(structure, known)
+    of_effects = _unsized(structure, known) if observations.are_linear else []
     return sized(start, linearised(structure, observations, start), known, of_effects) if of_effects else start
 
 

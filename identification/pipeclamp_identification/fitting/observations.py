@@ -47,6 +47,10 @@ class Observations(Protocol):
     def force_amplitude(self) -> Array:
         """Half the range of the measured force in N, shape (R,)."""
 
+    @property
+    def are_linear(self) -> bool:
+        """Whether the residuals are linear in the law's force."""
+
     def residual(self, law_force: LawForce) -> Array:
         """Give the weighted residuals, measured less law, shape (R, m), for the law's force on the motion."""
 
@@ -124,6 +128,11 @@ class LoopObservations:
     standard_error: Array
     force_amplitude: Array
     transforms: Array | None = None
+
+    @property
+    def are_linear(self) -> bool:
+        """Harmonics are."""
+        return True
 
     def transformed(self, force: Array) -> Array:
         """Give the harmonics of force on the motion's grid, shape (..., R, n), as the records would show them."""

@@ -32,6 +32,11 @@ class MetricObservations:
     relative_error: Array
     rounding: Array
 
+    @property
+    def are_linear(self) -> bool:
+        """Logs of energies aren't."""
+        return False
+
     def rows(self, chosen: Rows) -> MetricObservations:
         """Give the observations of some of the loops."""
         return MetricObservations(
