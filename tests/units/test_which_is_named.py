@@ -204,6 +204,20 @@ def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):
     assert weighed_part(monkeypatch, same=True).verdict == "ambiguous"
 
 
+def test_what_takes_more_in_the_mean_than_what_is_named_is_told_beside_it(monkeypatch):
+    best, more, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 40.0, 90.0), ("", 100.0, 100.0)))
+    for each in (best, more, law):
+        each.heldout_by, each.reservations = {"A, f": 0.1}, ()
+    law.lack = SimpleNamespace(share=9.0)
+    for room in (weighing, reasons):
+        monkeypatch.setattr(room, "takes_part", lambda candidate, law, problem: candidate is best)
+    scales = Scales(law.result.law.structure, None, law, [best, more], TOLERANCE, 1, print)
+    found = weighing._part([best], [], [], None, scales)
+    assert (found.kind, found.effects) == ("part", ("viscous",))
+    assert "memory takes most, 60% of what is missing" in found.reasons[0]
+    assert "no rival" not in found.reasons[0]
+
+
 @pytest.mark.parametrize(("left", "told"), [(8.0, True), (70.0, False)])
 def test_what_two_would_take_together_is_told_where_none_is_named(left, told, monkeypatch):
     alone, pair, law = candidate("viscous", 95.0, 90.0), candidate("viscous", left, 50.0), candidate("", 100.0, 100.0)
