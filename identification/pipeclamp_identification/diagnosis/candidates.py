@@ -46,7 +46,10 @@ def candidates(
     top = promises[0].gain if promises else 0.0
     ids = list(dict.fromkeys(effect_id(promise.name) for promise in promises))[:MOST_FITTED]
     worth = max(WORTH_FITTING_SHARE * top, 1e-300)
-    chosen = [promise for promise in promises if effect_id(promise.name) in ids and promise.gain >= worth]
+    # one step may show what a general effect does and not what its special case would, once the law has moved to it
+    leading = [with_effect(structure, promise.name).effect(promise.name) for promise in promises[:MOST_PAIRED]]
+    asked = {*ids, *(simple for effect in leading for simple in effect.special_cases)}
+    chosen = [promise for promise in promises if effect_id(promise.name) in asked and promise.gain >= worth]
     left = {promise.name: promise.gain / top if top > 0 else 0.0 for promise in promises if promise not in chosen}
     contenders = [
         Contender((promise.name,), with_effect(structure, promise.name), promise.ranked_starts()) for promise in chosen
