@@ -54,6 +54,8 @@ class Problem:
     Attributes:
         loops: one row a run; one a run and cycle where the law, or the stiffness, changes along the cycles.
         harmonics: the same, as they were measured.
+        few: the same for rough fits, whose laws are evaluated at few points of the cycle: as the law as it is shows
+            them there. A jump of force between two of few points is no physics, and can be many times the noise.
         noise: the noise model.
         smooth: smooth functions of the conditions, (R, q).
         groups: (amplitude, frequency) group of each row.
@@ -61,20 +63,17 @@ class Problem:
         discrepancy: variance of each harmonic part that the laws' form is granted besides the noise, N2. Where the
             best law misses far more than noise, noise alone would let the quietest harmonics rule.
         factors: random factors of groups that differ beside their conditions; None where none do.
-        grid_error: what the law as it is shows otherwise at few points of the cycle than at many, N, shape (R, m).
-            Rough fits are held against what was measured and that besides: a jump of force between two of few points
-            is no physics, and can be many times the noise.
     """
 
     loops: Loops
     harmonics: LoopObservations
+    few: LoopObservations
     noise: NoiseModel
     smooth: Array
     groups: Rows
     further_groups: Mapping[str, Rows]
     discrepancy: float = 0.0
     factors: GroupFactors | None = None
-    grid_error: Array | float = 0.0
 
     @property
     def is_large(self) -> bool:
@@ -89,9 +88,7 @@ class Problem:
     @cached_property
     def coarse(self) -> WhitenedObservations:
         """The same for rough fits: laws are evaluated at fewer points."""
-        few = coarser(self.loops, self.harmonics)
-        shown = replace(few, harmonics=few.harmonics + self.grid_error)
-        return WhitenedObservations(shown, self.noise.whitener(self.discrepancy), self.factors)
+        return WhitenedObservations(self.few, self.noise.whitener(self.discrepancy), self.factors)
 
     @cached_property
     def against_noise(self) -> WhitenedObservations:
@@ -179,8 +176,10 @@ def prepare(structure: Structure, loops: Loops, start: Mapping[str, float] | Non
     residual = harmonics.plain_residual(first.law_force)
     noise = noise_model(loops, residual if factors is None else residual - factors.beside(first.law_force).force())
     groups = condition_groups(loops)
-    problem = Problem(loops, harmonics, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors)
-    return with_grid_error(problem, first), first
+    few = _as_seen_at_few(coarser(loops, harmonics), harmonics, first)
+    return Problem(
+        loops, harmonics, few, noise, smooth_basis(loops), groups, further_groups(loops), factors=factors
+    ), first
 
 
 def weighed_for(problem: Problem, best: Fit) -> Problem:
@@ -210,16 +209,14 @@ def weighed_again(problem: Problem, structure: Structure, best: Fit, starts: Seq
     """
     weighed = weighed_for(problem, best)
     law = judge((), structure, [start.law.values for start in starts], weighed)
-    return with_grid_error(weighed, law.result), law
+    return replace(weighed, few=_as_seen_at_few(weighed.few, weighed.harmonics, law.result)), law
 
 
-def with_grid_error(problem: Problem, law: Fit) -> Problem:
-    """Give the problem with what few points of the cycle show otherwise than many, as a law has it."""
-    few = coarser(problem.loops, problem.harmonics)
+def _as_seen_at_few(few: LoopObservations, harmonics: LoopObservations, law: Fit) -> LoopObservations:
+    """Give what was measured, with what few points of the cycle show otherwise than many, as a law has it."""
     at_few = unfitted(law.law.structure, few, law.law.values).law_force
-    return replace(
-        problem, grid_error=few.transformed(at_few.force) - problem.harmonics.transformed(law.law_force.force)
-    )
+    error = few.transformed(at_few.force) - harmonics.transformed(law.law_force.force)
+    return replace(few, harmonics=harmonics.harmonics + error)
 
 
 def judge(

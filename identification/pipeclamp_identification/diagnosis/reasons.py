@@ -5,7 +5,12 @@ from __future__ import annotations
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import Foretold, explained_share, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
-from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_NOISE_SHARE, MATERIAL_PART_SHARE
+from pipeclamp_identification.diagnosis.thresholds import (
+    HALF_TAKEN_SHARE,
+    MATERIAL_NOISE_SHARE,
+    MATERIAL_PART_SHARE,
+    REAL_LACK_CHANCE,
+)
 
 SHOWN_SCATTER = 5e-5
 """Scatter from run to run that is less is shown as none."""
@@ -19,7 +24,7 @@ def scatter_words(lack: LackOfFit, problem: Problem) -> str:
     named = zip(scatter, ("stiffness", "damping"), strict=True)
     shown = [f"{share:.2%} of {name}" for share, name in named if share >= SHOWN_SCATTER]
     between = f", and {' and '.join(shown)} from run to run" if shown else ""
-    if lack.share < MATERIAL_NOISE_SHARE:
+    if lack.share < MATERIAL_NOISE_SHARE or lack.p_value <= REAL_LACK_CHANCE:
         return f"what follows the conditions is {lack.share:.1%} of the force noise; the rest is noise{between}"
     seems = f"as much as {lack.share:.0%} of the force noise seems to follow the conditions"
     return f"{seems}, no more than scatter makes of it (noise{between})"

@@ -298,9 +298,10 @@ def _able_to_take_a_part(scales: Scales) -> list[Judged]:
     every = _able(scales.candidates, scales.law)
     taking = [each for each in every if takes_part(each, scales.law, scales.problem)]
     enough = [each for each in taking if explained_share(each, scales.law) >= least]
-    usable = [each for each in enough if any(each is one for one in scales.usable)]
-    gone = {id(each) for each in enough if usable and usable[0] in _simpler(each, every, scales.law, scales.tolerance)}
-    return [each for each in enough if id(each) not in gone] if usable else []
+    best = next((each for each in enough if any(each is one for one in scales.usable)), None)
+    if best is None:
+        return []
+    return [each for each in enough if best not in _simpler(each, every, scales.law, scales.tolerance)]
 
 
 def _part(

@@ -260,15 +260,13 @@ def sized_start(
 ) -> Mapping[str, float]:
     """Give a start with each effect that isn't known as large as the data ask for; see `sized`.
 
-    Where the residuals aren't linear in the force, one step doesn't tell: the start stays.
-
     Args:
         structure: the law's structure.
         observations: what is fitted.
         start: a value for each parameter.
         known: names of the parameters whose values are known.
     """
-    of_effects = _unsized(structure, known) if observations.are_linear else []
+    of_effects = _unsized(structure, observations, known)
     return sized(start, linearised(structure, observations, start), known, of_effects) if of_effects else start
 
 
@@ -280,13 +278,18 @@ def sized_and_linearised(
     Arguments as for `sized_start`.
     """
     there = linearised(structure, observations, start)
-    of_effects = _unsized(structure, known)
+    of_effects = _unsized(structure, observations, known)
     larger = sized(start, there, known, of_effects) if of_effects else start
     return (start, there) if larger == start else (larger, linearised(structure, observations, larger))
 
 
-def _unsized(structure: Structure, known: Collection[str]) -> list[list[str]]:
-    """Give, for each effect that isn't known, the parameters that its force is in proportion to, if it has others."""
+def _unsized(structure: Structure, observations: Observations, known: Collection[str]) -> list[list[str]]:
+    """Give, for each effect that isn't known, the parameters that its force is in proportion to, if it has others.
+
+    Where the residuals aren't linear in the force, one step doesn't tell how large it is: none then.
+    """
+    if not observations.are_linear:
+        return []
     held = structure.held()
     found = []
     for _, group in itertools.groupby(structure.equations.parameters, key=lambda parameter: parameter.effect):

@@ -42,8 +42,7 @@ class Linearised:
     def cost_after_one_step(self) -> float:
         """Give half the sum of squared residuals that the derivatives can't explain: a cheap screen before a fit."""
         with one_thread():
-            change = self.step()
-            explained = -self.residual @ self.jacobian @ change
+            explained = -self.residual @ self.jacobian @ self.step()
         return float(self.residual @ self.residual - explained) / 2
 
     def by(self, name: str) -> Array:
@@ -52,11 +51,12 @@ class Linearised:
 
     def step(self) -> Array:
         """Give the step of linear least squares, shape (free,); none where the residuals don't determine it."""
-        norms = np.linalg.norm(self.jacobian, axis=0)
-        norms[norms == 0] = 1.0
-        basis = self.jacobian / norms
-        inverse = np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True)
-        return np.asarray(-(inverse @ (basis.T @ self.residual)) / norms)
+        with one_thread():
+            norms = np.linalg.norm(self.jacobian, axis=0)
+            norms[norms == 0] = 1.0
+            basis = self.jacobian / norms
+            inverse = np.linalg.pinv(basis.T @ basis, rcond=SINGULAR, hermitian=True)
+            return np.asarray(-(inverse @ (basis.T @ self.residual)) / norms)
 
 
 def sized(start: Values, there: Linearised, known: Collection[str], of_effects: Sequence[Sequence[str]]) -> Values:
