@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeclamp.cli.terminal import print_next
 from pipeclamp_identification.workflow.auto import add_until_settled
 from pipeclamp_models.base.errors import InterruptError
 from pipeclamp_models.base.files import write_whole
@@ -48,9 +49,9 @@ def climbed(
             raise
         law, ladder = min(so_far, key=lambda there: there[1][-1].change.heldout[1])
         write_whole(output, law_text(law))
-        again = shell_line("diagnose", str(output), str(campaign), "--auto", str(output))
+        print_next(shell_line("diagnose", str(output), str(campaign), "--auto", str(output)))
         raise InterruptError(
-            f"{output} holds the law so far, with {', '.join(law.effects)}: {_error(ladder)}. To go on: {again}"
+            f"{output} holds the law so far, with {', '.join(law.effects)}: {_error(ladder)}"
         ) from stop
 
 
