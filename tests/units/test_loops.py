@@ -12,6 +12,7 @@ from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
 from pipeclamp_identification.loops.loops import displacement_on_grid, loops_of, on_grid, per_cycle
+from pipeclamp_identification.loops.scatter import drift_alike
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
 
 Y = np.array([0.03, 0.8, 0.004 + 0.001j, -0.006j, 0.0, 0.002])
@@ -220,6 +221,32 @@ def test_what_drifts_from_cycle_to_cycle_is_no_scatter(harmonic_record, loops_fr
     loops = loops_from(record)
     assert loops.noise_rms_N[0] > 50
     assert 2.5 < loops.scatter_rms_N[0] < 8
+
+
+def test_heat_that_dies_away_is_no_scatter_where_all_runs_show_it(harmonic_record, run_of, campaign_of):
+    """Four cycles of one run don't lie on a line: 10 % of a bearing's force was told as what no law can explain."""
+
+    def heating(frequency: float) -> Record:
+        record = harmonic_record(Y, F, frequency, 400 * frequency, 4.0, 0.0)
+        course = 0.8 + 0.2 * np.exp(-0.5 * frequency * record.time_s)
+        noise = 10.0 * np.random.default_rng(round(10 * frequency)).normal(size=len(course))
+        return dataclasses.replace(record, force_N=record.force_N * course + noise)
+
+    records = [heating(frequency) for frequency in (0.5, 0.7, 1.0, 1.4, 2.0)]
+    alone = loops_of(campaign_of(run_of(records[0])))
+    assert alone.scatter_rms_N[0] > 50.0  # one run alone may scatter so
+    together = loops_of(campaign_of(*(run_of(record, name=f"r{row}") for row, record in enumerate(records))))
+    assert np.all(together.scatter_rms_N < 20.0)
+    assert np.all(together.noise_rms_N > 50.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_cycles_that_scatter_at_random_drift_in_no_campaign(seed):
+    random = np.random.default_rng(seed)
+    runs = [F * (1 + 0.05 * random.normal(size=(cycles, 1))) for cycles in random.integers(3, 8, size=40)]
+    assert not drift_alike(runs)
+    assert drift_alike([F * np.exp(-0.4 * np.arange(4))[:, None] for _ in range(4)])
+    assert not drift_alike([F * np.exp(-0.4 * np.arange(cycles))[:, None] for cycles in (1, 2)])
 
 
 def test_without_a_drift_all_noise_is_scatter(harmonic_record, run_of, campaign_of):
