@@ -321,7 +321,7 @@ def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | No
     if not followed.pieces:
         raise UserError(
             f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
-            f"{table.to_Hz:g} Hz; try other ends of [response]"
+            f"{table.to_Hz:g} Hz; state other ends in [response], or run its sines in time by `pipeclamp cosim`"
         )
     leaving = leaving_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
     detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, leaving)
