@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -17,7 +19,9 @@ from typer.testing import CliRunner
 
 import pipeclamp as pc
 from pipeclamp.cli.app import app
+from pipeclamp_models.base.shell import shell_line
 
+PATTERN = "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"
 GERMAN = {
     "names": "Zeit [s];Kolbenweg/µm;Last [kN]",
     "scales": (1, 1e3, 1e-3),
@@ -60,9 +64,18 @@ def test_from_exports_to_a_law_and_a_verdict(pipeclamp, exports, tmp_path):
 
 def test_sheets_of_a_workbook_name_runs_and_state_what_was_set(pipeclamp, tmp_path):
     write_sheets(tmp_path / "clamp 7.xlsx", ten_runs()[:4])
-    told = pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", tmp_path / "plain").stdout
-    assert '--pattern "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"' in told.replace("\n", "")
+    plain = tmp_path / "with a blank and an ä" / "plain"
+    plain.parent.mkdir()
+    told = pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", plain).stdout
     assert "pipeclamp identify" not in told, "without the temperatures that the names state"
+    *_, sentence, unknown, following = told.splitlines()
+    assert "no temperature is known" in unknown
+    line = following.removeprefix("Next: pipeclamp ")
+    assert sentence.endswith("the line below takes them")
+    assert f"pipeclamp {line}</code>" in html.unescape((plain / "import.html").read_text(encoding="utf-8"))
+    told = pipeclamp(*shlex.split(line)).stdout
+    assert told.splitlines()[-1] == f'Next: pipeclamp identify "{plain}_2" -o law.json'
+    assert {run.temperature_C for run in pc.read_campaign(f"{plain}_2").tests.campaign.runs} == {20.0}
     campaign = tmp_path / "clamp_7"
     pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", campaign, "--pattern", "T{temperature_C}")
     runs = {run.name: run for run in pc.read_campaign(campaign).tests.campaign.runs}
@@ -112,7 +125,9 @@ def test_a_copy_of_a_file_is_left_aside_and_told(pipeclamp, exports, tmp_path):
 def test_a_dry_run_writes_nothing(pipeclamp, exports, tmp_path):
     told = pipeclamp("import", exports, "-o", tmp_path / "c", "--dry-run", "--report", tmp_path / "r.html")
     assert "nothing is written" in told.stdout
-    assert '--pattern "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"' in told.stdout
+    report = ["--report", tmp_path / "r.html"]
+    again = shell_line("import", str(exports), "-o", str(tmp_path / "c"), *map(str, report), "--pattern", PATTERN)
+    assert again in told.stdout.splitlines()[-1]
     assert [path.name for path in tmp_path.iterdir()] == ["r.html"]
 
 
