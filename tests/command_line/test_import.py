@@ -101,6 +101,7 @@ def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports
     before = contents(campaign)
     again = " ".join(pipeclamp("import", exports, "-o", campaign, "--pattern", "T{temperature_C}").stdout.split())
     assert "nothing to do" in again and "name another folder by -o" in again
+    assert again.endswith(f"Next: {shell_line('identify', str(campaign), '-o', 'law.json')}")
     assert contents(campaign) == before
     later = write_texts(tmp_path / "later", [loop(0.6, 2.0)], **GERMAN)
     assert "1 run of 1 file, 10 more" in pipeclamp("import", exports, later, "-o", campaign).stdout
@@ -246,13 +247,13 @@ def test_where_no_file_can_be_used_nothing_is_offered(refused, tmp_path):
 
 
 def test_where_all_files_lack_a_channel_it_is_asked_for_after_some_of_them(refused, tmp_path, monkeypatch):
-    from pipeclamp_identification.importing import importer
+    from pipeclamp_identification.importing import taking
 
     names = "Zeit [s];Wert A;Wert B"
     folder = write_texts(tmp_path / "e", [loop(0.3 + number / 100) for number in range(25)], names=names)
     looked = []
-    take = importer.take_file
-    monkeypatch.setattr(importer, "take_file", lambda path, *rest: looked.append(path) or take(path, *rest))
+    take = taking.take_file
+    monkeypatch.setattr(taking, "take_file", lambda path, *rest: looked.append(path) or take(path, *rest))
     told = refused("import", folder, "-o", tmp_path / "c")
     assert "no channel is called a displacement" in told and '--columns "' in told
     assert len(looked) == 20
@@ -311,3 +312,26 @@ def test_a_campaign_survives_a_kill_while_it_is_replaced(pipeclamp, refused, exp
     joined = pipeclamp("import", exports, later, "-o", campaign)
     assert "1 run of 1 file, 10 more" in joined.stdout
     assert not [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
+def test_a_folder_of_exports_that_is_taken_for_a_campaign(refused, pipeclamp, exports, tmp_path):
+    folder = tmp_path / ("ein sehr langer Name " * 10) / "Prüfstand 3"
+    shutil.copytree(exports, folder)
+    *_, line = refused("identify", folder, "-o", tmp_path / "law.json").splitlines()
+    pipeclamp(*shlex.split(line)[1:])
+    assert (folder.parent / "Prüfstand 3_campaign" / "runs.csv").is_file()
+
+
+def test_a_file_without_a_unit_is_asked_for_that_of_the_others(refused, pipeclamp, tmp_path):
+    """N had been proposed where all other files state kN; stated so, these were called unusable, to be left out."""
+    folder = write_texts(tmp_path / "e", ten_runs()[:3], **GERMAN)
+    last = max(folder.iterdir())
+    last.write_bytes(last.read_bytes().replace(b"Last [kN]", b"Last"))
+    message = refused("import", folder, "-o", tmp_path / "c")
+    assert "no unit is stated of 'Last'; other files state kN" in message
+    wrong = refused("import", folder, "-o", tmp_path / "c", "--columns", "force=Last [N]")
+    assert "got 'Last [N]' (for force), but the file says 'Last [kN]'" in wrong
+    assert "--skip-unusable" not in wrong
+    option = re.search(r'--columns "([^"]*)"', message)[1]
+    pipeclamp("import", folder, "-o", tmp_path / "c", "--columns", option)
+    assert len(pc.read_campaign(tmp_path / "c").tests.campaign.runs) == 3

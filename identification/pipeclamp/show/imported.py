@@ -111,7 +111,8 @@ def following_import(found: Found, answer: ImportAnswer, called: Sequence[str] =
     """Give the shell line to run after an import, empty where there is none; `called` as for `import_lines`."""
     if _names_are_needed(answer):
         return _again(found, answer, called) if called else ""
-    return after_import(str(found.folder)) if found.written and any(run.cycles for run in answer.runs) else ""
+    is_there = found.written or not answer.new_files
+    return after_import(str(found.folder)) if is_there and any(run.cycles for run in answer.runs) else ""
 
 
 def _names_are_needed(answer: ImportAnswer) -> bool:
@@ -123,12 +124,10 @@ def _again(found: Found, answer: ImportAnswer, called: Sequence[str]) -> str:
     """Give the command once more, with the pattern; what has been written stays, so it goes into another folder."""
     words = [word for word in called if word != "--dry-run"]
     if found.written:
-        given = next(place for place, word in enumerate(words) if word.startswith(("-o", "--output")))
-        folder = f"{found.folder}_2"
-        if words[given] in ("-o", "--output"):
-            words[given + 1] = folder
-        else:
-            words[given : given + 1] = ["-o", folder]
+        follows = [False, *(word in ("-o", "--output") for word in words)]
+        own = [word.startswith(("-o", "--output=")) or word == "--output" for word in words]
+        kept = [word for word, after, mine in zip(words, follows, own, strict=False) if not (after or mine)]
+        words = [*kept, "-o", f"{found.folder}_2"]
     return shell_line(*words, "--pattern", answer.pattern)
 
 
