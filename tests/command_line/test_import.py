@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 import json
 import os
@@ -335,3 +336,12 @@ def test_a_file_without_a_unit_is_asked_for_that_of_the_others(refused, pipeclam
     option = re.search(r'--columns "([^"]*)"', message)[1]
     pipeclamp("import", folder, "-o", tmp_path / "c", "--columns", option)
     assert len(pc.read_campaign(tmp_path / "c").tests.campaign.runs) == 3
+
+
+def test_a_run_that_is_left_out_lacks_no_temperature(pipeclamp, tmp_path):
+    runs = ten_runs()[:4]
+    runs[2] = dataclasses.replace(runs[2], force=-runs[2].force)
+    folder = write_texts(tmp_path / "e", runs)
+    told = pipeclamp("import", folder, "-o", tmp_path / "c", "--pattern", "T{temperature_C}")
+    assert "has the wrong sign" in told.stderr
+    assert "no temperature" not in told.stdout

@@ -98,8 +98,7 @@ def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ())
             f"the files' names look as if they state settings; to take them, import again{again}, with the pattern "
             f"{quoted(answer.pattern, always=True)}"
         )
-    unknown = [run.run for run in answer.runs if run.temperature_C is None]
-    if unknown:
+    if unknown := _without_temperature(answer):
         lines.append(
             f"no temperature is known of {_counted_of(len(unknown), len(answer.runs))}: state it in runs.csv, or by "
             "--pattern or --conditions when importing"
@@ -117,7 +116,13 @@ def following_import(found: Found, answer: ImportAnswer, called: Sequence[str] =
 
 def _names_are_needed(answer: ImportAnswer) -> bool:
     """Tell whether the files' names state temperatures that nothing else does."""
-    return "{temperature" in answer.pattern and any(run.temperature_C is None for run in answer.runs)
+    return "{temperature" in answer.pattern and bool(_without_temperature(answer))
+
+
+def _without_temperature(answer: ImportAnswer) -> list[str]:
+    """Give the runs of no known temperature; of those that are left out it doesn't matter."""
+    lost = {one.run for one in answer.left_out}
+    return [run.run for run in answer.runs if run.temperature_C is None and run.run not in lost]
 
 
 def _again(found: Found, answer: ImportAnswer, called: Sequence[str]) -> str:
