@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import displacement_on_grid, loops_of, on_grid, per_cycle
 from pipeclamp_identification.loops.scatter import drift_alike
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
@@ -267,3 +269,15 @@ def test_last_digits_that_alternate_are_no_motion():
     time = np.arange(400) / 400.0
     with pytest.raises(UnusableRecord):
         find_cycles(Record(time, 1e-4 * (-1.0) ** np.arange(400), time))
+
+
+def test_a_force_beyond_all_numbers_has_no_harmonics_and_says_nothing(harmonic_record, loops_from):
+    """Fits try such forces and refuse them; numpy's warning of it stood on the terminal."""
+    observations = loop_observations(loops_from(harmonic_record(Y, F, 1.7, 1.7 * 40, 5.0)))
+    assert observations.transforms is not None
+    force = np.zeros_like(observations.motion.y)
+    force[0, 3:5] = np.inf, -np.inf
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = observations.transformed(force)
+    assert not np.all(np.isfinite(found))
