@@ -127,6 +127,8 @@ def test_an_effect_states_itself(name):
             assert lower <= float(sp.sympify(start).subs(SCALES)) <= upper
         if parameter.follows:
             assert parameter.neutral is not None, "what may be undetermined needs a value that changes nothing"
+    own = {parameter.symbol: parameter for parameter in effect.parameters}
+    assert all(own[symbol].neutral is not None for symbol in effect.essence)
 
 
 @pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.id)

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeclamp_identification.campaign.bundled import campaign_folder
 from pipeclamp_identification.campaign.reading import read_campaign
-from pipeclamp_identification.diagnosis.problem import objections, reservations
+from pipeclamp_identification.diagnosis.problem import objections, reservations, without_essence
 from pipeclamp_identification.fitting.least_squares import Fit, starting_points, unfitted
 from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import loops_of
@@ -25,6 +25,10 @@ def fit_with(at_bound: str, effects: tuple[str, ...] = ("bouc_wen",)) -> Fit:
         covariance=np.eye(len(fitted)),
         at_bound=frozenset({at_bound}),
     )
+
+
+def with_values(fit: Fit, values: dict[str, float]) -> Fit:
+    return replace(fit, law=replace(fit.law, values=values))
 
 
 def test_a_bouc_wen_element_without_pinching_is_one():
@@ -69,3 +73,15 @@ def test_what_acts_otherwise_may_be_a_cause():
     assert reservations(("coulomb",), fit) == ()
     fit = fit_with("", ("bouc_wen", "coulomb"))
     assert reservations(("bouc_wen", "coulomb"), fit) == ()
+
+
+def test_an_effect_without_what_sets_it_apart_is_another_one_of_its_form():
+    """A sliding bearing, whose slip force nothing presses, was told as pressed slip: both growths were nought."""
+    fit = fit_with("mu_n", ("pressed_slip", "slip_speed"))
+    values = fit.law.values | {"mu_p": 1.0, "mu_n": 0.0}
+    assert without_essence("pressed_slip", with_values(fit, values)).startswith(
+        "what sets pressed_slip apart, mu_p and mu_n, can't be told from nothing"
+    )
+    assert without_essence("pressed_slip", with_values(fit, values | {"mu_p": 10.0})) == ""
+    assert without_essence("pressed_slip", with_values(fit, values | {"mu_n": 2.0})) == ""  # held there
+    assert without_essence("slip_speed", with_values(fit, values)) == ""

@@ -14,6 +14,7 @@ from joblib import Parallel, delayed, effective_n_jobs
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, drifts, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import LeftOut, LeftOutScore, Whitened, whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel, WhitenedObservations, noise_model
+from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
 from pipeclamp_identification.fitting.group_factors import GroupFactors
 from pipeclamp_identification.fitting.groups import Groups, factors_of, find_groups
 from pipeclamp_identification.fitting.heldout import condition_groups, further_groups
@@ -373,6 +374,25 @@ def reservations(effects: tuple[str, ...], result: Fit) -> tuple[str, ...]:
         if _may_be_one_memory(structure.effect(one), structure.effect(other))
     ]
     return (*at_bounds, *alike, *together)
+
+
+def without_essence(name: str, result: Fit) -> str:
+    """Say that what sets a fitted effect apart can't be told from nothing; empty where it can."""
+    effect = result.law.structure.effect(name)
+    away = {
+        parameter.name: result.law.values[parameter.name] - (parameter.neutral or 0.0)
+        for parameter in effect.parameters
+        if parameter.symbol in effect.essence
+    }
+    told = [own for own in away if own in result.fitted]
+    if not away or any(away[own] for own in away if own not in told):
+        return ""
+    places = [result.fitted.index(own) for own in told]
+    offset = np.array([away[own] for own in told])
+    if offset @ np.linalg.pinv(result.covariance[np.ix_(places, places)]) @ offset >= RIVAL_LIKELIHOOD:
+        return ""
+    apart = " and ".join(away)
+    return f"what sets {name} apart, {apart}, can't be told from nothing: something else of its form stands behind it"
 
 
 def of_groups(effects: tuple[str, ...], structure: Structure, factors: GroupFactors | None) -> tuple[str, ...]:

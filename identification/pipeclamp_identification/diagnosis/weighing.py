@@ -12,7 +12,7 @@ from pipeclamp_identification.diagnosis.between_levels import worst_level
 from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs, ranked
 from pipeclamp_identification.diagnosis.channel import BentChannel, bent_channel
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold, takes_part
-from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.problem import Judged, Problem, without_essence
 from pipeclamp_identification.diagnosis.reasons import (
     between_words,
     few_runs_words,
@@ -154,7 +154,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         asked = (sound[0], likeliest(sound), *_takers(sound, law), *sound)
         best = next((each for each in asked if scales.explains(each)), None)
         if best is not None:
-            return _but_for_the_channel(_cause(best, sound, scales), scales)
+            return _but_for_the_channel(_if_it_is_itself(_cause(best, sound, scales)), scales)
     if usable and not scales.form_allowed:
         able = _able_to_take_a_part(scales)
         rivals = _near(able[0], able, problem) if able else []
@@ -169,7 +169,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
             weighed = _cause_of_two(found, sound, scales)
         weighed = weighed or _part(able, rivals, promises, pair, scales) or _part_of_two(pair, sound, scales)
         if weighed is not None:
-            return _but_for_the_channel(weighed, scales)
+            return _but_for_the_channel(_if_it_is_itself(weighed), scales)
     if scales.form_allowed:
         if law.lack.most_share > FORM_NOISE_SHARE:
             return _nothing("unknown", hidden_words(law.lack, problem))
@@ -184,6 +184,13 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
     most = max(usable, key=lambda each: explained_share(each, law))
     none = _nothing("unknown", immaterial_words(most, law, problem), pair)
     return replace(none, reasons=(*none.reasons, *pair_words(pair, law)))
+
+
+def _if_it_is_itself(found: Weighed) -> Weighed:
+    """Call no effect the cause without what sets it apart: it fits by its form then."""
+    named = found.pair or found.named
+    words = without_essence(found.effects[0], named.result) if named is not None and found.kind == "cause" else ""
+    return replace(found, kind="part", reasons=(*found.reasons, words)) if words else found
 
 
 def _but_for_the_channel(found: Weighed, scales: Scales) -> Weighed:

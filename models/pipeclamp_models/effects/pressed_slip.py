@@ -40,6 +40,7 @@ EFFECT = Effect(
     imitated_by=("displacement_friction", "memory", "bouc_wen", "self_centring", "slip_spread", "power_damping"),
     told_apart_by="slow small cycles about several means: they are wider and steeper the further out their mean is",
     special_cases=("memory", "displacement_friction"),
+    essence=(mu_p, mu_n),
     parameters=(
         Parameter(
             z_0, "N", "slip force in the middle", tuple(share * F_typical for share in (0.02, 0.1, 0.1, 0.02)),

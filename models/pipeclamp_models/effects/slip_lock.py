@@ -47,6 +47,7 @@ EFFECT = Effect(
     told_apart_by="small cycles that begin at several places of a large one: the clearance moves along with the slip, "
     "where a gap stays about zero",
     special_cases=("directional_slip", "memory"),
+    essence=(g_l, n_l),
     parameters=(
         Parameter(
             x_l, "mm", "way beyond the clearance on which the mean slip force is reached",

@@ -159,6 +159,8 @@ class Effect:
         refinement: the next larger member of its family; None where there is none.
         special_cases: ids of effects that it becomes at some values of its parameters: where one of them does as well,
             that one is named.
+        essence: parameters of which one at least differs from neutral where the effect is there: without them it is
+            another effect, in its form at most.
     """
 
     id: str
@@ -181,6 +183,7 @@ class Effect:
     argument: str = ""
     refinement: Refinement | None = None
     special_cases: tuple[str, ...] = ()
+    essence: tuple[sp.Symbol, ...] = ()
 
     @property
     def name(self) -> str:
