@@ -190,6 +190,11 @@ class WhitenedObservations:
         """As harmonics are."""
         return True
 
+    def rows(self, chosen: Rows) -> WhitenedObservations:
+        """Give the observations of some of the loops."""
+        factors = None if self.factors is None else self.factors.rows(chosen)
+        return WhitenedObservations(self.loops.rows(chosen), self.whitener[chosen], factors)
+
     def in_units(self, plain: Array) -> Array:
         """Give harmonics in N, shape (P, R, m), whitened by the noise alone."""
         return np.asarray(np.einsum("rij,prj->pri", self.whitener, plain))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipeclamp_identification.diagnosis.between_levels import LeftOutLevel
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import Foretold, explained_share, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
@@ -55,6 +56,15 @@ def foretold_words(lack: LackOfFit, elsewhere: Foretold) -> str:
         f"{lack.rms:.3g} N ({lack.share:.2g} times the force noise) follow the conditions, and no effect of the "
         f"catalogue takes half of it; on left-out conditions the law errs by {elsewhere.rms:.3g} N beyond scatter "
         f"({elsewhere.share:.2g} times the force noise): more than passes for form"
+    )
+
+
+def between_words(worst: LeftOutLevel) -> str:
+    """Say that a law fits a level only when it is fitted to it, and what would tell more."""
+    return (
+        f"the law fits the tests at {worst.condition} = {worst.level} {worst.unit}, but fitted to the others alone it "
+        f"foretells them {worst.rms:.3g} N ({worst.share:.2g} times the force noise) worse: it isn't to be trusted "
+        f"between the levels tested; test at values of {worst.condition} in between"
     )
 
 

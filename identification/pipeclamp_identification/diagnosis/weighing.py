@@ -8,11 +8,13 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeclamp_identification.diagnosis.between_levels import worst_level
 from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest, pairs, ranked
 from pipeclamp_identification.diagnosis.channel import BentChannel, bent_channel
 from pipeclamp_identification.diagnosis.foretold import explained_share, foretold, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, without_essence
 from pipeclamp_identification.diagnosis.reasons import (
+    between_words,
     few_runs_words,
     foretold_words,
     form_words,
@@ -143,7 +145,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
     structure, problem, law, tolerance = scales.structure, scales.problem, scales.law, scales.tolerance
     if is_adequate(law.lack, tolerance):
         if is_complete(law, problem, tolerance):
-            return _nothing("complete", scatter_words(law.lack, problem))
+            return _complete(scatter_words(law.lack, problem), scales)
         return _nothing("unknown", few_runs_words(law.lack, problem, repeat=causes))
     usable, sound = scales.usable, scales.sound
     pair: Judged | None = None
@@ -174,7 +176,7 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         elsewhere = foretold(law, problem)
         if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
             return _nothing("unknown", foretold_words(law.lack, elsewhere))
-        return _nothing("complete", form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law))
+        return _complete(form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law), scales)
     if scales.bent is not None:
         return _the_channel(scales.bent)
     if not usable:
@@ -218,6 +220,15 @@ def _takers(sound: Sequence[Judged], law: Judged) -> list[Judged]:
 
 def _nothing(verdict: Verdict, reason: str, pair: Judged | None = None) -> Weighed:
     return Weighed(verdict, (), None, None, pair, (reason,))
+
+
+def _complete(reason: str, scales: Scales) -> Weighed:
+    """Call a law complete for a reason, unless it goes wrong between the levels tested by more than passes for form."""
+    scales.tell("levels left out")
+    worst = worst_level(scales.law, scales.problem)
+    if worst is not None and worst.share > FORM_NOISE_SHARE:
+        return _nothing("unknown", between_words(worst))
+    return _nothing("complete", reason)
 
 
 def _betters(candidate: Judged, law: Judged) -> bool:

@@ -1,0 +1,126 @@
+"""What a law makes of amplitudes and frequencies between those tested, told by levels that are left out.
+
+A group of one amplitude and one frequency says little of a law between the levels: the other frequencies show the same
+amplitude. So all runs of a level between others are left out, and the law is refitted to the rest. What it then errs
+more on that level counts only as far as the rest insists on it: where the law as fitted to all is as likely by the
+rest, the rest only left open what the level tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from pipeclamp_identification.diagnosis.left_out import DISAGREE_LIKELIHOOD
+from pipeclamp_identification.diagnosis.noise import WhitenedObservations
+from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
+from pipeclamp_identification.fitting.least_squares import Fit, fit
+from pipeclamp_identification.fitting.observations import Rows
+from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
+from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.law.law import Law
+from pipeclamp_models.realise.force import force_of_law
+
+SHARE_ERROR = 0.01
+"""Error of the share of the way between two laws at which the rest of the tests begin to disagree."""
+
+
+@dataclass(frozen=True)
+class LeftOutLevel:
+    """What a law errs more on a level when it is refitted without it.
+
+    Attributes:
+        condition, unit: of which the level is one.
+        level: its set point in words.
+        rms: N.
+        share: the same as a share of the force noise per sample.
+    """
+
+    condition: str
+    unit: str
+    level: str
+    rms: float
+    share: float
+
+
+def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
+    """Give the level between others that a law foretells worst from the others; None where no level lies between."""
+    found = []
+    for condition, unit, level, rows in _levels_between(problem.loops):
+        square = max(_added_square(law.result.law, problem, rows), 0.0)
+        noise = float(np.mean(problem.loops.noise_rms_N[rows] ** 2))
+        found.append(LeftOutLevel(condition, unit, level, float(np.sqrt(square)), float(np.sqrt(square / noise))))
+    return max(found, key=lambda each: each.share, default=None)
+
+
+def _levels_between(loops: Loops) -> Iterator[tuple[str, str, str, Rows]]:
+    """Give condition, unit, set point and rows of each level but the lowest and the highest."""
+    conditions = (("A", "mm", loops.amplitude_mm), ("f", "Hz", loops.frequency_Hz))
+    for condition, unit, values in conditions:
+        for level in number_levels(values, relative=SAME_SHARE)[1:-1]:
+            yield condition, unit, level.label, level.rows
+
+
+def _added_square(law: Law, problem: Problem, level: Rows) -> float:
+    """Give the mean square by which the nearest law that the other runs agree with errs more on a level than the law.
+
+    Args:
+        law: as fitted to all runs.
+        problem: the data.
+        level: rows of the level.
+
+    Returns:
+        N2; zero where the other runs agree with the law itself, or are too few for it.
+    """
+    rest = np.setdiff1d(np.arange(len(problem.loops.run)), level)
+    others = problem.observations.rows(rest)
+    try:
+        refitted = fit(law.structure, others, start=law.values, tolerance=CLOSELY)
+    except UserError:
+        return 0.0
+    most = _cost(refitted, law, others, 0.0) + float(DISAGREE_LIKELIHOOD)
+
+    def beyond(share: float) -> float:
+        return _cost(refitted, law, others, share) - most
+
+    if beyond(1.0) <= 0.0:
+        return 0.0
+    nearest = _between(refitted, law, float(brentq(beyond, 0.0, 1.0, xtol=SHARE_ERROR)))
+    there, here = (_mean_square(one, problem, level, others) for one in (nearest, law))
+    return there - here
+
+
+def _between(refitted: Fit, law: Law, share: float) -> Law:
+    """Give the law at a share of the way from a refit to the law as fitted to all."""
+    values = {name: value + share * (law.values[name] - value) for name, value in refitted.law.values.items()}
+    return replace(law, values=values)
+
+
+def _cost(refitted: Fit, law: Law, others: WhitenedObservations, share: float) -> float:
+    """Give the squares that a law between a refit and the law leaves of the runs it was refitted to, and of its priors.
+
+    Args:
+        refitted: the refit.
+        law: as fitted to all.
+        others: what it was refitted to.
+        share: of the way.
+    """
+    residual = others.residual(force_of_law(_between(refitted, law, share), others.motion))
+    way = np.array([law.values[name] - refitted.law.values[name] for name in refitted.fitted])
+    priors = refitted.precision * (refitted.from_priors + share * way) ** 2
+    return float(np.sum(residual**2) + np.sum(priors))
+
+
+def _mean_square(law: Law, problem: Problem, level: Rows, others: WhitenedObservations) -> float:
+    """Give a law's mean-square error on a level, N2; groups have the factors that the others show."""
+    left_out = problem.harmonics.rows(level)
+    foretold = force_of_law(law, left_out.motion)
+    if problem.factors is None:
+        return float(np.mean(left_out.mean_squares(foretold)))
+    factors = others.factors_beside(force_of_law(law, others.motion))
+    explained = problem.factors.rows(level).beside(foretold).force(factors)
+    return float(np.mean(left_out.mean_squares(foretold, explained)))

@@ -1,0 +1,111 @@
+"""A law that fits all levels tested and goes wrong between them isn't complete; one whose level only it tells is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.diagnosis import weighing
+from pipeclamp_identification.diagnosis.between_levels import LeftOutLevel, worst_level
+from pipeclamp_identification.diagnosis.problem import judge, prepare
+from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
+from pipeclamp_identification.diagnosis.verdict import diagnose
+from pipeclamp_identification.fitting.least_squares import fit
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.law.declaration_files import read_declaration
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.realise.force import force_of_law
+
+BASE = {
+    "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
+    "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
+}  # fmt: skip
+PLAN = rig.TestPlan(
+    amplitudes=(0.3, 0.6, 1.0), frequencies=(1.0, 2.0, 4.0, 8.0), temperatures=(20.0, 150.0, 300.0), rate=500.0, seed=3
+)
+BUMP = """
+id = "bump"
+title = "A fixture that is stiffer near one frequency"
+looks_like = "stiffness that rises and falls again over f"
+scales = [{ coefficient = "stiffness", factor = "1 + s_b * exp(-((f - 2.7) / 0.7)**2)" }]
+[[parameters]]
+symbol = "s_b"
+unit = "-"
+meaning = "share by which it is stiffer"
+start = 0.01
+"""
+SHARP = {"k_i": 40.0, "f_i": 2.0, "zeta_i": 0.05, "b_i": 0.0}
+"""A mass inside that rings at one frequency of the plan, and hardly shows at the others."""
+WITH_MASS = Structure("power", ("inner_mass",))
+
+
+@pytest.fixture
+def tested(tmp_path):
+    """Give a virtual campaign of the base law with effects."""
+
+    def made(effects, values, plan=PLAN, declared=()):
+        law = Law(Structure("power", effects, declared=declared), {**BASE, **values}, 0.0126, 0.002)
+        write_campaign(tmp_path / "campaign", rig.virtual_runs(law, plan), name="virtual", notes="")
+        return read_campaign(tmp_path / "campaign")
+
+    return made
+
+
+@pytest.fixture
+def bump(tmp_path):
+    """Give what nothing in the catalogue is, and an inner mass imitates at the frequencies tested."""
+    (tmp_path / "bump.toml").write_text(BUMP)
+    return read_declaration(tmp_path / "bump.toml")
+
+
+def judged(campaign, structure, start=None):
+    problem, first = prepare(structure, loops_of(campaign), start)
+    return judge((), structure, [first.law.values], problem), problem
+
+
+def test_a_law_that_goes_wrong_between_the_levels_is_not_complete(tested, bump):
+    found = diagnose(WITH_MASS, tested(("bump",), {"s_b": 0.02}, declared=(bump,)))
+    assert found.law.lack.share < 0.1, "at the levels tested nothing is left"
+    assert found.verdict == "unknown"
+    assert "f = 2 Hz" in found.reasons[0]
+    assert "test at values of f in between" in found.reasons[0]
+
+
+def test_groups_that_differ_hide_nothing_of_it(tested, bump):
+    plan = replace(PLAN, specimens=3, specimen_scatter=0.03)
+    law, problem = judged(tested(("bump",), {"s_b": 0.02}, plan, (bump,)), WITH_MASS)
+    assert problem.factors is not None
+    worst = worst_level(law, problem)
+    assert (worst.condition, worst.level) == ("f", "2")
+    assert worst.share > FORM_NOISE_SHARE
+
+
+def test_what_only_one_level_tells_is_no_fault_of_the_law(tested):
+    """Without the level at which a mass rings a fit can't tell how strongly; the others don't contradict the law."""
+    law, problem = judged(tested(("inner_mass",), SHARP), WITH_MASS, {**BASE, **SHARP})
+    level = np.flatnonzero(np.abs(problem.loops.frequency_Hz - 2.0) < 0.1)
+    rest = np.setdiff1d(np.arange(len(problem.loops.run)), level)
+    refitted = fit(WITH_MASS, problem.observations.rows(rest), start=law.result.law.values)
+    shown = problem.harmonics.rows(level)
+    laws = refitted.law, law.result.law
+    without, having = (np.mean(shown.mean_squares(force_of_law(one, shown.motion))) for one in laws)
+    noise = np.mean(problem.loops.noise_rms_N[level] ** 2)
+    assert np.sqrt((without - having) / noise) > FORM_NOISE_SHARE, "a plain refit would count it"
+    assert worst_level(law, problem).share < 0.1
+
+
+def test_levels_at_the_ends_are_not_between(tested):
+    plan = replace(PLAN, amplitudes=(0.3, 1.0), frequencies=(1.0, 4.0))
+    law, problem = judged(tested((), {}, plan), Structure("power"))
+    assert worst_level(law, problem) is None
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.6, "complete"), (0.9, "unknown")])
+def test_what_passes_for_form_may_be_wrong_between_levels_too(share, verdict, tested, monkeypatch):
+    monkeypatch.setattr(weighing, "worst_level", lambda law, problem: LeftOutLevel("A", "mm", "0.6", 3 * share, share))
+    found = diagnose(Structure("power"), tested((), {}))
+    assert found.verdict == verdict
+    assert ("A = 0.6 mm" in found.reasons[0]) == (verdict == "unknown")
