@@ -8,11 +8,11 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.diagnosis import weighing
-from pipeclamp_identification.diagnosis.between_levels import LeftOutLevel, worst_level
 from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
 from pipeclamp_identification.diagnosis.verdict import diagnose
+from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
+from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, worst_level
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.declaration_files import read_declaration
@@ -105,7 +105,7 @@ def test_levels_at_the_ends_are_not_between(tested):
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.6, "complete"), (0.9, "unknown")])
 def test_what_passes_for_form_may_be_wrong_between_levels_too(share, verdict, tested, monkeypatch):
-    monkeypatch.setattr(weighing, "worst_level", lambda law, problem: LeftOutLevel("A", "mm", "0.6", 3 * share, share))
+    monkeypatch.setattr(verdicts, "worst_level", lambda law, problem: LeftOutLevel("A", "mm", "0.6", 3 * share, share))
     found = diagnose(Structure("power"), tested((), {}))
     assert found.verdict == verdict
     assert ("A = 0.6 mm" in found.reasons[0]) == (verdict == "unknown")

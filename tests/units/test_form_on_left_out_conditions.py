@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeclamp_identification.diagnosis import weighing
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import beyond_scatter
 from pipeclamp_identification.diagnosis.left_out import LeftOutScore
 from pipeclamp_identification.diagnosis.noise import NoiseModel
-from pipeclamp_identification.diagnosis.tolerance import Tolerance
-from pipeclamp_identification.diagnosis.weighing import weigh
+from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
+from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
+from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 
 RUNS, CHANNELS, NOISE, SCATTER = 16, 7, 0.3, 0.02
 GROUPS = np.repeat(np.arange(8), 2)
@@ -20,7 +20,7 @@ GROUPS = np.repeat(np.arange(8), 2)
 @pytest.fixture(autouse=True)
 def nothing_between_levels(monkeypatch):
     """The problem below has no conditions."""
-    monkeypatch.setattr(weighing, "worst_level", lambda law, problem: None)
+    monkeypatch.setattr(verdicts, "worst_level", lambda law, problem: None)
 
 
 def test_an_error_on_each_group_is_told_in_newtons_and_in_noise():

@@ -8,7 +8,7 @@ import pytest
 from pipeclamp_identification.diagnosis.evidence import LackOfFit, lack_of_fit
 from pipeclamp_identification.diagnosis.left_out import Whitened
 from pipeclamp_identification.diagnosis.noise import NoiseModel
-from pipeclamp_identification.diagnosis.reasons import scatter_words
+from pipeclamp_identification.diagnosis.weighing.reasons import scatter_words
 from pipeclamp_identification.fitting.smooth_trends import smooth_functions
 
 AMPLITUDES, FREQUENCIES = (0.1, 0.2, 0.5, 1.0), (4.0, 8.0, 15.0, 30.0)

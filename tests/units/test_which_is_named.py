@@ -5,10 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeclamp_identification.diagnosis import reasons, weighing
-from pipeclamp_identification.diagnosis.channel import BentChannel
-from pipeclamp_identification.diagnosis.tolerance import Tolerance
-from pipeclamp_identification.diagnosis.weighing import Scales, weigh
+from pipeclamp_identification.diagnosis.weighing import causes, parts, reasons, scales
+from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
+from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
+from pipeclamp_identification.diagnosis.weighing.parts import one_part
+from pipeclamp_identification.diagnosis.weighing.scales import Scales
+from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
+from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance
+from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_models.law.law import Structure
 
 
@@ -22,13 +26,20 @@ def candidate(effect, left, squares, structure="power"):
     )  # fmt: skip
 
 
+def stand_in(monkeypatch, name, function):
+    """Put a function in the place of another wherever a verdict is weighed."""
+    for room in (scales, causes, parts, reasons, verdicts):
+        if hasattr(room, name):
+            monkeypatch.setattr(room, name, function)
+
+
 TOLERANCE = Tolerance(0.1, 0.1, 0.75)
 
 
 @pytest.fixture(autouse=True)
 def straight(monkeypatch):
     """The force channel is straight, but where a test bends it."""
-    monkeypatch.setattr(weighing, "bent_channel", lambda problem, law: None)
+    stand_in(monkeypatch, "bent_channel", lambda problem, law: None)
 
 
 def usable(*candidates):
@@ -43,7 +54,7 @@ def test_beside_its_special_case(general, special, left, named):
     found = usable(candidate(general, left, 90.0), candidate(special, 8.0, 100.0))
     assert found == ([general, special] if named else [special])
     law, *both = candidate("", 100.0, 1000.0), candidate(general, left, 90.0), candidate(special, 8.0, 100.0)
-    said = [weighing.simpler_words(each, both, law, TOLERANCE) for each in both]
+    said = [simpler_words(each, both, law, TOLERANCE) for each in both]
     assert said == [[] if named else [f"{special}, a special case of it, leaves about as little"], []]
 
 
@@ -84,9 +95,7 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, ki
     law = candidate("", 100.0, 100.0)
     law.lack = SimpleNamespace(p_value=0.0, share=1.7, sure_share=1.6)
     others = (hardening, gap)
-    monkeypatch.setattr(
-        weighing, "_near", lambda best, asked, problem: [one for one in asked if near and one in others]
-    )
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if near and one in others])
     found = weigh(law.result.law.structure, None, law, [hardening, gap], TOLERANCE, 1, print)
     assert (found.verdict, found.kind, found.effects) == ("missing", kind, ("gap",))
     assert ("hardening, which leaves more in N, fits the weak harmonics clearly better" in found.reasons[0]) != near
@@ -99,8 +108,8 @@ def test_what_explains_is_named_though_squares_prefer_what_mends_a_form(near, ki
 def test_a_bent_channel_is_a_rival_of_every_effect(akaike, expected, monkeypatch):
     gap, law = candidate("gap", 8.0, 100.0), candidate("", 100.0, 1000.0)
     gap.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
-    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: [])
-    monkeypatch.setattr(weighing, "bent_channel", lambda problem, law: BentChannel(200.0, -0.013, 1, 0.97, akaike))
+    stand_in(monkeypatch, "rivals_of", lambda best, others, problem: [])
+    stand_in(monkeypatch, "bent_channel", lambda problem, law: BentChannel(200.0, -0.013, 1, 0.97, akaike))
     found = weigh(law.result.law.structure, None, law, [gap], TOLERANCE, 1, print)
     assert (found.verdict, found.kind, found.effects) == expected
     words = "a force channel that gives 1.30% less of what lies beyond 200 N, in the positive direction, takes 97% of"
@@ -114,11 +123,10 @@ def test_what_does_no_better_than_the_law_as_it_is_explains_nothing(near, named,
     effect.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law.lack = SimpleNamespace(p_value=0.0, share=0.23, sure_share=0.0, rms=1.0)
     effect.heldout_by = law.heldout_by = {"A, f": 0.02}
-    monkeypatch.setattr(weighing, "_near", lambda best, others, problem: list(others) if near else [])
-    monkeypatch.setattr(weighing, "screened", lambda *of: [])
-    monkeypatch.setattr(weighing, "pairs", lambda *of: [])
-    for room in (weighing, reasons):
-        monkeypatch.setattr(room, "takes_part", lambda candidate, law, problem: False)
+    stand_in(monkeypatch, "rivals_of", lambda best, others, problem: list(others) if near else [])
+    stand_in(monkeypatch, "screened", lambda *of: [])
+    stand_in(monkeypatch, "pairs", lambda *of: [])
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
     found = weigh(law.result.law.structure, None, law, [effect], TOLERANCE, 1, print)
     assert found.effects == named
 
@@ -135,8 +143,8 @@ def test_of_rivals_and_a_general_effect_that_fits_clearly_better_all_are_named(r
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
     alike = (special, rival)
-    monkeypatch.setattr(
-        weighing, "_near", lambda best, asked, problem: [one for one in asked if best in alike and one in alike]
+    stand_in(
+        monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if best in alike and one in alike]
     )
     others = [special, rival][:rivals]
     found = weigh(law.result.law.structure, None, law, [general, *others], TOLERANCE, 1, print)
@@ -151,9 +159,7 @@ def test_where_a_special_case_has_rivals_its_general_effect_is_one_too(monkeypat
     for each in (general, special, rival):
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
-    monkeypatch.setattr(
-        weighing, "_near", lambda best, asked, problem: [one for one in asked if one not in (best, law)]
-    )
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [one for one in asked if one not in (best, law)])
     found = weigh(law.result.law.structure, None, law, [general, special, rival], TOLERANCE, 1, print)
     assert (found.verdict, found.kind) == ("ambiguous", "cause")
     assert sorted(found.effects) == ["asymmetry", "gas_spring", "pressed_slip"]
@@ -165,7 +171,7 @@ def test_what_leaves_as_much_of_a_form_as_the_best_is_a_rival(left, names, monke
     best, other, law = candidate("end_stop", 6.0, 80.0), candidate("gap", 6.2, 95.0), candidate("", 100.0, 1000.0)
     for each, share in ((best, 0.3), (other, left), (law, 2.5)):
         each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share)
-    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
     found = weigh(law.result.law.structure, None, law, [best, other], TOLERANCE, 1, print)
     assert (found.kind if names[1:] else "cause", found.effects) == ("cause", names)
 
@@ -179,20 +185,20 @@ def test_one_that_explains_it_is_nearer_than_two_though_others_are_first(monkeyp
     for each, left in ((first, 0.6), (second, 0.6), (last, 0.0)):
         each.lack = SimpleNamespace(p_value=0.5 if not left else 0.0, share=left, sure_share=left)
     law.lack = SimpleNamespace(p_value=0.0, share=0.79, sure_share=0.7)
-    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
     found = weigh(law.result.law.structure, None, law, [first, second, last], TOLERANCE, 1, print)
     assert (found.verdict, found.effects) == ("missing", ("gap",))
 
 
 def weighed_part(monkeypatch, *, same):
     """Give the reason for which the better of two effects is a part, where the other comes near."""
-    monkeypatch.setattr(weighing, "_same_part", lambda other, best, promises, scales: same)
-    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: True)
+    stand_in(monkeypatch, "_same_part", lambda other, best, promises, scales: same)
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: True)
     best, other, law = (candidate(*of) for of in (("viscous", 60.0, 80.0), ("memory", 65.0, 90.0), ("", 100.0, 100.0)))
     best.reservations = ()
     law.lack = SimpleNamespace(share=9.0)
     scales = Scales(law.result.law.structure, None, law, [best, other], TOLERANCE, 1, print)
-    return weighing._part([best, other], [other], [], None, scales)
+    return one_part([best, other], [other], [], None, scales)
 
 
 def test_a_rival_that_comes_near_with_another_part_is_told(monkeypatch):
@@ -209,10 +215,9 @@ def test_what_takes_more_in_the_mean_than_what_is_named_is_told_beside_it(monkey
     for each in (best, more, law):
         each.heldout_by, each.reservations = {"A, f": 0.1}, ()
     law.lack = SimpleNamespace(share=9.0)
-    for room in (weighing, reasons):
-        monkeypatch.setattr(room, "takes_part", lambda candidate, law, problem: candidate is best)
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: candidate is best)
     scales = Scales(law.result.law.structure, None, law, [best, more], TOLERANCE, 1, print)
-    found = weighing._part([best], [], [], None, scales)
+    found = one_part([best], [], [], None, scales)
     assert (found.kind, found.effects) == ("part", ("viscous",))
     assert "memory takes most, 60% of what is missing" in found.reasons[0]
     assert "no rival" not in found.reasons[0]
@@ -225,10 +230,9 @@ def test_what_two_would_take_together_is_told_where_none_is_named(left, told, mo
     for each, share in ((alone, 8.0), (pair, 3.6), (law, 9.0)):
         each.lack = SimpleNamespace(p_value=0.0, share=share, sure_share=share, rms=4.7 * share)
         each.heldout_by = {"A, f": share}
-    monkeypatch.setattr(weighing, "screened", lambda *of: [])
-    monkeypatch.setattr(weighing, "pairs", lambda *of: [pair])
-    for room in (weighing, reasons):
-        monkeypatch.setattr(room, "takes_part", lambda candidate, law, problem: False)
+    stand_in(monkeypatch, "screened", lambda *of: [])
+    stand_in(monkeypatch, "pairs", lambda *of: [pair])
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
     found = weigh(law.result.law.structure, None, law, [alone], TOLERANCE, 1, print)
     assert (found.verdict, found.effects) == ("unknown", ())
     words = "viscous and offset together would take 92% of it, but leave 16.9 N (3.6 times the force noise)"
@@ -249,10 +253,10 @@ def test_what_all_likely_pairs_share_is_missing_whatever_stands_beside_it(monkey
     for place, other in enumerate(("asymmetry", "gas_spring", "pressed_slip")):
         pairs.append(candidate("inertia", 1.0, 10.0 + 20.0 * (place == 2)))
         pairs[-1].effects, pairs[-1].lack = (other, "inertia"), SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
-    monkeypatch.setattr(weighing, "_near", lambda best, asked, problem: [])
-    monkeypatch.setattr(weighing, "screened", lambda *of: [])
-    monkeypatch.setattr(weighing, "pairs", lambda *of: pairs)
-    monkeypatch.setattr(weighing, "takes_part", lambda candidate, law, problem: False)
+    stand_in(monkeypatch, "rivals_of", lambda best, asked, problem: [])
+    stand_in(monkeypatch, "screened", lambda *of: [])
+    stand_in(monkeypatch, "pairs", lambda *of: pairs)
+    stand_in(monkeypatch, "takes_part", lambda candidate, law, problem: False)
     found = weigh(law.result.law.structure, None, law, [gas, asymmetry, inertia], TOLERANCE, 1, print)
     assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("inertia",))
     assert "with asymmetry or gas_spring beside it 99% is explained" in found.reasons[0]
@@ -267,9 +271,7 @@ def test_a_general_effect_that_the_fit_prefers_is_told_beside_its_special_case(a
         each.lack = SimpleNamespace(p_value=0.5, share=0.0, sure_share=0.0)
     law = candidate("", 100.0, 1000.0)
     law.lack = SimpleNamespace(p_value=0.0, share=9.0, sure_share=9.0)
-    monkeypatch.setattr(
-        weighing, "_near", lambda best, others, problem: [one for one in others if one not in (best, law)]
-    )
+    stand_in(monkeypatch, "rivals_of", lambda best, others, problem: [one for one in others if one not in (best, law)])
     found = weigh(law.result.law.structure, None, law, [general, special], TOLERANCE, 1, print)
     assert (found.kind, found.effects) == ("cause", ("relaxation",))
     assert ("can't tell it from relaxation_spread" in found.reasons[0]) == told

@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.diagnosis.weighing import simpler_words
+from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_words
 from pipeclamp_identification.fitting.groups_answer import group_words
 from pipeclamp_identification.workflow.tests import Diagnosed as AnyDiagnosed
 

@@ -37,8 +37,9 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
 )
-from pipeclamp_identification.diagnosis.tolerance import Tolerance, is_adequate, is_complete
-from pipeclamp_identification.diagnosis.weighing import Weighed, weigh
+from pipeclamp_identification.diagnosis.weighing.scales import Weighed
+from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
+from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_identification.fitting.identify import fit_structure
 from pipeclamp_identification.fitting.misfit import RunMisfit, misfits
 from pipeclamp_identification.loops.loops import Loops, loops_of

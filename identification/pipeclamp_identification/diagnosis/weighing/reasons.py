@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pipeclamp_identification.diagnosis.between_levels import LeftOutLevel
 from pipeclamp_identification.diagnosis.evidence import LackOfFit
 from pipeclamp_identification.diagnosis.foretold import Foretold, explained_share, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged, Problem
@@ -12,6 +11,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_PART_SHARE,
     REAL_LACK_CHANCE,
 )
+from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel
 
 SHOWN_SCATTER = 5e-5
 """Scatter from run to run that is less is shown as none."""

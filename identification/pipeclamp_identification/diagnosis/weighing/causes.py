@@ -1,0 +1,157 @@
+"""What explains what is missing: one effect, rivals that can't be told apart, or two together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeclamp_identification.diagnosis.candidates import distinct, ranked
+from pipeclamp_identification.diagnosis.foretold import explained_share
+from pipeclamp_identification.diagnosis.problem import Judged, without_essence
+from pipeclamp_identification.diagnosis.screen import fits
+from pipeclamp_identification.diagnosis.thresholds import ALONE_SHARE, HALF_TAKEN_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.weighing.rivals import bettering, rivals_of
+from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
+from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than, without_general
+from pipeclamp_identification.diagnosis.weighing.tolerance import is_adequate
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.file import Kind
+
+
+def takers_of_half(sound: Sequence[Judged], law: Judged) -> list[Judged]:
+    """Give the effects that take half of what is missing on left-out conditions, in N, that which takes most first.
+
+    What the form of the law's other effects is off in quiet harmonics can weigh more than they do in squares.
+    """
+    shares = [(explained_share(each, law), each) for each in sound]
+    able = [entry for entry in shares if entry[0] >= HALF_TAKEN_SHARE]
+    return [each for _, each in sorted(able, key=lambda entry: -entry[0])]
+
+
+def one_cause(best: Judged, sound: Sequence[Judged], scales: Scales) -> Weighed:
+    """Name one effect that explains what is missing, and the others that do so as well."""
+    able = [other for other in sound if scales.explains(other)]
+    near = rivals_of(best, able, scales.problem)
+    rivals = [each for each in able if any(each is one for one in near) or _leaves_form_alike(each, best, scales)]
+    best, *rivals = without_general([best, *rivals])
+    names = distinct([best.effects[0], *(rival.effects[0] for rival in rivals)])
+    generals = _generals(best, scales)
+    clearly = [each for each in generals if not rivals_of(each, [best], scales.problem)]
+    if clearly:
+        general = clearly[0]
+        fits_better = f"{general.effects[0]}, of which {names[0]} is a special case, fits these tests clearly better"
+        reason = f"{' and '.join(names)} leave{'' if names[1:] else 's'} little over, but {fits_better}"
+        return Weighed("ambiguous", (general.effects[0], *names), "part", general, None, (reason,))
+    if len(names) > 1:
+        # simplicity speaks for a special case alone; where it has rivals, so has the general effect
+        aside = [each for one in (best, *rivals) for each in _generals(one, scales)]
+        names = distinct([*names, *(each.effects[0] for each in rivals_of(best, aside, scales.problem))])
+        return Weighed("ambiguous", names, "cause", best, None, (f"this data can't tell {' from '.join(names)}",))
+    others = [each for each in sound if effect_id(each.effects[0]) != effect_id(best.effects[0])]
+    if better := [each for each in others if not rivals_of(each, [best], scales.problem)]:
+        weak = f"{better[0].effects[0]}, which leaves more in N, fits the weak harmonics clearly better"
+        reason = f"{best.effects[0]} leaves little over, but {weak}: neither has the exact form"
+        return Weighed("missing", names, "part", best, None, (reason,))
+    reason = f"{best.effects[0]} explains it and no rival comes near"
+    if likelier := [each.effects[0] for each in generals if each.akaike < best.akaike]:
+        reason += f"; these tests can't tell it from {' and '.join(likelier)}, of which it is a special case"
+    return Weighed("missing", names, "cause", best, None, (reason,))
+
+
+def _leaves_form_alike(other: Judged, best: Judged, scales: Scales) -> bool:
+    """Tell whether two laws leave about as much of a form that neither has: what tells them apart is that form."""
+    if other is best or is_adequate(best.lack, scales.tolerance):
+        return False
+    return other.lack.share - best.lack.share < scales.tolerance.complete
+
+
+def _generals(special: Judged, scales: Scales) -> list[Judged]:
+    """Give the effects that were left aside for a special case of them, best first."""
+    able = bettering(scales.candidates, scales.law)
+    general = [each for each in able if special in simpler_than(each, able, scales.law, scales.tolerance)]
+    return ranked(each for each in general if each.may_be_cause)
+
+
+def cause_of_two(found: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name the first of two effects that together explain what is missing; None where no two do.
+
+    Of some hundred pairs one or another comes near by chance: it is a part where more than scatter is left.
+    """
+    if not found or not scales.explains(found[0]):
+        return None
+    pair = found[0]
+    together = f"{' and '.join(pair.effects)} together explain it, one alone doesn't"
+    kind: Kind = "cause" if is_adequate(pair.lack, scales.tolerance) else "part"
+    likely = [each for each in found if each.akaike - pair.akaike < RIVAL_LIKELIHOOD and scales.explains(each)]
+    firsts = [name for name in _first_of_pairs(likely, sound, scales) if _helps_alone(name, sound, scales.law)]
+    if not firsts:
+        return named_together(pair, sound, kind, together, scales)
+    named = next(one for one in sound if effect_id(one.effects[0]) == effect_id(firsts[0]))
+    if len(firsts) > 1:
+        reason = f"{together}; which comes first, {' or '.join(firsts)}, is open"
+        return Weighed("ambiguous", tuple(firsts), kind, named, pair, (reason,))
+    both = (each.effects for each in likely if any(effect_id(name) == effect_id(firsts[0]) for name in each.effects))
+    second = " or ".join(distinct(name for names in both for name in names if effect_id(name) != effect_id(firsts[0])))
+    reason = (
+        f"two effects are missing: {named.effects[0]} first, which takes {explained_share(named, scales.law):.0%} by "
+        f"itself; with {second} beside it {explained_share(pair, scales.law):.0%} is explained"
+    )
+    return Weighed("missing", tuple(firsts), kind, named, pair, (reason,))
+
+
+def named_together(pair: Judged, sound: Sequence[Judged], kind: Kind, does: str, scales: Scales) -> Weighed:
+    """Name the first of two effects that neither helps by itself: a cause only where one scales what the other has.
+
+    Otherwise they may cancel each other, as terms of a series do.
+
+    Args:
+        pair: the two.
+        sound: the effects that may be the cause.
+        kind: how the two would be meant otherwise.
+        does: what they do together, in words.
+        scales: all candidates.
+    """
+    first, second = sorted(pair.effects, key=lambda name: _alone(name, sound))
+    if fits(scales.structure, second):
+        kind, why = "part", "neither clearly helps by itself, so judge when both are added"
+    else:
+        why = f"{second} scales what only {first} brings, so they come together"
+    named = replace(pair, effects=(first, second))
+    return Weighed("missing", (first,), kind, named, named, (f"{does}; {why}",))
+
+
+def _first_of_pairs(likely: Sequence[Judged], sound: Sequence[Judged], scales: Scales) -> list[str]:
+    """Give the effect that all pairs share which can't be told from the best one: what is open is the other alone.
+
+    Where they share none that helps by itself, give the better effect of the best pair, and of each pair without it.
+    """
+    shared = set.intersection(*({effect_id(name) for name in pair.effects} for pair in likely))
+    in_all = [name for name in likely[0].effects if effect_id(name) in shared and _helps_alone(name, sound, scales.law)]
+    if in_all:
+        return [min(in_all, key=lambda name: _alone(name, sound))]
+    firsts: list[str] = []
+    for pair in likely:
+        taken = {effect_id(name) for name in firsts}
+        if not taken & {effect_id(name) for name in pair.effects}:
+            firsts.append(min(pair.effects, key=lambda name: _alone(name, sound)))
+    return firsts
+
+
+def _alone(name: str, sound: Sequence[Judged]) -> float:
+    same = (candidate.squares for candidate in sound if effect_id(candidate.effects[0]) == effect_id(name))
+    return min(same, default=np.inf)
+
+
+def _helps_alone(name: str, sound: Sequence[Judged], law: Judged) -> bool:
+    """Tell whether an effect explains something of the lack of fit without a second one."""
+    excess = (one.lack.excess for one in sound if effect_id(one.effects[0]) == effect_id(name))
+    return min(excess, default=np.inf) < (1 - ALONE_SHARE) * law.lack.excess
+
+
+def if_it_is_itself(found: Weighed) -> Weighed:
+    """Call no effect the cause without what sets it apart: it fits by its form then."""
+    named = found.pair or found.named
+    words = without_essence(found.effects[0], named.result) if named is not None and found.kind == "cause" else ""
+    return replace(found, kind="part", reasons=(*found.reasons, words)) if words else found

@@ -1,0 +1,103 @@
+"""What takes a part of what is missing, though much remains."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest
+from pipeclamp_identification.diagnosis.foretold import explained_share, takes_part
+from pipeclamp_identification.diagnosis.problem import Judged
+from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE, SAME_PART_SHARE
+from pipeclamp_identification.diagnosis.weighing.causes import named_together
+from pipeclamp_identification.diagnosis.weighing.reasons import immaterial_words
+from pipeclamp_identification.diagnosis.weighing.rivals import bettering
+from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed
+from pipeclamp_identification.diagnosis.weighing.special_cases import simpler_than, without_general
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.law import with_effect
+
+
+def able_to_take_a_part(scales: Scales) -> list[Judged]:
+    """Give the effects that take a part beyond doubt, best first: of what may be form, half at least.
+
+    A general effect gives way to a special case that leaves about as little only where that is the best.
+    """
+    least = HALF_TAKEN_SHARE if scales.law.lack.share < scales.tolerance.left else 0.0
+    every = bettering(scales.candidates, scales.law)
+    taking = [each for each in every if takes_part(each, scales.law, scales.problem)]
+    enough = [each for each in taking if explained_share(each, scales.law) >= least]
+    best = next((each for each in enough if any(each is one for one in scales.usable)), None)
+    if best is None:
+        return []
+    return [each for each in enough if best not in simpler_than(each, every, scales.law, scales.tolerance)]
+
+
+def one_part(
+    able: Sequence[Judged],
+    rivals: Sequence[Judged],
+    promises: Sequence[Promise],
+    pair: Judged | None,
+    scales: Scales,
+) -> Weighed | None:
+    """Name the effect that clearly takes most of what is missing, though much remains; None where none does.
+
+    Args:
+        able: effects that take a part beyond doubt, best first.
+        rivals: those of them that can't be told from the best.
+        promises: what these promise, at least.
+        pair: the best two effects together.
+        scales: all candidates.
+    """
+    if not able:
+        return None
+    same = [each for each in rivals if _same_part(each, able[0], promises, scales)]
+    other_part = [each.effects[0] for each in rivals if not any(each is one for one in same)]
+    alike = without_general([able[0], *same])
+    if len(distinct(each.effects[0] for each in alike)) > 1:
+        alike = [able[0], *same]  # simplicity speaks for a special case alone
+    best = _likeliest_of(alike, scales.law)
+    names = distinct([best.effects[0], *(each.effects[0] for each in alike)])
+    named = {effect_id(name) for name in names}
+    others = tuple(each for each in best_of_each(able) if effect_id(each.effects[0]) not in named)
+    takes = f"{best.effects[0]} takes {_of_what_is_missing(best, scales.law)}"
+    form = tuple(f"{words}: something else of similar form stands behind it" for words in best.reservations)
+    if len(names) > 1:
+        alike_words = f"{takes}; {' and '.join(names[1:])} would take much the same part"
+        return Weighed("ambiguous", names, "part", best, pair, (alike_words, *form), others)
+    unsure = [each for each in scales.usable if not takes_part(each, scales.law, scales.problem)]
+    more = [each for each in unsure if explained_share(each, scales.law) > explained_share(best, scales.law)]
+    most = f"beyond doubt; {immaterial_words(more[0], scales.law, scales.problem)}" if more else ""
+    nearest = f"but {other_part[0]} comes near: it takes another part, which is asked next" if other_part else ""
+    but = most or nearest or "and no rival comes near"
+    return Weighed("missing", names, "part", best, pair, (f"{takes}, {but}", *form), others)
+
+
+def part_of_two(pair: Judged | None, sound: Sequence[Judged], scales: Scales) -> Weighed | None:
+    """Name the first of two effects that together take a part, though neither clearly does alone."""
+    law = scales.law
+    if pair is None or not takes_part(pair, law, scales.problem):
+        return None
+    if law.lack.share < scales.tolerance.left and explained_share(pair, law) < HALF_TAKEN_SHARE:
+        return None
+    takes = f"{' and '.join(pair.effects)} together take {_of_what_is_missing(pair, law)}"
+    return named_together(pair, sound, "part", takes, scales)
+
+
+def _of_what_is_missing(judged: Judged, law: Judged) -> str:
+    return f"{explained_share(judged, law):.0%} of what is missing (mean square, on left-out conditions)"
+
+
+def _likeliest_of(alike: Sequence[Judged], law: Judged) -> Judged:
+    """Give the law that the fit to all data prefers among those that take as much as the first, but for a trifle."""
+    enough = explained_share(alike[0], law) - MATERIAL_PART_SHARE
+    return likeliest(each for each in alike if explained_share(each, law) >= enough)
+
+
+def _same_part(other: Judged, best: Judged, promises: Sequence[Promise], scales: Scales) -> bool:
+    """Tell whether an effect takes what the best one takes too: beside it, little of its own is left."""
+    name = other.effects[0]
+    promise = next((each for each in promises if effect_id(each.name) == effect_id(name)), None)
+    if promise is None or promise.gain <= 0 or not fits_beside(with_effect(scales.structure, best.effects[0]), name):
+        return True
+    return beside(promise, best, scales.law)[0] < SAME_PART_SHARE * promise.gain

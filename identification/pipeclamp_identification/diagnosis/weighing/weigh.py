@@ -1,0 +1,122 @@
+"""What the candidates make of the verdict: a cause, a part, rivals that can't be told apart, or nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from pipeclamp_identification.diagnosis.candidates import likeliest, pairs
+from pipeclamp_identification.diagnosis.foretold import explained_share, foretold
+from pipeclamp_identification.diagnosis.problem import Judged, Problem
+from pipeclamp_identification.diagnosis.repeats import Unstated
+from pipeclamp_identification.diagnosis.screen import screened
+from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, NEAR_NOISE_SHARE, RIVAL_LIKELIHOOD
+from pipeclamp_identification.diagnosis.weighing.between_levels import worst_level
+from pipeclamp_identification.diagnosis.weighing.causes import cause_of_two, if_it_is_itself, one_cause, takers_of_half
+from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
+from pipeclamp_identification.diagnosis.weighing.parts import able_to_take_a_part, one_part, part_of_two
+from pipeclamp_identification.diagnosis.weighing.reasons import (
+    between_words,
+    few_runs_words,
+    foretold_words,
+    form_words,
+    hidden_words,
+    immaterial_words,
+    pair_words,
+    scatter_words,
+)
+from pipeclamp_identification.diagnosis.weighing.rivals import rivals_of
+from pipeclamp_identification.diagnosis.weighing.scales import Scales, Weighed, nothing_named
+from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
+from pipeclamp_models.law.catalogue import effect_id
+from pipeclamp_models.law.law import Structure
+
+
+def weigh(
+    structure: Structure,
+    problem: Problem,
+    law: Judged,
+    candidates: Sequence[Judged],
+    tolerance: Tolerance,
+    jobs: int,
+    tell: Callable[[str], None],
+    differing: Unstated | None = None,
+) -> Weighed:
+    """Weigh the candidates; arguments as in `Scales`, and what differs between runs at the same stated conditions."""
+    scales = Scales(structure, problem, law, candidates, tolerance, jobs, tell)
+    if differing is None:
+        return _weighed(scales, causes=True)
+    if differing.is_most:
+        return replace(nothing_named("unknown", differing.words()), unstated=differing)
+    found = _weighed(scales, causes=False)
+    return replace(found, reasons=(*found.reasons, differing.words()), unstated=differing)
+
+
+def _weighed(scales: Scales, causes: bool) -> Weighed:
+    """Weigh the candidates; without causes, what is named takes a part at most."""
+    structure, problem, law, tolerance = scales.structure, scales.problem, scales.law, scales.tolerance
+    if is_adequate(law.lack, tolerance):
+        if is_complete(law, problem, tolerance):
+            return _complete(scatter_words(law.lack, problem), scales)
+        return nothing_named("unknown", few_runs_words(law.lack, problem, repeat=causes))
+    usable, sound = scales.usable, scales.sound
+    pair: Judged | None = None
+    if sound and causes:
+        # One effect that explains it is nearer than two, even where left-out conditions prefer one of the two.
+        asked = (sound[0], likeliest(sound), *takers_of_half(sound, law), *sound)
+        best = next((each for each in asked if scales.explains(each)), None)
+        if best is not None:
+            return _but_for_the_channel(if_it_is_itself(one_cause(best, sound, scales)), scales)
+    if usable and not scales.form_allowed:
+        able = able_to_take_a_part(scales)
+        rivals = rivals_of(able[0], able, problem) if able else []
+        in_pairs = sound and causes and (not able or able[0].lack.share < NEAR_NOISE_SHARE)
+        ids = None if in_pairs else {effect_id(each.effects[0]) for each in rivals}
+        promises = screened(structure, problem, law, scales.tell, ids)
+        weighed = None
+        if sound and causes:
+            scales.tell("two effects together")
+            found = pairs(structure, problem, law, sound, promises if in_pairs else (), scales.jobs, scales.tell)
+            pair = found[0] if found else None
+            weighed = cause_of_two(found, sound, scales)
+        weighed = weighed or one_part(able, rivals, promises, pair, scales) or part_of_two(pair, sound, scales)
+        if weighed is not None:
+            return _but_for_the_channel(if_it_is_itself(weighed), scales)
+    if scales.form_allowed:
+        if law.lack.most_share > FORM_NOISE_SHARE:
+            return nothing_named("unknown", hidden_words(law.lack, problem))
+        elsewhere = foretold(law, problem)
+        if (elsewhere.sure_share if tolerance.proved else elsewhere.share) > FORM_NOISE_SHARE:
+            return nothing_named("unknown", foretold_words(law.lack, elsewhere))
+        return _complete(form_words(law.lack, elsewhere, best=usable[0] if usable else None, law=law), scales)
+    if scales.bent is not None:
+        return _the_channel(scales.bent)
+    if not usable:
+        return nothing_named("unknown", "no effect of the catalogue lowers the error on left-out conditions")
+    most = max(usable, key=lambda each: explained_share(each, law))
+    none = nothing_named("unknown", immaterial_words(most, law, problem), pair)
+    return replace(none, reasons=(*none.reasons, *pair_words(pair, law)))
+
+
+def _complete(reason: str, scales: Scales) -> Weighed:
+    """Call a law complete for a reason, unless it goes wrong between the levels tested by more than passes for form."""
+    scales.tell("levels left out")
+    worst = worst_level(scales.law, scales.problem)
+    if worst is not None and worst.share > FORM_NOISE_SHARE:
+        return nothing_named("unknown", between_words(worst))
+    return nothing_named("complete", reason)
+
+
+def _but_for_the_channel(found: Weighed, scales: Scales) -> Weighed:
+    """Name nothing where a bent force channel explains what is missing clearly better; no cause if it does as well."""
+    named, bent = found.pair or found.named, scales.bent
+    if named is None or bent is None or bent.akaike >= named.akaike + RIVAL_LIKELIHOOD:
+        return found
+    if bent.akaike < named.akaike - RIVAL_LIKELIHOOD:
+        return _the_channel(bent)
+    as_well = f"{bent.words()}; it would explain it as well"
+    return replace(found, kind="part", reasons=(*found.reasons, as_well), bent=bent)
+
+
+def _the_channel(bent: BentChannel) -> Weighed:
+    return replace(nothing_named("unknown", f"{bent.words()}; no effect explains it as well"), bent=bent)
