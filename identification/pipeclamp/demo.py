@@ -26,6 +26,8 @@ from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import stages_held
 from pipeclamp_identification.metrics_only.published import FIGURE_14, READINGS, Step, reading_law, way
 from pipeclamp_identification.workflow.change import Addition, add_effect
+from pipeclamp_identification.workflow.next_command import after_change, after_import
+from pipeclamp_identification.workflow.next_in_system import after_cosim
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.files import write_whole
@@ -44,6 +46,10 @@ EFFECTS = ("damping_temperature", "memory:2")
 UNSEEN = "on tests never seen"
 """What the truth of clamp_a, a campaign of the virtual rig, holds besides a base law."""
 HOT = 300.0
+
+CAMPAIGN = "clamp_a"
+AFTER_DEMO = after_import(CAMPAIGN)
+"""The line with which the same begins by hand."""
 
 Tell = Callable[[str], None]
 
@@ -121,7 +127,7 @@ def _way_sections(steps: tuple[Step, ...]) -> list[Section]:
     rungs = [Rung(step.title, {"dW and W": step.errors[0]}) for step in steps]
     falling = waterfall_picture(rungs, None, "Error against the published tables", OF_METRICS)
     return [
-        Section("The way", words, [table], [falling]),
+        Section("The way", words, [table], [falling], after_import("emwm2_tables")),
         Section(
             "The printed law's readings",
             ["What is printed leaves open the sign of one exponent and the scale of the temperature: four readings."],
@@ -141,7 +147,8 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     tell("2. A campaign of raw loops: clamp_a, 48 runs of an independent virtual rig")
     tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in ("clamp_a", "clamp_a_heldout"))
     file = tests.identify().file(name="clamp_a", command=COMMAND, date=None)
-    write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics_page(tests), COMMAND)
+    metrics = metrics_page(tests, after_import(CAMPAIGN))
+    write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics, COMMAND)
     yield folder / "2_metrics.html"
     on_unseen = [unseen.compare(file)]
     tell(f"   base law: {_errors(file, on_unseen[-1])}")
@@ -151,13 +158,14 @@ def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
         file = additions[-1].after
         on_unseen.append(unseen.compare(file))
         tell(f"   + {effect}: {_errors(file, on_unseen[-1])}")
-    write_whole(folder / "clamp_a.json", law_text(file))
+    law = folder / "clamp_a.json"
+    write_whole(law, law_text(file))
     path = folder / "3_clamp_a.html"
     write_report(
         path,
         "The law of clamp_a",
         f"error {on_unseen[-1].nrmse:.2%} on tests it has never seen",
-        _law_sections(file, tests, additions, on_unseen),
+        _law_sections(file, tests, additions, on_unseen, after_change(str(law), CAMPAIGN)),
         COMMAND,
     )
     yield path
@@ -172,7 +180,7 @@ def _errors(file: LawFile, on_unseen: Comparison) -> str:
 
 
 def _law_sections(
-    file: LawFile, tests: RecordTests, additions: list[Addition], on_unseen: list[Comparison]
+    file: LawFile, tests: RecordTests, additions: list[Addition], on_unseen: list[Comparison], following: str
 ) -> list[Section]:
     steps = ["base law", *(addition.effect for addition in additions)]
     falling = waterfall_picture(
@@ -181,7 +189,7 @@ def _law_sections(
         "Error on tests never seen, effect by effect",
     )
     return [
-        Section("The error falls", (), [addition_table(addition) for addition in additions], [falling]),
+        Section("The error falls", (), [addition_table(addition) for addition in additions], [falling], following),
         Section("On tests never seen", how_much(on_unseen[-1])),
         difference_section(on_unseen[-1], stages_held(file, on_unseen[-1]), "Difference, on tests never seen"),
         *law_page(file, tests.compare(file)),
@@ -218,9 +226,11 @@ def co_simulated(system: Path, page: Path, conditions: str, tell: Tell) -> Path:
         UserError: the system can't be run, or the folder can't be written.
     """
     result = run_system(system)
-    write_result(result, system.with_suffix(".csv"))
+    table = system.with_suffix(".csv")
+    write_result(result, table)
+    following = after_cosim(result, system, str(table), page)
     command = f"pipeclamp cosim {system.name} -o {system.stem}.csv --report {page.name}"
-    write_report(page, f"Pipe and clamp at {conditions}", result.name, cosim_sections(result), command)
+    write_report(page, f"Pipe and clamp at {conditions}", result.name, cosim_sections(result, None, following), command)
     tell(f"   {conditions}: {_motion(result)}")
     for mark in result.marks():
         tell(f"   {mark}")

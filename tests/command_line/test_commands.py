@@ -275,6 +275,7 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
     done = pipeclamp("demo", "story", cwd=tmp_path)
     opened = [line.split()[-1] for line in done.stdout.splitlines() if line.startswith("  open ")]
     assert len(opened) >= 5
+    assert done.stdout.splitlines()[-1] == "Next: pipeclamp identify clamp_a -o law.json"
     for name in opened:
         assert (tmp_path / name).stat().st_size > 1e4
     for words in ("as printed", "rests on one row", "tests never seen", "300 degC"):
@@ -286,6 +287,7 @@ def test_the_demo_tells_the_story(pipeclamp, tmp_path):
         text = page.read_text(encoding="utf-8")
         assert "NOT TO BE TRUSTED" not in text, page.name
         assert re.search(r"Made on \S+ by pipeclamp \S+: pipeclamp (demo|cosim)", text), page.name
+        assert re.search(r"<code[^>]*>pipeclamp ", text), f"{page.name} ends without a line to run next"
     for name in ("system", "system_hot"):
         assert set(pl.read_csv(tmp_path / "story" / f"{name}.csv")["trusted [1 yes, 0 no]"]) == {1.0}
     # a second run replaces the first

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import html
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -17,7 +20,9 @@ from typer.testing import CliRunner
 
 import pipeclamp as pc
 from pipeclamp.cli.app import app
+from pipeclamp_models.base.shell import shell_line
 
+PATTERN = "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"
 GERMAN = {
     "names": "Zeit [s];Kolbenweg/µm;Last [kN]",
     "scales": (1, 1e3, 1e-3),
@@ -60,9 +65,18 @@ def test_from_exports_to_a_law_and_a_verdict(pipeclamp, exports, tmp_path):
 
 def test_sheets_of_a_workbook_name_runs_and_state_what_was_set(pipeclamp, tmp_path):
     write_sheets(tmp_path / "clamp 7.xlsx", ten_runs()[:4])
-    told = pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", tmp_path / "plain").stdout
-    assert '--pattern "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"' in told.replace("\n", "")
+    plain = tmp_path / "with a blank and an ä" / "plain"
+    plain.parent.mkdir()
+    told = pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", plain).stdout
     assert "pipeclamp identify" not in told, "without the temperatures that the names state"
+    *_, sentence, unknown, following = told.splitlines()
+    assert "no temperature is known" in unknown
+    line = following.removeprefix("Next: pipeclamp ")
+    assert sentence.endswith("the line below takes them")
+    assert f"pipeclamp {line}</code>" in html.unescape((plain / "import.html").read_text(encoding="utf-8"))
+    told = pipeclamp(*shlex.split(line)).stdout
+    assert told.splitlines()[-1] == f'Next: pipeclamp identify "{plain}_2" -o law.json'
+    assert {run.temperature_C for run in pc.read_campaign(f"{plain}_2").tests.campaign.runs} == {20.0}
     campaign = tmp_path / "clamp_7"
     pipeclamp("import", tmp_path / "clamp 7.xlsx", "-o", campaign, "--pattern", "T{temperature_C}")
     runs = {run.name: run for run in pc.read_campaign(campaign).tests.campaign.runs}
@@ -88,6 +102,7 @@ def test_importing_twice_changes_nothing_and_later_files_join(pipeclamp, exports
     before = contents(campaign)
     again = " ".join(pipeclamp("import", exports, "-o", campaign, "--pattern", "T{temperature_C}").stdout.split())
     assert "nothing to do" in again and "name another folder by -o" in again
+    assert again.endswith(f"Next: {shell_line('identify', str(campaign), '-o', 'law.json')}")
     assert contents(campaign) == before
     later = write_texts(tmp_path / "later", [loop(0.6, 2.0)], **GERMAN)
     assert "1 run of 1 file, 10 more" in pipeclamp("import", exports, later, "-o", campaign).stdout
@@ -112,7 +127,9 @@ def test_a_copy_of_a_file_is_left_aside_and_told(pipeclamp, exports, tmp_path):
 def test_a_dry_run_writes_nothing(pipeclamp, exports, tmp_path):
     told = pipeclamp("import", exports, "-o", tmp_path / "c", "--dry-run", "--report", tmp_path / "r.html")
     assert "nothing is written" in told.stdout
-    assert '--pattern "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"' in told.stdout
+    report = ["--report", tmp_path / "r.html"]
+    again = shell_line("import", str(exports), "-o", str(tmp_path / "c"), *map(str, report), "--pattern", PATTERN)
+    assert again in told.stdout.splitlines()[-1]
     assert [path.name for path in tmp_path.iterdir()] == ["r.html"]
 
 
@@ -231,13 +248,13 @@ def test_where_no_file_can_be_used_nothing_is_offered(refused, tmp_path):
 
 
 def test_where_all_files_lack_a_channel_it_is_asked_for_after_some_of_them(refused, tmp_path, monkeypatch):
-    from pipeclamp_identification.importing import importer
+    from pipeclamp_identification.importing import taking
 
     names = "Zeit [s];Wert A;Wert B"
     folder = write_texts(tmp_path / "e", [loop(0.3 + number / 100) for number in range(25)], names=names)
     looked = []
-    take = importer.take_file
-    monkeypatch.setattr(importer, "take_file", lambda path, *rest: looked.append(path) or take(path, *rest))
+    take = taking.take_file
+    monkeypatch.setattr(taking, "take_file", lambda path, *rest: looked.append(path) or take(path, *rest))
     told = refused("import", folder, "-o", tmp_path / "c")
     assert "no channel is called a displacement" in told and '--columns "' in told
     assert len(looked) == 20
@@ -296,3 +313,35 @@ def test_a_campaign_survives_a_kill_while_it_is_replaced(pipeclamp, refused, exp
     joined = pipeclamp("import", exports, later, "-o", campaign)
     assert "1 run of 1 file, 10 more" in joined.stdout
     assert not [path.name for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
+def test_a_folder_of_exports_that_is_taken_for_a_campaign(refused, pipeclamp, exports, tmp_path):
+    folder = tmp_path / ("ein sehr langer Name " * 10) / "Prüfstand 3"
+    shutil.copytree(exports, folder)
+    *_, line = refused("identify", folder, "-o", tmp_path / "law.json").splitlines()
+    pipeclamp(*shlex.split(line)[1:])
+    assert (folder.parent / "Prüfstand 3_campaign" / "runs.csv").is_file()
+
+
+def test_a_file_without_a_unit_is_asked_for_that_of_the_others(refused, pipeclamp, tmp_path):
+    """N had been proposed where all other files state kN; stated so, these were called unusable, to be left out."""
+    folder = write_texts(tmp_path / "e", ten_runs()[:3], **GERMAN)
+    last = max(folder.iterdir())
+    last.write_bytes(last.read_bytes().replace(b"Last [kN]", b"Last"))
+    message = refused("import", folder, "-o", tmp_path / "c")
+    assert "no unit is stated of 'Last'; other files state kN" in message
+    wrong = refused("import", folder, "-o", tmp_path / "c", "--columns", "force=Last [N]")
+    assert "got 'Last [N]' (for force), but the file says 'Last [kN]'" in wrong
+    assert "--skip-unusable" not in wrong
+    option = re.search(r'--columns "([^"]*)"', message)[1]
+    pipeclamp("import", folder, "-o", tmp_path / "c", "--columns", option)
+    assert len(pc.read_campaign(tmp_path / "c").tests.campaign.runs) == 3
+
+
+def test_a_run_that_is_left_out_lacks_no_temperature(pipeclamp, tmp_path):
+    runs = ten_runs()[:4]
+    runs[2] = dataclasses.replace(runs[2], force=-runs[2].force)
+    folder = write_texts(tmp_path / "e", runs)
+    told = pipeclamp("import", folder, "-o", tmp_path / "c", "--pattern", "T{temperature_C}")
+    assert "has the wrong sign" in told.stderr
+    assert "no temperature" not in told.stdout

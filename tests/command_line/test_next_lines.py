@@ -49,6 +49,37 @@ def test_a_run_leads_to_a_longer_one_and_to_the_response(pipeclamp, tmp_path):
     assert shlex.join(["pipeclamp", *words]) in (tmp_path / "response.html").read_text(encoding="utf-8")
 
 
+def test_what_is_built_leads_to_a_system_that_has_it(pipeclamp, tmp_path):
+    banded(tmp_path, 1.0)
+    built = (
+        ("build-fmu", "law.json", "clamp 1.fmu", 'law = "law.json"', "at a clamp of system.toml"),
+        ("build-pipe", "pipe.toml", "pipe 1.fmu", 'file = "pipe.toml"', "as the pipe of system.toml"),
+    )
+    system = tmp_path / "system.toml"
+    for command, source, fmu, old, where in built:
+        first, words = next_of(pipeclamp(command, source, "-o", fmu, cwd=tmp_path))
+        stated, _, place = first.removeprefix("with ").partition("' ")
+        assert place == where
+        text = system.read_text(encoding="utf-8")
+        system.write_text(text.replace(old, f"{stated}'").replace("stop_s = 0.2", "stop_s = 2.0"), encoding="utf-8")
+    pipeclamp(*words, cwd=tmp_path)
+    assert (tmp_path / "cosim.csv").is_file()
+    done = pipeclamp("set-parameters", "clamp 1.fmu", "law.json", cwd=tmp_path)
+    assert next_of(done) == ("with fmu = 'clamp 1.fmu' at a clamp of system.toml", words)
+
+
+def test_tests_put_together_and_laws_of_groups_lead_on(pipeclamp, tmp_path):
+    rig = ("--amplitudes", "0.3,0.6,1", "--frequencies", "2,4", "--temperatures", "20", "--rate", "240")
+    _, words = next_of(pipeclamp("rig", "emwm2", "-o", "a", *rig, "--specimens", "2", cwd=tmp_path))
+    assert words == ["identify", "a", "-o", "law.json"]
+    pipeclamp("rig", "emwm2", "-o", "b", *rig, "--specimens", "2", "--seed", "1", cwd=tmp_path)
+    _, words = next_of(pipeclamp("join", "a", "b", "-o", "all tests", cwd=tmp_path))
+    assert words == ["identify", "all tests", "-o", "law.json"]
+    _, words = next_of(pipeclamp("identify", "all tests", "--per", "specimen", "-o", "laws", cwd=tmp_path))
+    pipeclamp(*words, cwd=tmp_path)
+    assert "2 laws against" in (tmp_path / "compare.html").read_text(encoding="utf-8")
+
+
 def test_a_study_leads_to_its_system(pipeclamp, tmp_path):
     banded(tmp_path, 1.0)
     (tmp_path / "study.toml").write_text(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 
 import pytest
 from banded import banded
@@ -24,7 +25,12 @@ def test_the_next_loop_test_of_a_pipe(tmp_path, pipeclamp):
     peak = max(abs(float(line.split(",")[1])) for line in drive.read_text(encoding="utf-8").splitlines()[1:])
     assert peak == pytest.approx(first["amplitude_mm"], rel=1e-3)
     assert "Where a test narrows the band" in report.read_text(encoding="utf-8")
-    assert "Next: " not in done.stdout, "the drive signal is written"
+    again = f"pipeclamp plan {path} --limits A=0.02..1 --drive {drive} --json {answer} --report {report}"
+    first = "once that test has been run, and the law is identified from it too"
+    assert done.stdout.splitlines()[-1] == f"Next, {first}: {again}"
+    page = report.read_text(encoding="utf-8")
+    assert f"Next, {first}, run the command below." in page
+    assert again in page
     following = pipeclamp("plan", path, "--limits", "A=0.02..1").stdout.splitlines()[-1]
     assert following == f"Next: pipeclamp plan {path} --limits A=0.02..1 --drive next_test.csv"
 
@@ -49,10 +55,18 @@ def test_a_campaign_is_planned_and_tried_on_the_rig(tmp_path, pipeclamp):
     said = " ".join(done.stdout.split())
     told = json.loads(answer.read_text(encoding="utf-8"))
     assert f"This plan names 90% of effects above {told['newtons']:.3g} N in {told['hours']:.3g} rig hours" in said
-    assert "What hours buy" in report.read_text(encoding="utf-8")
+    page = report.read_text(encoding="utf-8")
+    assert "What hours buy" in page
+    lines = done.stdout.splitlines()
+    following = f"pipeclamp identify {folder} -o law.json"
+    assert lines[-1] == f"Next, once its records are in {folder / 'runs'}: {following}"
+    assert following in page
+    (tried,) = (line for line in lines if line.startswith("To try it"))
     campaign = tmp_path / "virtual"
     rate = ["--rate", "400", "--force-noise", "3", "--format", "parquet"]
-    pipeclamp("rig", "emwm2", "-o", campaign, "--plan", folder, *rate)
+    line = tried.partition(": pipeclamp ")[2].replace("-o virtual", f"-o {campaign}")
+    done = pipeclamp(*shlex.split(line), *rate)
+    assert done.stdout.splitlines()[-1] == f"Next: pipeclamp identify {campaign} -o law.json"
     planned = [line.split(",")[0] for line in (folder / "runs.csv").read_text(encoding="utf-8").splitlines()]
     ran = [line.split(",")[0] for line in (campaign / "runs.csv").read_text(encoding="utf-8").splitlines()]
     assert ran == planned

@@ -2,7 +2,11 @@
 
 from types import SimpleNamespace
 
+import numpy as np
+import pytest
+
 from pipeclamp.show.discovery import discovery_words
+from pipeclamp_identification.discovery import discover
 from pipeclamp_identification.discovery.discover import Search
 from pipeclamp_identification.discovery.proposal import Proposal
 
@@ -24,3 +28,20 @@ def test_where_the_rest_lies_is_in_the_answer_too():
         proposal = Proposal(search, None, None, None, None, None, (), search.reason, ())
         assert proposal.answer().left_over == rest
         assert any("Where the rest lies" in line for line in discovery_words(proposal)) == bool(rest)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "causes", "told", "untold"),
+    [
+        ("missing", ("asymmetry",), "what is missing: asymmetry; `add` it first", "can't tell"),
+        ("ambiguous", ("asymmetry", "pressed_slip"), "can't tell which: asymmetry, pressed_slip; a test", "`add` it"),
+    ],
+)
+def test_who_can_not_tell_two_causes_apart_is_told_a_way_on(monkeypatch, verdict, causes, told, untold):
+    """He had been told that the catalogue has what is missing, and to add "it", of two effects."""
+    found = SimpleNamespace(verdict=verdict, kind="cause", effects=causes)
+    monkeypatch.setattr(discover, "diagnosed", lambda *given, **options: found)
+    monkeypatch.setattr(discover, "condition_groups", lambda loops: np.arange(12))
+    reason = discover.search(None, None, SimpleNamespace(rows=()), progress=lambda words: None).reason
+    assert told in reason
+    assert untold not in reason

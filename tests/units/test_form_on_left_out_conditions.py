@@ -45,7 +45,7 @@ def weighed_for_form(errors, proved=True):
     none = np.zeros((RUNS, CHANNELS))
     noise = NoiseModel(np.full((RUNS, CHANNELS), SCATTER**2), none, none, 0.0, 0.0)
     scatter = SCATTER**2 * (1 + (CHANNELS - 1) / 2)
-    loops = SimpleNamespace(noise_rms_N=np.full(RUNS, NOISE), run=np.arange(RUNS))
+    loops = SimpleNamespace(scatter_rms_N=np.full(RUNS, NOISE), run=np.arange(RUNS))
     problem = SimpleNamespace(noise=noise, groups=GROUPS, loops=loops)
     lack = LackOfFit(1e-9, 0.6, 0.55, 0.65, np.array([(0.6 * NOISE) ** 2]))
     score = LeftOutScore(np.ones(RUNS), (errors * NOISE) ** 2 + scatter)

@@ -328,6 +328,28 @@ def signal(names: object, values: np.ndarray, label: str, factor: float = 1.0) -
     return {"x_values": x_values, "y_values": y_values, "function_record": {"name": names}}
 
 
+def test_structures_call_their_runs_and_state_what_holds_for_them(tmp_path):
+    """The runs had been runs(1), runs(2), and of no temperature."""
+    pytest.importorskip("pymatreader")
+    from scipy.io import savemat
+
+    held = [
+        {
+            "name": f"A{A}_f2", "temp_C": 40.0 + number, "operator": "Y",
+            "time": {"value": one.time, "unit": "s"}, "displacement": {"value": one.y, "unit": "mm"},
+            "force": {"value": one.force / 1e3, "unit": "kN"},
+        }
+        for number, A in enumerate((0.3, 0.8))
+        for one in [loop(A, 2.0)]
+    ]  # fmt: skip
+    savemat(tmp_path / "day.mat", {"runs": np.array(held, dtype=object), "specimen": "B 7"})
+    found = pc.import_files(tmp_path / "day.mat", tmp_path / "c")
+    assert list(found.to_frame()["run"]) == ["day_A0.3_f2", "day_A0.8_f2"]
+    assert list(found.to_frame()["temperature_C"]) == [40.0, 41.0]
+    runs = pc.read_campaign(tmp_path / "c").tests.campaign.runs
+    assert {run.specimen for run in runs} == {"B 7"}
+
+
 def test_units_that_programs_keep_beside_the_samples_count(tmp_path):
     """Of catman's and Testlab's files in MATLAB's format; a unit beside a factor is asked for."""
     pytest.importorskip("pymatreader")

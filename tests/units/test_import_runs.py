@@ -10,7 +10,7 @@ from exports import RATE, Loop, loop, text
 
 import pipeclamp as pc
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
-from pipeclamp_identification.importing import importer
+from pipeclamp_identification.importing import taking
 from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
 from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.repair import evened, without_spikes
@@ -312,9 +312,9 @@ def test_several_processes_and_pieces_of_a_file_make_the_same_campaign(tmp_path,
     for number, frequency in enumerate((1.0, 3.0)):
         (folder / f"r{number}.csv").write_text(text(loop(0.5, frequency, seed=number)))
     pc.import_files(folder, tmp_path / "a", name="c")
-    monkeypatch.setattr(importer, "WORTH_PROCESSES", 0)
+    monkeypatch.setattr(taking, "WORTH_PROCESSES", 0)
     pc.import_files(folder, tmp_path / "b", name="c")
-    monkeypatch.setattr(importer, "LARGE", 0)
+    monkeypatch.setattr(taking, "LARGE", 0)
     pc.import_files(folder, tmp_path / "d", name="c")
     assert contents(tmp_path / "a") == contents(tmp_path / "b") == contents(tmp_path / "d")
     (folder / "s.csv").write_text("no table")

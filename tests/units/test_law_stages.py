@@ -81,3 +81,14 @@ def test_an_estimated_error_never_takes_the_place_of_that_of_fits(climbed):
     assert label == "or + a<br>+ b<br>would take 73%<br>of what is missing"
     untold = [Rung("power", {USED: 0.02})]
     assert with_promised(untold, now, [])[-1].errors == {USED: 0.02, ESTIMATED: 0.02}
+
+
+def test_names_of_many_rungs_stand_beside_each_other_without_overlapping():
+    """At 1300 px "+ stiffness_frequency" ran into "+ damping_temperature" and that into "+ exponential_stiffening"."""
+    names = ["power", "+ stiffness_frequency", "+ damping_temperature", "+ exponential_stiffening", "+ inertia"]
+    names += ["+ slip_spread", "+ loosening", "+ oil_damper + gas_spring"]
+    picture = waterfall_picture([Rung(name, {LEFT_OUT: 0.1}) for name in names], None, "falling")
+    labels = picture.data[0].x
+    assert max(len(line) for label in labels for line in label.split("<br>")) <= (1100 - 130) / 7 / len(names) + 1
+    assert labels[3].replace("<br>", "").startswith("+\N{NO-BREAK SPACE}exponential_stiffening")
+    assert waterfall_picture([Rung(names[3], {LEFT_OUT: 0.1})], None, "").data[0].x[0].count("<br>") == 1

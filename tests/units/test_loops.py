@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ import pytest
 from pipeclamp_identification.campaign.cycles import find_cycles
 from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.fitting.observations import loop_observations
 from pipeclamp_identification.loops.loops import displacement_on_grid, loops_of, on_grid, per_cycle
+from pipeclamp_identification.loops.scatter import drift_alike
 from pipeclamp_identification.signals.harmonics import cycle_harmonics
 
 Y = np.array([0.03, 0.8, 0.004 + 0.001j, -0.006j, 0.0, 0.002])
@@ -222,6 +225,32 @@ def test_what_drifts_from_cycle_to_cycle_is_no_scatter(harmonic_record, loops_fr
     assert 2.5 < loops.scatter_rms_N[0] < 8
 
 
+def test_heat_that_dies_away_is_no_scatter_where_all_runs_show_it(harmonic_record, run_of, campaign_of):
+    """Four cycles of one run don't lie on a line: 10 % of a bearing's force was told as what no law can explain."""
+
+    def heating(frequency: float) -> Record:
+        record = harmonic_record(Y, F, frequency, 400 * frequency, 4.0, 0.0)
+        course = 0.8 + 0.2 * np.exp(-0.5 * frequency * record.time_s)
+        noise = 10.0 * np.random.default_rng(round(10 * frequency)).normal(size=len(course))
+        return dataclasses.replace(record, force_N=record.force_N * course + noise)
+
+    records = [heating(frequency) for frequency in (0.5, 0.7, 1.0, 1.4, 2.0)]
+    alone = loops_of(campaign_of(run_of(records[0])))
+    assert alone.scatter_rms_N[0] > 50.0  # one run alone may scatter so
+    together = loops_of(campaign_of(*(run_of(record, name=f"r{row}") for row, record in enumerate(records))))
+    assert np.all(together.scatter_rms_N < 20.0)
+    assert np.all(together.noise_rms_N > 50.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_cycles_that_scatter_at_random_drift_in_no_campaign(seed):
+    random = np.random.default_rng(seed)
+    runs = [F * (1 + 0.05 * random.normal(size=(cycles, 1))) for cycles in random.integers(3, 8, size=40)]
+    assert not drift_alike(runs)
+    assert drift_alike([F * np.exp(-0.4 * np.arange(4))[:, None] for _ in range(4)])
+    assert not drift_alike([F * np.exp(-0.4 * np.arange(cycles))[:, None] for cycles in (1, 2)])
+
+
 def test_without_a_drift_all_noise_is_scatter(harmonic_record, run_of, campaign_of):
     rng = np.random.default_rng(6)
     runs = []
@@ -240,3 +269,15 @@ def test_last_digits_that_alternate_are_no_motion():
     time = np.arange(400) / 400.0
     with pytest.raises(UnusableRecord):
         find_cycles(Record(time, 1e-4 * (-1.0) ** np.arange(400), time))
+
+
+def test_a_force_beyond_all_numbers_has_no_harmonics_and_says_nothing(harmonic_record, loops_from):
+    """Fits try such forces and refuse them; numpy's warning of it stood on the terminal."""
+    observations = loop_observations(loops_from(harmonic_record(Y, F, 1.7, 1.7 * 40, 5.0)))
+    assert observations.transforms is not None
+    force = np.zeros_like(observations.motion.y)
+    force[0, 3:5] = np.inf, -np.inf
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = observations.transformed(force)
+    assert not np.all(np.isfinite(found))

@@ -123,6 +123,16 @@ def test_a_law_has_the_effect_in_the_size_that_was_asked(seen, effect):
     assert np.sqrt(np.mean(beyond**2)) == pytest.approx(6.0, rel=0.05)
 
 
+@pytest.mark.filterwarnings("error")
+def test_an_effect_that_does_nothing_when_small_has_a_size():
+    """numpy's warning of its logarithm stood on the terminal of plans."""
+    A, f, T = (part.ravel() for part in np.meshgrid([0.2, 1.0], [1.0, 5.0], [293.15, 313.15]))
+    law = law_of_size(open_law("emwm2"), "contact_growth", 6.0, {"A": A, "f": f, "T": T})
+    motion = sinusoids(A, f, T)
+    beyond = force_of_law(law, motion).force - force_of_law(bare_law(open_law("emwm2")), motion).force
+    assert np.sqrt(np.mean(beyond**2)) == pytest.approx(6.0, rel=0.05)
+
+
 def test_a_plan_keeps_its_hours_and_its_limits():
     limits = parse_limits("A=0.2..1,f=1..6,T=20..20,v=..25")
     plan = plan_campaign(open_law("emwm2"), limits, Asked(hours=0.5))

@@ -139,3 +139,16 @@ def test_a_dot_that_no_step_makes_right_is_marked_everywhere(tmp_path: Path, mon
     ]
     assert len(marked) == 1
     assert marked[0].marker.symbol == "x-thin-open"
+
+
+def test_what_is_highest_where_the_range_ends_is_no_resonance(tmp_path: Path) -> None:
+    """Below the resonance a peak was told at the upper end of the range, as if it were one."""
+    file = write_example(tmp_path, 0.005)
+    ends = "from_Hz = 3.17\nto_Hz = 3.19\ndots = 1"
+    for stated, told in (
+        ("from_Hz = 3.17\nto_Hz = 3.3\ndots = 0", True),
+        ("from_Hz = 3.2\nto_Hz = 5.5\ndots = 0", False),
+    ):
+        file.write_text(SYSTEM.format(frequency=MET, step=0.005).replace(ends, stated), encoding="utf-8")
+        first = next(line for line in run_response(file).summary().splitlines() if "peak " in line)
+        assert ("(where the range ends)" in first) is told, first

@@ -24,3 +24,8 @@ def test_a_long_line_of_a_list_stays_one():
     assert first == "two can't be read"
     assert line.startswith("  [...] ")
     assert len(line) == LONGEST
+
+
+def test_a_command_to_copy_stays_whole():
+    command = f"  pipeclamp import {'a/' * 200}exports -o campaign"
+    assert message(f"exports: no campaign.toml in it:\n{command}").splitlines()[1] == command

@@ -28,6 +28,9 @@ from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_system.steady.harmonics import DOUBTFUL
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
 
+AT_AN_END = " (where the range ends)"
+"""Said of what is highest there: a resonance may lie beyond."""
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -108,8 +111,11 @@ class FrequencyResponse:
         lines = [f"system {self.name!r}, level 1: {self.excitation}"]
         for curve in self.curves:
             peaks = [max((amplitudes_of(s)[i], s.frequency) for s in curve.states) for i in range(len(self.points))]
+            frequencies = [state.frequency for state in curve.states]
+            ends = dict.fromkeys(frequencies, "") | {end(frequencies): AT_AN_END for end in (min, max)}
             peak_text = ", ".join(
-                f"{name} {peak:.3g} mm at {frequency:.3g} Hz"  # the highest of the states that were found, no more
+                # the highest of the states that were found, no more
+                f"{name} {peak:.3g} mm at {frequency:.3g} Hz{ends[frequency]}"
                 for name, (peak, frequency) in zip(self.points, peaks, strict=True)
             )
             stretches = [_span(low, high) for low, high in unstable_stretches(curve.pieces)]
@@ -321,7 +327,7 @@ def curve_of(system: SteadySystem, table: ResponseTable, temperature: float | No
     if not followed.pieces:
         raise UserError(
             f"{where}: {label(temperature, level)}: no steady state is found at {table.from_Hz:g} Hz nor at "
-            f"{table.to_Hz:g} Hz; try other ends of [response]"
+            f"{table.to_Hz:g} Hz; state other ends in [response], or run its sines in time by `pipeclamp cosim`"
         )
     leaving = leaving_branches(system, followed.pieces, table.from_Hz, table.to_Hz)
     detached = detached_branches(system, followed.pieces, table.from_Hz, table.to_Hz, leaving)

@@ -210,7 +210,7 @@ def identify(
 ) -> None:
     """Fit a law to all runs of a campaign and write its parameter file."""
     from pipeclamp.show.law import per_group_table
-    from pipeclamp_identification.workflow.next_command import after_identification
+    from pipeclamp_identification.workflow.next_command import after_group_laws, after_identification
     from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
     from pipeclamp_models.law.declaration_files import read_effects
     from pipeclamp_models.law.file import law_text
@@ -240,6 +240,7 @@ def identify(
             write_folder(output, ((f"{stem}.json", law_text(one).encode()) for stem, one in files.items()))
             print_table(per_group_table(per, files))
             console().print(str(output), highlight=False)
+            print_next(after_group_laws([str(output / f"{stem}.json") for stem in files], str(campaign)))
             return
         found = tests.identify(
             base=base.value, effects=ids, frozen=values_in(freeze), method=method.value, declared=declarations,
@@ -434,7 +435,7 @@ def demo(
     folder: Annotated[Path, typer.Argument(metavar="[FOLDER]", help="Where the results go.")] = Path("pipeclamp_demo"),
 ) -> None:
     """The whole story on bundled data, in about a minute."""
-    from pipeclamp.demo import run_demo
+    from pipeclamp.demo import AFTER_DEMO, run_demo
 
     def tell(line: str) -> None:
         style = MARKED if is_doubt(line.strip()) else None
@@ -442,6 +443,7 @@ def demo(
 
     for path in run_demo(folder, tell):
         console().print(f"  open {path}", highlight=False)
+    print_next(AFTER_DEMO)
 
 
 @app.command(epilog="Example: pipeclamp schema diagnosis > diagnosis.schema.json")

@@ -22,6 +22,7 @@ from pipeclamp.cli.terminal import (
     names_in,
     numbers_in,
     opened_law,
+    print_next,
     print_table,
     told,
     values_in,
@@ -103,6 +104,7 @@ def rig(
     from pipeclamp_identification.campaign.drive import FULL_CYCLES, RAMP_CYCLES, read_drive
     from pipeclamp_identification.campaign.writing import write_campaign
     from pipeclamp_identification.planning.schedule import read_plan
+    from pipeclamp_identification.workflow.next_command import after_import
     from pipeclamp_models.law.declaration_files import read_effects
 
     for option, given, others, what in (
@@ -153,7 +155,9 @@ def rig(
         errors().print(f"warning: beyond the law's data: {words}", style="yellow", highlight=False, soft_wrap=True)
     if truth.whence:
         print_table(truth_table(truth))
-    console().print(f"{output}: {count} runs")
+    console().print(f"{output}: {count} runs", highlight=False)
+    if drive is None:  # what a drive signal gives is one test more, for tests that aren't named here
+        print_next(after_import(str(output)))
 
 
 @app.command(epilog="Example: pipeclamp join tests next_test -o all_tests")
@@ -167,6 +171,7 @@ def join(
     from pipeclamp_identification.campaign.bundled import campaign_folder
     from pipeclamp_identification.campaign.reading import read_campaign
     from pipeclamp_identification.campaign.writing import joined_runs, write_campaign
+    from pipeclamp_identification.workflow.next_command import after_import
 
     with told("join") as tell:
         tests = [read_campaign(campaign_folder(folder), strict=strict) for folder in campaigns]
@@ -176,4 +181,5 @@ def join(
         count = write_campaign(
             output, joined_runs(tests), name=output.name, notes=notes, format=format.value, progress=tell
         )
-    console().print(f"{output}: {count} runs")
+    console().print(f"{output}: {count} runs", highlight=False)
+    print_next(after_import(str(output)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -84,12 +85,14 @@ def import_command(
     from pipeclamp_models.base.files import write_whole
 
     spare(*files, outputs=(json, report))
+    called = sys.argv[1:]
+    page = partial(import_page, called=called)
     asked = _at_a_terminal()
     leave_out = _may_be_left_out if asked and not skip_unusable else lambda unusable: skip_unusable
     options = stated_options(columns, pattern, conditions, rate, leave_out=leave_out, ask=_ask if asked else None)
     with told("import") as tell:
         found = import_whole(
-            files, output, options, page=import_page, confirm=_confirmed if asked and not yes else None,
+            files, output, options, page=page, confirm=_confirmed if asked and not yes else None,
             dry_run=dry_run, name=name, notes=notes, software=software(), format=format.value,
             progress=tell,
         )  # fmt: skip
@@ -98,8 +101,8 @@ def import_command(
     for words in found.notes():
         errors().print(f"note: {words}", markup=False, highlight=False, soft_wrap=True)
     if report:
-        write_whole(report, import_page(found))
-    show(import_view(found), json)
+        write_whole(report, page(found))
+    show(import_view(found, called), json)
 
 
 def _at_a_terminal() -> bool:

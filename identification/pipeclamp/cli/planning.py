@@ -17,7 +17,7 @@ from pipeclamp.cli.terminal import (
     is_stated,
     line_called,
     opened_law,
-    print_next,
+    say,
     show,
     spare,
     told,
@@ -85,6 +85,7 @@ def plan(
     from pipeclamp_identification.planning.campaign import Asked, plan_campaign
     from pipeclamp_identification.planning.campaign_answer import plan_files
     from pipeclamp_identification.planning.loop_tests import RIG
+    from pipeclamp_identification.workflow.next_command import after_campaign_plan
     from pipeclamp_models.base.files import write_folder
 
     spare(law, outputs=(json, report))
@@ -94,12 +95,14 @@ def plan(
         asked = Asked(hours, noise, scatter, times=RigTimes(heating, soak, pause), seed=seed)
         found = plan_campaign(opened_law(law), reach, asked, tell)
     write_folder(output, plan_files(found, output.name, command_called()))
+    following = after_campaign_plan(str(output))
     if report:
         from pipeclamp.pages.campaign_plan import campaign_plan_page
         from pipeclamp.pages.page import write_report
 
-        write_report(report, *campaign_plan_page(found), command_called())
+        write_report(report, *campaign_plan_page(found, following), command_called())
     show(campaign_plan_view(found, output), json)
+    say([following.words()])
 
 
 def _next_test(
@@ -111,7 +114,7 @@ def _next_test(
     from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
     from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.planning.narrowing import plan_tests
-    from pipeclamp_identification.workflow.next_command import NEXT_TEST
+    from pipeclamp_identification.workflow.next_in_system import after_band_plan
     from pipeclamp_models.base.files import write_whole
 
     spare(system, outputs=(drive, json, report))
@@ -120,13 +123,13 @@ def _next_test(
     with told("plan") as tell:
         reach = parse_limits(limits) if limits else None
         found = plan_tests(system, reach, per_cent=bands, at=at, noise_N=force_noise, progress=tell)
+    following = after_band_plan(system, line_called(), proposed=bool(found.tests), driven=drive is not None)
     if report:
         from pipeclamp.pages.narrowing import band_plan_page
         from pipeclamp.pages.page import write_report
 
-        write_report(report, *band_plan_page(found), command_called())
+        write_report(report, *band_plan_page(found, following), command_called())
     if drive and found.tests:
         write_whole(drive, drive_content(found.tests[0].plan.signal(), drive))
     show(band_plan_view(found, drive), json)
-    if found.tests and drive is None:
-        print_next(f"{line_called()} --drive {NEXT_TEST}.csv")
+    say([following.words()])

@@ -114,6 +114,7 @@ def build_fmu(
     from pipeclamp_fmu.build import build_clamp, build_native_clamp, passivity
     from pipeclamp_fmu.contents.clamp_model import Start
     from pipeclamp_fmu.contents.clamp_of_law import clamp_model
+    from pipeclamp_identification.workflow.next_built import after_clamp_fmu
 
     start = Start(
         A=None if amplitude is None else amplitude / 1000,
@@ -134,7 +135,8 @@ def build_fmu(
         made = _built(file, output, build_python, build_native, kind, fmi, platforms)
         held = passivity(clamp_model(file, start), file).words()
     console().print(f"law {file.name} {held}", markup=False, highlight=False)
-    console().print(f"{output}: {made}")
+    console().print(f"{output}: {made}", highlight=False)
+    say([after_clamp_fmu(str(output)).words()])
 
 
 @app.command("set-parameters", epilog="Example: pipeclamp set-parameters clamp.fmu law2.json")
@@ -145,12 +147,14 @@ def set_parameters(
 ) -> None:
     """Put another law's parameters into a finished clamp FMU, without a compiler."""
     from pipeclamp_fmu import set_parameters as setting
+    from pipeclamp_identification.workflow.next_built import after_clamp_fmu
 
     spare(law, outputs=(output,))
     with told("set-parameters"):
         file = opened_law(law)
         setting.set_parameters(fmu, file, output or fmu)
-    console().print(f"{output or fmu}: parameters of {file.name}")
+    console().print(f"{output or fmu}: parameters of {file.name}", highlight=False)
+    say([after_clamp_fmu(str(output or fmu)).words()])
 
 
 @app.command("build-pipe", epilog="Example: pipeclamp build-pipe pipe.toml -o pipe.fmu")
@@ -163,6 +167,7 @@ def build_pipe(
 ) -> None:
     """Package a pipe as an FMU with a port for each of its clamps."""
     from pipeclamp_fmu.build import build_native_pipe, build_pipe
+    from pipeclamp_identification.workflow.next_built import after_pipe_fmu
     from pipeclamp_models.pipe.description import read_pipe
     from pipeclamp_models.pipe.modes import reduce
 
@@ -172,7 +177,8 @@ def build_pipe(
         made = _built(reduced, output, build_pipe, build_native_pipe, kind, fmi, platforms)
     for line in reduced.summary().splitlines():
         console().print(line, style="bold red" if line.startswith("UNSTABLE") else None, markup=False, highlight=False)
-    console().print(f"{output}: {made}")
+    console().print(f"{output}: {made}", highlight=False)
+    say([after_pipe_fmu(str(output)).words()])
 
 
 @app.command(epilog="Example: pipeclamp cosim system.toml -o result.csv --report result.html")
@@ -272,7 +278,7 @@ def system_structure(
     kind: Annotated[FmuKind, typer.Option(help="Of all that isn't an FMU yet.")] = FmuKind.python,
 ) -> None:
     """Package a coupled system, FMUs, connections and parameters, as an SSP 1.0 for other masters."""
-    from pipeclamp_identification.workflow.next_in_system import after_packaging
+    from pipeclamp_identification.workflow.next_built import after_packaging
     from pipeclamp_system.cosim.building import NATIVE, PYTHON
     from pipeclamp_system.cosim.ssp import write_system
 
@@ -290,7 +296,7 @@ def system_structure(
             f"displacement errs by {found.error:.1%}; libcosim reads the step from the SSP",
             highlight=False, markup=False, soft_wrap=True,
         )  # fmt: skip
-    print_next(after_packaging(system))
+    print_next(after_packaging(str(system)))
 
 
 @app.command(epilog="Example: pipeclamp sweep study.toml -o study.parquet --report study.html")

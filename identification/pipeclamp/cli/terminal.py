@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from pipeclamp_models.law.file import LawFile
 
 WIDE = 150
-NEXT = ("Next:", "Next,")
-"""What a line begins with that holds the command to run next."""
+COMMAND = ": pipeclamp "
+"""What a line holds that ends with a command."""
 MARKED = "bold red"
 """Style of what isn't to be trusted."""
 
@@ -211,7 +211,7 @@ def show(view: View, json_path: Path | None) -> None:
         print_table(table)
     for line in view.lines:
         # a command is copied as it stands
-        console().print(line, highlight=False, markup=False, soft_wrap=line.startswith(NEXT))
+        console().print(line, highlight=False, markup=False, soft_wrap=COMMAND in line)
 
 
 def print_next(following: str) -> None:

@@ -11,6 +11,7 @@ from pipeclamp.pages.page import LOG_AXIS, MODEL, SERIES, Section, styled
 from pipeclamp.show.campaign_plan import campaign_plan_words, effects_table, stages_table
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.telling import NAMED
+from pipeclamp_identification.workflow.next_step import NextStep
 
 HOURS_WORDS = (
     "Each dot is a plan that was looked at; those that can tell fewer effects are hollow. An effect's size is its rms "
@@ -19,10 +20,11 @@ HOURS_WORDS = (
 CHANCE_WORDS = "Grey: each effect; red: all of them."
 
 
-def campaign_plan_page(plan: CampaignPlan) -> tuple[str, str, list[Section]]:
-    """Give the report of a plan: title, subtitle, sections."""
+def campaign_plan_page(plan: CampaignPlan, following: NextStep | None = None) -> tuple[str, str, list[Section]]:
+    """Give the report of a plan: title, subtitle, sections; with what comes next, where that is known."""
+    words = [*campaign_plan_words(plan), *(following.before() if following else ())]
     sections = [
-        Section("The plan", campaign_plan_words(plan), [stages_table(plan)]),
+        Section("The plan", words, [stages_table(plan)], command=following.line if following else ""),
         Section("What hours buy", (HOURS_WORDS,), (), [hours_picture(plan)]),
         Section(
             "From which size on",

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import plotly.graph_objects as go
 
 from pipeclamp.pages.page import GRID, MEASURED, SERIES, Section, render, styled
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
-from pipeclamp.show.imported import columns_table, cut_table, import_lines, imported_runs_table, left_out_table
+from pipeclamp.show.imported import (
+    columns_table,
+    cut_table,
+    following_import,
+    import_lines,
+    imported_runs_table,
+    left_out_table,
+)
 from pipeclamp_identification.importing.answer import Found
 from pipeclamp_identification.importing.looked_at import CYCLES, ShownLoop
 from pipeclamp_identification.importing.plan import Overview
@@ -22,22 +31,29 @@ FINEST = 600
 KEPT, CUT = SERIES[0], SERIES[1]
 
 
-def import_page(found: Found) -> str:
-    """Give the page of an import as HTML."""
-    return render(*import_parts(found))
+def import_page(found: Found, called: Sequence[str] = ()) -> str:
+    """Give the page of an import as HTML; `called` are the command's words, so that it can be said anew."""
+    return render(*import_parts(found, called))
 
 
-def import_parts(found: Found) -> tuple[str, str, list[Section]]:
-    """Give the title of an import's page, what stands below it, and the sections."""
-    return f"Import of {found.name}", found.folder.name, import_sections(found)
+def import_parts(found: Found, called: Sequence[str] = ()) -> tuple[str, str, list[Section]]:
+    """Give the title of an import's page, what stands below it, and the sections; `called` as for `import_page`."""
+    return f"Import of {found.name}", found.folder.name, import_sections(found, called)
 
 
-def import_sections(found: Found) -> list[Section]:
-    """Give the sections of an import's page."""
+def import_sections(found: Found, called: Sequence[str] = ()) -> list[Section]:
+    """Give the sections of an import's page; `called` as for `import_page`."""
     answer = found.answer()
+    head, *lines = import_lines(found, answer, called)
+    lines = [f"{line[0].upper()}{line[1:]}." for line in lines]
     notes = [*(f"Note: {note}." for note in found.notes()), *(f"Left out: {one}." for one in found.judged.left_out)]
     sections = [
-        Section("What was imported", [*import_lines(found, answer), *notes], [columns_table(found.imported.files)]),
+        Section(
+            "What was imported",
+            [head, *lines, *notes],
+            [columns_table(found.imported.files)],
+            command=following_import(found, answer, called),
+        ),
         *_overviews(found.plan.overviews),
         *_loops(found),
         Section("All runs", (), [imported_runs_table(answer)]),
@@ -78,10 +94,10 @@ def _overviews(overviews: tuple[Overview, ...]) -> list[Section]:
     if not cut:
         return []
     words = [
-        "Files of which parts are in no run, or that hold several: blue is a run, with the number that ends its name; "
+        "Files of which parts are in no run, or that hold several: blue is a run, of several with the end of its name; "
         "orange is cut."
     ]
-    return [Section("Where the runs lie", words, (), [_overview_picture(one) for one in cut])]
+    return [Section("Where the runs lie", words, (), [overview_picture(one) for one in cut])]
 
 
 def _joined(spans: list[tuple[float, float]], near: float) -> list[tuple[float, float]]:
@@ -95,7 +111,7 @@ def _joined(spans: list[tuple[float, float]], near: float) -> list[tuple[float, 
     return found
 
 
-def _overview_picture(overview: Overview) -> go.Figure:
+def overview_picture(overview: Overview) -> go.Figure:
     """Draw a table's displacement over time, its runs and what was cut marked."""
     time = np.repeat(overview.time, 2)
     figure = go.Figure(
@@ -114,7 +130,7 @@ def _overview_picture(overview: Overview) -> go.Figure:
             for first, last in _joined([(first, last) for _, first, last in spans], near)
         ]
     )  # fmt: skip
-    for name, first, last in overview.runs if len(overview.runs) <= MOST_LABELS else ():
+    for name, first, last in overview.runs if 1 < len(overview.runs) <= MOST_LABELS else ():
         figure.add_annotation(
             x=(first + last) / 2, y=1.0, yref="paper", yanchor="bottom", text=name.rpartition("_")[2],
             showarrow=False, font={"size": 10, "color": KEPT},

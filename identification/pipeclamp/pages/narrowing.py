@@ -8,6 +8,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import GRID, INK, LOG_AXIS, MODEL, SERIES, Section, styled
 from pipeclamp.show.narrowing import band_plan_words, tests_table
 from pipeclamp_identification.planning.narrowing import BandPlan, Map, NextLoopTest
+from pipeclamp_identification.workflow.next_step import NextStep
 
 MAP_WORDS = (
     "What is left of the band's width if that test is run first, at the best temperature for each amplitude and "
@@ -16,12 +17,18 @@ MAP_WORDS = (
 )
 
 
-def band_plan_page(plan: BandPlan) -> tuple[str, str, list[Section]]:
-    """Give the report of a plan: title, subtitle, sections."""
-    words = band_plan_words(plan)
+def band_plan_page(plan: BandPlan, following: NextStep | None = None) -> tuple[str, str, list[Section]]:
+    """Give the report of a plan: title, subtitle, sections; with what comes next, where that is known."""
+    words = [*band_plan_words(plan), *(following.before() if following else ())]
     maps = [map_picture(one, plan.tests) for one in plan.maps]
     sections = [
-        Section("What to test", words, [tests_table(plan)] if plan.tests else (), [steps_picture(plan)]),
+        Section(
+            "What to test",
+            words,
+            [tests_table(plan)] if plan.tests else (),
+            [steps_picture(plan)],
+            following.line if following else "",
+        ),
         Section("Where a test narrows the band", (MAP_WORDS,), (), maps),
     ]
     return f"Next loop test for {plan.system}", f"peak at {plan.point}", sections

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +13,10 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import MODEL, SERIES, styled, with_narrow
 from pipeclamp_models.law.file import LawFile
 
-RUNG_WIDTH = 130
+RUNG_WIDTH, WIDEST = 160, 1100
+"""px of a rung that holds a label of `LONGEST`, and of the picture from which on it is drawn so, however many rungs."""
+BESIDE, CHARACTER = 130, 7
+"""px beside all rungs, and of a character."""
 OF_FORCE, OF_METRICS = "RMS error / % of rms force", "rms log ratio of dW and W / %"
 """What errors of records and of metrics alone are called."""
 LONGEST = 22
@@ -80,8 +84,11 @@ def waterfall_picture(rungs: Sequence[Rung], scatter: float | None, title: str, 
 
 def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis: str) -> go.Figure:
     names = _names(rungs)
+    longest = min(LONGEST, (WIDEST - BESIDE) // (CHARACTER * max(len(rungs), 1)))
     labels = [
-        "<br>".join([*(part for line in _name(index, rungs) for part in _wrapped(line)), *_did(index, rungs, scatter)])
+        "<br>".join(
+            [*(part for line in _name(index, rungs) for part in _wrapped(line, longest)), *_did(index, rungs, scatter)]
+        )
         for index in range(len(rungs))
     ]
     figure = go.Figure(
@@ -102,7 +109,7 @@ def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis
         )  # fmt: skip
     figure.update_xaxes(tickangle=0, type="category")
     figure.update_yaxes(title_text=axis, rangemode="tozero")
-    figure = styled(figure, title, least_width=min(150 + RUNG_WIDTH * len(rungs), 1100))
+    figure = styled(figure, title, least_width=min(BESIDE + RUNG_WIDTH * len(rungs), WIDEST))
     return figure.update_layout(showlegend=len(names) > 1, margin={"r": 70, "b": 105}, bargap=0.25)
 
 
@@ -179,12 +186,23 @@ def _name(index: int, rungs: Sequence[Rung]) -> list[str]:
     return name.replace(" + ", "\n+ ").replace("or\n+ ", "or + ").split("\n")
 
 
-def _wrapped(line: str) -> list[str]:
-    """Give a long line in several; the blanks at its end stay, which keep names apart."""
+def _wrapped(line: str, longest: int) -> list[str]:
+    """Give a long line in several, names broken behind an underscore; blanks at its end stay: they keep names apart."""
     words = line.rstrip()
     joined = words.replace("+ ", "+\N{NO-BREAK SPACE}")
-    *first, last = textwrap.wrap(joined, LONGEST, break_long_words=False) if len(words) > LONGEST else [words]
+    parts = textwrap.wrap(joined, longest, break_long_words=False) if len(words) > longest else [words]
+    *first, last = (shorter for part in parts for shorter in _broken(part, longest))
     return [*first, last + line[len(words) :]]
+
+
+def _broken(name: str, longest: int) -> list[str]:
+    """Give a name in lines that are no longer than that, as far as its underscores allow."""
+    lines = [""]
+    for part in re.findall(r"[^_]*_|[^_]+", name):
+        if lines[-1] and len(lines[-1] + part) > longest:
+            lines.append("")
+        lines[-1] += part
+    return lines
 
 
 def _did(index: int, rungs: Sequence[Rung], scatter: float | None) -> list[str]:

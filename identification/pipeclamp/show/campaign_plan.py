@@ -11,6 +11,10 @@ from pipeclamp_identification.diagnosis.further_test.limits import limits_words
 from pipeclamp_identification.planning.campaign import CampaignPlan
 from pipeclamp_identification.planning.campaign_answer import campaign_plan_answer
 from pipeclamp_identification.planning.telling import NAMED
+from pipeclamp_models.base.shell import shell_line
+
+FOR_EXAMPLE = "hardening"
+"""An effect that a virtual rig may hide."""
 
 
 def campaign_plan_view(plan: CampaignPlan, folder: Path | None) -> View:
@@ -86,10 +90,11 @@ def campaign_plan_words(plan: CampaignPlan, folder: Path | None = None) -> list[
         f"{limits_words(plan.limits)}. An effect of another form than the catalogue's needs more."
     )
     if folder:
-        lines.append(
-            f"{folder} holds plan.csv, the drive signals, and a campaign that waits for its records in runs/; to try "
-            f"it: pipeclamp rig {plan.law} -o virtual --plan {folder} --effects ..."
-        )
+        tried = shell_line("rig", plan.law, "-o", "virtual", "--plan", str(folder), "--effects", FOR_EXAMPLE)
+        lines += [
+            f"{folder} holds plan.csv, the drive signals, and a campaign that waits for its records in runs/.",
+            f"To try it before the rig does, with an effect hidden in it: {tried}",
+        ]
     return lines
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
@@ -10,7 +11,7 @@ from pipeclamp_identification.campaign.description import ImportedColumn, Import
 from pipeclamp_identification.importing.answer import Found, ImportAnswer
 from pipeclamp_identification.units.stated import Conversion
 from pipeclamp_identification.workflow.next_command import after_import
-from pipeclamp_models.base.shell import quoted
+from pipeclamp_models.base.shell import quoted, shell_line
 
 MOST_NAMED = 3
 MOST_SHOWN = 60
@@ -67,8 +68,8 @@ def left_out_table(answer: ImportAnswer) -> Table:
     return Table(("file", "left out because"), [(one.file, one.why) for one in answer.left_out_files])
 
 
-def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
-    """Say what was written, and what to know of it."""
+def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ()) -> list[str]:
+    """Say what was written, and what to know of it; `called` are the command's words, so that it can be said anew."""
     new = sum(run.new for run in answer.runs)
     done = "" if found.written else " (nothing is written)"
     if not answer.new_files:
@@ -87,22 +88,52 @@ def import_lines(found: Found, answer: ImportAnswer) -> list[str]:
         why = Counter(one.why for one in answer.cut)
         parts = "1 part is" if len(answer.cut) == 1 else f"{len(answer.cut)} parts are"
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
-    if answer.pattern:
-        again = ", with another folder by -o" if found.written else ""
+    if called and _names_are_needed(answer):
+        lines.append("the files' names look as if they state settings, the temperature too: the line below takes them")
+    elif answer.pattern and called:
+        lines.append(f"the files' names look as if they state settings; to take them: {_again(found, answer, called)}")
+    elif answer.pattern:
+        again = ", into another folder" if found.written else ""
         lines.append(
-            f"the files' names look as if they state settings; to take them, import again{again}: "
-            f"--pattern {quoted(answer.pattern, always=True)}"
+            f"the files' names look as if they state settings; to take them, import again{again}, with the pattern "
+            f"{quoted(answer.pattern, always=True)}"
         )
-    unknown = [run.run for run in answer.runs if run.temperature_C is None]
-    if unknown:
+    if unknown := _without_temperature(answer):
         lines.append(
             f"no temperature is known of {_counted_of(len(unknown), len(answer.runs))}: state it in runs.csv, or by "
             "--pattern or --conditions when importing"
         )
-    known_by_name = "{temperature" in answer.pattern and unknown
-    if found.written and not known_by_name and any(run.cycles for run in answer.runs):
-        lines.append(f"Next: {after_import(str(found.folder))}")
     return lines
+
+
+def following_import(found: Found, answer: ImportAnswer, called: Sequence[str] = ()) -> str:
+    """Give the shell line to run after an import, empty where there is none; `called` as for `import_lines`."""
+    if _names_are_needed(answer):
+        return _again(found, answer, called) if called else ""
+    is_there = found.written or not answer.new_files
+    return after_import(str(found.folder)) if is_there and any(run.cycles for run in answer.runs) else ""
+
+
+def _names_are_needed(answer: ImportAnswer) -> bool:
+    """Tell whether the files' names state temperatures that nothing else does."""
+    return "{temperature" in answer.pattern and bool(_without_temperature(answer))
+
+
+def _without_temperature(answer: ImportAnswer) -> list[str]:
+    """Give the runs of no known temperature; of those that are left out it doesn't matter."""
+    lost = {one.run for one in answer.left_out}
+    return [run.run for run in answer.runs if run.temperature_C is None and run.run not in lost]
+
+
+def _again(found: Found, answer: ImportAnswer, called: Sequence[str]) -> str:
+    """Give the command once more, with the pattern; what has been written stays, so it goes into another folder."""
+    words = [word for word in called if word != "--dry-run"]
+    if found.written:
+        follows = [False, *(word in ("-o", "--output") for word in words)]
+        own = [word.startswith(("-o", "--output=")) or word == "--output" for word in words]
+        kept = [word for word, after, mine in zip(words, follows, own, strict=False) if not (after or mine)]
+        words = [*kept, "-o", f"{found.folder}_2"]
+    return shell_line(*words, "--pattern", answer.pattern)
 
 
 def _counted(count: int, what: str) -> str:
@@ -118,8 +149,9 @@ def _known(answer: ImportAnswer) -> str:
     return f", {count} more files were there already" if count else ""
 
 
-def import_view(found: Found) -> View:
-    """Give an import's answer, tables and lines."""
+def import_view(found: Found, called: Sequence[str] = ()) -> View:
+    """Give an import's answer, tables and lines; `called` as for `import_lines`."""
     answer = found.answer()
     tables = [columns_table(found.plan.files), imported_runs_table(answer, new_only=True)] if found.plan.files else []
-    return View(answer, tables, import_lines(found, answer))
+    following = following_import(found, answer, called)
+    return View(answer, tables, [*import_lines(found, answer, called), *([f"Next: {following}"] if following else [])])

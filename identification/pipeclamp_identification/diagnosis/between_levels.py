@@ -52,7 +52,7 @@ def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
     found = []
     for condition, unit, level, rows in _levels_between(problem.loops):
         square = max(_added_square(law.result.law, problem, rows), 0.0)
-        noise = float(np.mean(problem.loops.noise_rms_N[rows] ** 2))
+        noise = float(np.mean(problem.loops.scatter_rms_N[rows] ** 2))
         found.append(LeftOutLevel(condition, unit, level, float(np.sqrt(square)), float(np.sqrt(square / noise))))
     return max(found, key=lambda each: each.share, default=None)
 

@@ -33,7 +33,7 @@ def foretold(judged: Judged, problem: Problem) -> Foretold:
     """Say how much a law errs on left-out (A, f) groups beyond scatter."""
     variance = np.where(problem.noise.variance < UNSEEN, problem.noise.total_variance(), 0.0)
     scatter = mean_squares_of(np.sqrt(variance))
-    return beyond_scatter(judged.score.mean_squares - scatter, problem.groups, problem.loops.noise_rms_N)
+    return beyond_scatter(judged.score.mean_squares - scatter, problem.groups, problem.loops.scatter_rms_N)
 
 
 def beyond_scatter(excess: Array, groups: Rows, noise_rms: Array) -> Foretold:

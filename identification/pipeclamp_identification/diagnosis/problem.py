@@ -247,7 +247,7 @@ def judge(
     score = left_out.score(problem.groups)
     plain = problem.plain_residual(result.law_force)
     lack = lack_of_fit(
-        against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.noise_rms_N
+        against_noise, plain, problem.noise, problem.smooth, problem.share_trends, problem.loops.scatter_rms_N
     )
     further = {
         name: _share_of_force(left_out.score(groups), problem.loops, groups >= 0)

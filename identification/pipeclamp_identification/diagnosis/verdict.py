@@ -205,4 +205,4 @@ def _bare_lack(structure: Structure, problem: Problem) -> float:
 
 def _precision(loops: Loops) -> float:
     """Give the force below which nothing can be told, as a share of the force noise."""
-    return MATERIAL_FORCE_SHARE * float(np.sqrt(np.sum(loops.force_rms_N**2) / np.sum(loops.noise_rms_N**2)))
+    return MATERIAL_FORCE_SHARE * float(np.sqrt(np.sum(loops.force_rms_N**2) / np.sum(loops.scatter_rms_N**2)))

@@ -100,9 +100,7 @@ def search(
     if found.verdict == "complete":
         return Search(found, None, 0, "nothing is missing: what the law leaves over is scatter")
     if found.kind == "cause":
-        return Search(
-            found, None, 0, f"the catalogue has what is missing: {' or '.join(found.effects)}; `add` it first"
-        )
+        return Search(found, None, 0, catalogue_first(found.effects))
     loops = _by_name(loops)
     groups = condition_groups(loops)
     kept = groups % KEPT_BACK == KEPT_BACK // 2
@@ -136,6 +134,16 @@ def to_better(candidates: Sequence[Judged], in_vain: Collection[str]) -> Sequenc
         in_vain: effects that were tried on the same tests and didn't lower the error; of two together both names.
     """
     return [one for one in candidates if WITH.join(one.effects) not in in_vain][:LISTED]
+
+
+def catalogue_first(causes: Sequence[str]) -> str:
+    """Say that effects of the catalogue come before a term: the one that is missing, or several that it may be."""
+    if len(causes) == 1:
+        return f"the catalogue has what is missing: {causes[0]}; `add` it first"
+    return (
+        f"one of these of the catalogue is missing, and these tests can't tell which: {', '.join(causes)}; a test that "
+        "tells comes first, or `add` one of them as a part and search again"
+    )
 
 
 @dataclass(frozen=True)

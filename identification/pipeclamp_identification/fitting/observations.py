@@ -139,7 +139,9 @@ class LoopObservations:
         if self.transforms is None:
             return harmonics_of(force, (self.harmonics.shape[1] - 1) // 2)
         by_run = np.moveaxis(np.atleast_3d(force.T).T, 1, 0)
-        return np.asarray(np.moveaxis(by_run @ self.transforms, 0, 1).reshape(*force.shape[:-1], -1))
+        with np.errstate(over="ignore", invalid="ignore"):  # of a force beyond all numbers, which a fit refuses
+            found = by_run @ self.transforms
+        return np.asarray(np.moveaxis(found, 0, 1).reshape(*force.shape[:-1], -1))
 
     @property
     def seen(self) -> npt.NDArray[np.bool_]:

@@ -90,6 +90,28 @@ def parse_columns(text: str) -> tuple[Stated, ...]:
     return tuple(found.values())
 
 
+class ContradictedUnitError(UserError):
+    """A unit was stated, and a file states another one: it isn't the file that can't serve."""
+
+
+class OpenChannelsError(UserError):
+    """A table has all that it needs, but names and units don't tell it: it must not be left out for a unit.
+
+    Attributes:
+        where: the table.
+        mapped: what is told, and what is open.
+        words: what is open, and the option that would state it.
+    """
+
+    def __init__(self, where: str, mapped: Mapped, words: str) -> None:
+        super().__init__(f"{where}: {words}")
+        self.where, self.mapped, self.words = where, mapped, words
+
+    def __reduce__(self) -> tuple[type[OpenChannelsError], tuple[str, Mapped, str]]:
+        """Let it come out of another process."""
+        return OpenChannelsError, (self.where, self.mapped, self.words)
+
+
 @dataclass(frozen=True)
 class Mapped:
     """Which channels of a table are ours, and what is still to be asked; `units` of all its channels, by heading."""
@@ -103,6 +125,10 @@ class Mapped:
         entries = [(_entry(column), column.heading) for column in self.columns]
         entries += [(choice.text, choice.channel) for choice in self._chosen() if choice]
         return self.option_of(entries)
+
+    def as_others(self, units: Mapping[str, str]) -> Mapped:
+        """Give the same, with the unit first that other files state of a channel, by its name without a unit."""
+        return replace(self, questions=tuple(one.as_others(units) for one in self.questions))
 
     def option_of(self, entries: Sequence[tuple[str, str]]) -> str:
         """Give --columns with entries, each with its channel's heading; places stand for names that are too long."""
@@ -269,7 +295,7 @@ def _channel_named(table: RawTable, stated: Stated) -> tuple[Channel, str]:
             f"(#{table.channels.index(matches[0]) + 1})"
         )
     if unit and (own := unit_of(matches[0])) and exact == [] and unit != own:
-        raise UserError(
+        raise ContradictedUnitError(
             f"--columns: got {stated.channel!r} (for {stated.ours}), but the file says {matches[0].heading!r}; "
             f"expected its own unit, or {matches[0].heading} [{unit}] where the file is wrong"
         )
@@ -281,7 +307,7 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
 
     Raises:
         UnusableFileError: a channel seems to be missing; as the next,
-        UserError: with the ready option that states the first of each choice.
+        OpenChannelsError: with the ready option that states the first of each choice.
     """
     if not mapped.questions:
         return
@@ -314,8 +340,7 @@ def refuse_open_questions(where: str, mapped: Mapped) -> None:
     remedy = "\n".join(lines)
     if any(question.is_missing for question in mapped.questions):
         raise UnusableFileError(where, problems, remedy)
-    # it has all that it needs, and must not be left out for a unit
-    raise UserError(f"{where}: {problems}{remedy}")
+    raise OpenChannelsError(where, mapped, f"{problems}{remedy}")
 
 
 def _short(texts: Sequence[str]) -> Sequence[str]:

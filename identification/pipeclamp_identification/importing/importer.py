@@ -7,7 +7,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from pipeclamp_identification.campaign.description import ImportedCut, ImportedFile, ImportedRun, LeftOutFile
@@ -16,12 +15,11 @@ from pipeclamp_identification.campaign.seen import SeenSine
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.columns import Mapped, listed, unused_words
 from pipeclamp_identification.importing.conditions import Pattern, Settings, guessed_pattern, name_in
-from pipeclamp_identification.importing.mapping import Open
 from pipeclamp_identification.importing.plan import Overview, Plan, PlannedRun
 from pipeclamp_identification.importing.raw import Above, without_controls
 from pipeclamp_identification.importing.reading import digest_of, stem_of
-from pipeclamp_identification.importing.stated import Ask, LeaveOut, Options
-from pipeclamp_identification.importing.taking import Draft, KnownFile, Over, TakenFile, TakenTable, Way, take_file
+from pipeclamp_identification.importing.stated import LeaveOut, Options
+from pipeclamp_identification.importing.taking import Draft, KnownFile, TakenFile, TakenTable, Way, taken_files
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.unusable import (
     UnusableFileError,
@@ -31,16 +29,11 @@ from pipeclamp_identification.importing.unusable import (
 )
 from pipeclamp_identification.units.stated import conversion, is_unit
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.base.processes import cores, spread
 
 STEADY_TEMPERATURE = 5.0
 """K by which a temperature may move within a run before that is said."""
 TEMPERATURE_APART = 15.0
 """K by which an oven may miss what was set in it: a name's number that is farther off is no temperature."""
-WORTH_PROCESSES = 24_000_000
-"""Bytes of files from which on they are taken by several processes, which take a second or two to begin."""
-LARGE = 64_000_000
-"""Bytes of a file that one process reads by itself; its parts are handed to others."""
 MOST_ASIDE = 4
 """Tables that are left aside, of which one line names so many."""
 LONGEST_NAME = 60
@@ -81,7 +74,7 @@ def plan_import(
     new: dict[str, str] = {}
     again: list[str] = []
     way = Way(options.columns, options.rate, options.ask is not None, records, format, frozenset(names))
-    for path, file in zip(paths, _taken_files(paths, way, options.ask, progress), strict=True):
+    for path, file in zip(paths, taken_files(paths, way, options.ask, progress), strict=True):
         called = file_name(path)
         if isinstance(file, UnusableFileError):
             unusable[path] = file
@@ -168,54 +161,6 @@ def _settings_of(path: Path, names: Sequence[str], pattern: Pattern | None) -> S
             "one that does, or a pattern that all names follow"
         )
     return found
-
-
-Job = tuple[int, Path, Way]
-Outcome = TakenFile | KnownFile | Open | UserError
-"""Of taking a file: an UnusableFileError lets the others go on."""
-
-
-def _take(job: Job) -> Outcome:
-    """Take a file in a process of its own; a mistake is given, not raised, so that the first one is told first."""
-    return _outcome(*job)
-
-
-def _outcome(number: int, path: Path, way: Way, over: Over = map) -> Outcome:
-    try:
-        return take_file(path, number, way, over)
-    except UserError as error:
-        return error
-
-
-def _taken_files(
-    paths: Sequence[Path], way: Way, ask: Ask | None, progress: Callable[[str], None] | None
-) -> Iterator[TakenFile | KnownFile | UnusableFileError]:
-    """Take files, in their order. What is answered of one holds for all that come after it.
-
-    Raises:
-        UserError: what is stated of one doesn't serve.
-    """
-    sizes = [path.stat().st_size for path in paths]
-    processes = cores() if sum(sizes) > WORTH_PROCESSES else 1
-    large = max(sizes, default=0) > LARGE
-    over: Over = partial(spread, processes=processes) if large else map
-    handed_out: Iterator[Outcome] = iter(())
-    begun = way
-    for number, path in enumerate(paths):
-        if progress:
-            progress(f"{number + 1} of {len(paths)}: {file_name(path)}")
-        if number == 1 and not large:
-            # what was answered of the first file is known to the others
-            begun = way
-            handed_out = spread(_take, [(later, paths[later], begun) for later in range(1, len(paths))], processes)
-        outcome, made = next(handed_out, None), begun
-        while outcome is None or isinstance(outcome, Open) or made.columns != way.columns:
-            if isinstance(outcome, Open) and made.columns == way.columns and ask:
-                way = replace(way, columns=(*way.columns, *ask(outcome.where, outcome.mapped)))
-            made, outcome = way, _outcome(number, path, way, over)
-        if isinstance(outcome, UserError) and not isinstance(outcome, UnusableFileError):
-            raise outcome
-        yield outcome
 
 
 class _Planner:

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pipeclamp_identification.importing.columns import Mapped, Stated, map_columns, refuse_open_questions
+from pipeclamp_identification.importing.columns import (
+    ContradictedUnitError,
+    Mapped,
+    Stated,
+    map_columns,
+    refuse_open_questions,
+)
 from pipeclamp_identification.importing.naming import rank
 from pipeclamp_identification.importing.rates import by_own_times, joined_rates
 from pipeclamp_identification.importing.raw import RawTable
@@ -96,9 +102,12 @@ def _mapped_or_refused(source: SourceFile, table: RawTable, stated: Sequence[Sta
 
     Raises:
         UnusableFileError: what is stated of them doesn't fit.
+        ContradictedUnitError: a unit that is stated isn't the file's.
     """
     try:
         return map_columns(table, stated)
+    except ContradictedUnitError as error:
+        raise ContradictedUnitError(f"{where_of(source, table)}: {error}") from error
     except UserError as error:
         raise UnusableFileError(where_of(source, table), str(error)) from error
 

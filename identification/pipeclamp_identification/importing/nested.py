@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,9 @@ NAMES = ("names", "name", "labels", "columns", "channels", "header", "Names", "N
 MOST_COLUMNS = 1000
 DEEPEST = 12
 
+_Level = tuple[str, list[tuple[str, str, object]], Mapping[str, object]]
+"""Its path, its channels with their units, and what else it states, by name."""
+
 
 def tables_of(held: Mapping[str, Any]) -> list[RawTable]:
     """Give a table for each level with channels.
@@ -27,14 +31,18 @@ def tables_of(held: Mapping[str, Any]) -> list[RawTable]:
     Args:
         held: arrays, texts, lists and further such mappings by name.
     """
-    found: list[tuple[str, list[tuple[str, str, object]]]] = []
-    _collect("", held, found, 0)
-    return [table for path, columns in found for table in table_of(path if len(found) > 1 else "", columns)]
+    found: list[_Level] = []
+    _collect("", held, {}, found, 0)
+    return [
+        replace(table, properties=properties)
+        for path, columns, properties in found
+        for table in table_of(path if len(found) > 1 else "", columns)
+    ]
 
 
-def _collect(
-    path: str, held: Mapping[str, Any], found: list[tuple[str, list[tuple[str, str, object]]]], depth: int
-) -> None:
+def _collect(path: str, held: Mapping[str, Any], above: Mapping[str, object], found: list[_Level], depth: int) -> None:
+    """Collect the levels with channels; what stands above one holds for it too."""
+    properties = {**above, **_single(held)}
     columns: list[tuple[str, str, object]] = []
     inner: dict[str, Mapping[str, Any]] = _apart(held)
     matrix = _matrix(held)
@@ -52,14 +60,34 @@ def _collect(
                 else:
                     inner[name] = value
             elif several := _several(value):
-                inner |= {f"{name}({number})": one for number, one in enumerate(several, 1)}
+                inner |= dict(zip(_called(several, name), several, strict=True))
             else:
                 columns += _columns(name, value)
     if columns:
-        found.append((path, columns))
+        found.append((path, columns, properties))
     if depth < DEEPEST:
         for name, value in inner.items():
-            _collect(f"{path}{'' if name.startswith('(') else '.'}{name}" if path else name, value, found, depth + 1)
+            below = f"{path}{'' if name.startswith('(') else '.'}{name}" if path else name
+            _collect(below, value, properties, found, depth + 1)
+
+
+def _single(held: Mapping[str, Any]) -> dict[str, object]:
+    """Give the numbers and texts that stand by themselves, by name."""
+    numbers = {
+        name: np.asarray(value).item()
+        for name, value in held.items()
+        if isinstance(value, int | float | np.generic | np.ndarray) and np.asarray(value).size == 1
+    }
+    return {**numbers, **{name: value for name, value in held.items() if isinstance(value, str)}}
+
+
+def _called(several: Sequence[Mapping[str, Any]], name: str) -> list[str]:
+    """Give names of structures of a list: their own, where these tell them apart, else the list's and their places."""
+    own = [next((_texts(one[key]) for key in NAMES if key in one), []) for one in several]
+    called = [texts[0] for texts in own if len(texts) == 1 and texts[0]]
+    if len(several) > 1 and len(set(called)) == len(several):
+        return called
+    return [f"{name}({number})" for number in range(1, len(several) + 1)]
 
 
 def _apart(held: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:

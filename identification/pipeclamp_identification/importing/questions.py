@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,14 @@ class Question:
     why: str
     choices: tuple[Choice, ...]
     is_missing: bool = False
+
+    def as_others(self, units: Mapping[str, str]) -> Question:
+        """Give it with the choice first that other files state, which is said; `units` by names of channels."""
+        told = [one for one in self.choices if one.text.endswith(f" [{units.get(one.channel)}]")]
+        if not told:
+            return self
+        why = f"{self.why}; other files state {units[told[0].channel]}"
+        return replace(self, why=why, choices=(*told, *(one for one in self.choices if one not in told)))
 
 
 def find(quantity: Quantity, table: RawTable, taken: Collection[str]) -> Channel | Question | None:

@@ -1,11 +1,12 @@
-"""A file becomes drafts of runs: each is cut out, repaired, looked at and written before the next; no other is held."""
+"""Files become drafts of runs: each is cut out, repaired, looked at and written before the next; no other is held."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from pipeclamp_identification.campaign.free_motion import free_motion
 from pipeclamp_identification.campaign.records import Record, UnusableRecord, check_samples
 from pipeclamp_identification.campaign.seen import SeenRecord, seen_free, seen_sine
 from pipeclamp_identification.campaign.writing import Format, encoded
-from pipeclamp_identification.importing.columns import Column, Mapped, Stated
+from pipeclamp_identification.importing.columns import Column, Mapped, OpenChannelsError, Stated, refuse_open_questions
 from pipeclamp_identification.importing.conditions import Settings, of_properties
 from pipeclamp_identification.importing.mapping import Open, mapped_tables, where_of
 from pipeclamp_identification.importing.questions import MOST_FALLS, NONE
@@ -28,10 +29,14 @@ from pipeclamp_identification.importing.samples.blanks import without_blanks
 from pipeclamp_identification.importing.samples.clipped import without_clipped_cycles
 from pipeclamp_identification.importing.samples.repair import at_own_rate, evened, without_spikes
 from pipeclamp_identification.importing.samples.split import Part, levels, piece_bounds
+from pipeclamp_identification.importing.stated import Ask
+from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.traces import Trace, first_motion, label_column, segment_of, time_of, trace_of
 from pipeclamp_identification.importing.unusable import UnusableFileError
+from pipeclamp_identification.units.stated import unit_in_name
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
+from pipeclamp_models.base.processes import cores, spread
 from pipeclamp_models.base.tables import pl
 
 OURS = {"time": "time_s", "displacement": "displacement_mm", "force": "force_N", "temperature": "temperature_C"}
@@ -39,6 +44,10 @@ BLANK = "blank samples, and what lies behind them"
 """Why a part of a run isn't in it."""
 WIDEST_OVERVIEW = 600
 """Stretches that a picture of a whole table is thinned out to."""
+WORTH_PROCESSES = 24_000_000
+"""Bytes of files from which on they are taken by several processes, which take a second or two to begin."""
+LARGE = 64_000_000
+"""Bytes of a file that one process reads by itself; its parts are handed to others."""
 
 
 @dataclass(frozen=True)
@@ -398,3 +407,56 @@ def _samples(table: RawTable, trace: Trace, part: Part) -> tuple[int, int]:
 def _span(trace: Trace, part: Part) -> tuple[float, float]:
     """Give a part's first and last time."""
     return float(trace.record.time_s[part.first]), float(trace.record.time_s[part.last - 1])
+
+
+Job = tuple[int, Path, Way]
+Outcome = TakenFile | KnownFile | Open | UserError
+"""Of taking a file: an UnusableFileError lets the others go on."""
+
+
+def _take(job: Job) -> Outcome:
+    """Take a file in a process of its own; a mistake is given, not raised, so that the first one is told first."""
+    return _outcome(*job)
+
+
+def _outcome(number: int, path: Path, way: Way, over: Over = map) -> Outcome:
+    try:
+        return take_file(path, number, way, over)
+    except UserError as error:
+        return error
+
+
+def taken_files(
+    paths: Sequence[Path], way: Way, ask: Ask | None, progress: Callable[[str], None] | None
+) -> Iterator[TakenFile | KnownFile | UnusableFileError]:
+    """Take files, in their order. What is answered of one holds for all that come after it.
+
+    Raises:
+        UserError: what is stated of one doesn't serve.
+    """
+    sizes = [path.stat().st_size for path in paths]
+    processes = cores() if sum(sizes) > WORTH_PROCESSES else 1
+    large = max(sizes, default=0) > LARGE
+    over: Over = partial(spread, processes=processes) if large else map
+    handed_out: Iterator[Outcome] = iter(())
+    begun = way
+    units: dict[str, str] = {}
+    for number, path in enumerate(paths):
+        if progress:
+            progress(f"{number + 1} of {len(paths)}: {file_name(path)}")
+        if number == 1 and not large:
+            # what was answered of the first file is known to the others
+            begun = way
+            handed_out = spread(_take, [(later, paths[later], begun) for later in range(1, len(paths))], processes)
+        outcome, made = next(handed_out, None), begun
+        while outcome is None or isinstance(outcome, Open) or made.columns != way.columns:
+            if isinstance(outcome, Open) and made.columns == way.columns and ask:
+                way = replace(way, columns=(*way.columns, *ask(outcome.where, outcome.mapped.as_others(units))))
+            made, outcome = way, _outcome(number, path, way, over)
+        if isinstance(outcome, UserError) and not isinstance(outcome, UnusableFileError):
+            if isinstance(outcome, OpenChannelsError):
+                refuse_open_questions(outcome.where, outcome.mapped.as_others(units))
+            raise outcome
+        if isinstance(outcome, TakenFile):
+            units |= {unit_in_name(one.channel)[0]: one.unit for one in outcome.file.columns.values()}
+        yield outcome

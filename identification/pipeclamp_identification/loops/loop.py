@@ -16,6 +16,7 @@ import numpy as np
 from pipeclamp_identification.campaign.reading import Run
 from pipeclamp_identification.campaign.smoothing import gain
 from pipeclamp_identification.loops.scatter import (
+    DRIFT_BY_CHANCE,
     displacement_noise,
     drifting_force,
     harmonic_variance,
@@ -116,7 +117,13 @@ class Loop:
             )
 
 
-def loop_of(run: Run, condition_columns: Sequence[str], harmonics: int, displacement_average: float) -> Loop:
+def loop_of(
+    run: Run,
+    condition_columns: Sequence[str],
+    harmonics: int,
+    displacement_average: float,
+    drift_by_chance: float = DRIFT_BY_CHANCE,
+) -> Loop:
     """Turn a run's record into its loop.
 
     Args:
@@ -124,6 +131,7 @@ def loop_of(run: Run, condition_columns: Sequence[str], harmonics: int, displace
         condition_columns: names of the further conditions, in their order.
         harmonics: H, the highest harmonic to keep.
         displacement_average: share of the period over which the displacement was averaged before it was recorded.
+        drift_by_chance: as for `drifting_force`.
     """
     record, cycles = run.record, run.cycles
     y, force = record.displacement_mm[cycles.steady], record.force_N[cycles.steady]
@@ -146,7 +154,7 @@ def loop_of(run: Run, condition_columns: Sequence[str], harmonics: int, displace
     mean_displacement, mean_force = np.mean(fitted, axis=1)
     order = np.argsort(own_phase, kind="stable")
     noise, spread = noise_by_phase(own_phase[order], residual[order])
-    drift = drifting_force(fitted[1], phase / (2 * np.pi), own_phase)
+    drift = drifting_force(fitted[1], phase / (2 * np.pi), own_phase, drift_by_chance)
     scatter, spread = (noise, spread) if drift is None else noise_by_phase(own_phase[order], (residual - drift)[order])
     per_sample = len(y) / cycles.count
     force_variance = harmonic_variance(fitted[1], 2 * noise**2 / per_sample)

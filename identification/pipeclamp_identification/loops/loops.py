@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.loops.loop import Loop, loop_of
+from pipeclamp_identification.loops.scatter import DRIFT_AMONG_DRIFTS_BY_CHANCE, drift_alike
 from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.threads import in_threads
@@ -105,8 +106,17 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
     """
     average = campaign.smoothing.displacement
     size = sum(len(run.record.time_s) for run in campaign.runs) / max(len(campaign.runs), 1)
-    rows = in_threads(lambda run: loop_of(run, campaign.condition_columns, harmonics, average), campaign.runs, size)
-    return Loops(tuple(rows), campaign.smoothing.force)
+
+    def rows(*drift_by_chance: float) -> list[Loop]:
+        return in_threads(
+            lambda run: loop_of(run, campaign.condition_columns, harmonics, average, *drift_by_chance),
+            campaign.runs, size,
+        )  # fmt: skip
+
+    found = rows()
+    if drift_alike([row.force_per_cycle for row in found]):
+        found = rows(DRIFT_AMONG_DRIFTS_BY_CHANCE)
+    return Loops(tuple(found), campaign.smoothing.force)
 
 
 def per_cycle(loops: Loops) -> Loops:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from statistics import median
 
 import numpy as np
@@ -17,38 +18,68 @@ NOISE_FREEDOMS = 4.0
 cycles that agree by chance from weighing far too much."""
 JUMP_STANDARD_DEVIATIONS = 6.0
 """Deviations beyond this many robust standard deviations are jumps of the loop itself."""
+FEWEST_CYCLES = 3
+"""Two show no scatter beside a line through them."""
 PHASE_BINS = 24
 """Parts of the cycle, of equal phase, over which the scatter is told."""
 DRIFT_BY_CHANCE = 1e-4
 """A harmonic drifts when scatter alone would make so steady a change from cycle to cycle less often than this."""
+DRIFT_AMONG_DRIFTS_BY_CHANCE = 1e-2
+"""Likewise where the runs of a campaign drift: heat and running in slow down from cycle to cycle, and few cycles of one
+run don't lie on a line then."""
 
 
-def drifting_force(per_cycle: ComplexArray, elapsed: Array, phase: Array) -> Array | None:
+def drifting_force(per_cycle: ComplexArray, elapsed: Array, phase: Array, by_chance: float) -> Array | None:
     """Return the force that steadily changes from cycle to cycle, less its mean loop; None where none does.
-
-    A harmonic drifts when a line through its cycles leaves so little over that scatter would hardly do so: with two
-    freedoms for the line's slope and 2 (cycles - 2) for the rest, the F distribution's tail is a power.
 
     Args:
         per_cycle: harmonics of the force, (cycles, H + 1).
         elapsed: cycles since the first sample, (N,).
         phase: (N,) rad.
+        by_chance: a harmonic drifts when scatter makes so steady a change less often than this.
+    """
+    drifting = np.flatnonzero(_chance_of_steady_change(per_cycle) < by_chance)
+    if len(drifting) == 0:
+        return None
+    deviation = per_cycle - np.mean(per_cycle, axis=0)
+    force = np.zeros(len(phase))
+    for order in drifting:
+        force += (between_cycles(deviation[:, order], elapsed) * unit_phasor(order * phase)).real
+    return force
+
+
+def drift_alike(force_per_cycle: Sequence[ComplexArray]) -> bool:
+    """Tell whether the runs of a campaign drift: steady changes of the first harmonic in more of them than by chance.
+
+    Args:
+        force_per_cycle: harmonics of the force of each run, (cycles, H + 1).
+    """
+    able = [per_cycle[:, :2] for per_cycle in force_per_cycle if len(per_cycle) >= FEWEST_CYCLES]
+    steady = sum(_chance_of_steady_change(each)[1] < DRIFT_AMONG_DRIFTS_BY_CHANCE for each in able)
+    chance = [
+        math.comb(len(able), count) * DRIFT_AMONG_DRIFTS_BY_CHANCE**count
+        * (1 - DRIFT_AMONG_DRIFTS_BY_CHANCE) ** (len(able) - count)
+        for count in range(steady, len(able) + 1)
+    ]  # fmt: skip
+    return sum(chance) < DRIFT_BY_CHANCE
+
+
+def _chance_of_steady_change(per_cycle: ComplexArray) -> Array:
+    """Return how often scatter alone makes each harmonic change as steadily from cycle to cycle, (H + 1,).
+
+    What a line through the cycles explains is held against what it leaves over: with two freedoms for the line's slope
+    and 2 (cycles - 2) for the rest, the F distribution's tail is a power.
     """
     cycles = len(per_cycle)
-    if cycles < 3:
-        return None
+    if cycles < FEWEST_CYCLES:
+        return np.ones(per_cycle.shape[1])
     along = np.arange(cycles) - (cycles - 1) / 2
     deviation = per_cycle - np.mean(per_cycle, axis=0)
     slope = along @ deviation / (along @ along)
     explained = np.abs(slope) ** 2 * (along @ along)
     rest = np.sum(np.abs(deviation - along[:, None] * slope) ** 2, axis=0)
-    drifting = np.flatnonzero(explained > (DRIFT_BY_CHANCE ** (-1 / (cycles - 2)) - 1) * rest)
-    if len(drifting) == 0:
-        return None
-    force = np.zeros(len(phase))
-    for order in drifting:
-        force += (between_cycles(deviation[:, order], elapsed) * unit_phasor(order * phase)).real
-    return force
+    left = np.divide(rest, explained + rest, out=np.ones_like(rest), where=explained > 0.0)
+    return np.asarray(left ** (cycles - 2))
 
 
 def phase_bin(phase: Array) -> IntArray:

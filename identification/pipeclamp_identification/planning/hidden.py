@@ -94,6 +94,7 @@ def law_of_size(file: LawFile, effect: str, newtons: float, grid: Mapping[str, A
 
     def short(logarithm: float) -> float:
         beyond = harmonics_of(force_of_law(at(float(np.exp(logarithm))), motion).force, HARMONICS) - without
-        return 0.5 * float(np.log(np.mean(mean_squares_of(beyond)) / newtons**2))
+        with np.errstate(divide="ignore"):  # a stop that is never reached gives no force: short of any
+            return 0.5 * float(np.log(np.mean(mean_squares_of(beyond)) / newtons**2))
 
     return at(float(np.exp(brentq(short, *np.log(SHARES), xtol=1e-3))))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 
+from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_identification.workflow.tests import Diagnosed
 from pipeclamp_models.base.shell import shell_line
 
@@ -42,6 +43,16 @@ def next_command(
 def after_import(tests: str) -> str:
     """Give the shell line to run after an import, or metrics: a law of its tests; arguments as for `next_command`."""
     return shell_line("identify", tests, "-o", "law.json")
+
+
+def after_group_laws(laws: Sequence[str], tests: str) -> str:
+    """Give the shell line to run after a law was fitted to each group: these side by side; as for `next_command`."""
+    return shell_line("compare", *laws, tests, "--report", "compare.html")
+
+
+def after_campaign_plan(folder: str) -> NextStep:
+    """Give what comes after a campaign was planned in a folder: its records, and then a law of them."""
+    return NextStep(after_import(folder), f"once its records are in {PurePath(folder) / 'runs'}")
 
 
 def after_identification(law: str, tests: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path, PurePath
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits, limits_words
+from pipeclamp_identification.workflow.next_command import NEXT_TEST
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import shell_line
@@ -101,9 +102,20 @@ def after_sweep(study: Study, frame: pl.DataFrame, path: Path, output: str, repo
     return NextStep(line, "with the case that you choose")
 
 
-def after_packaging(system: Path) -> str:
-    """Give the shell line to run after a system was packaged for other masters: what they should come to."""
-    return shell_line("cosim", str(system), "-o", "cosim.csv", "--report", "cosim.html")
+def after_band_plan(system: Path, again: str, *, proposed: bool, driven: bool) -> NextStep:
+    """Give what comes after loop tests were sought that make a pipe's peak surer.
+
+    Args:
+        system: SYSTEM.toml.
+        again: the shell line that sought them.
+        proposed: whether one was found.
+        driven: whether its drive signal has been written.
+    """
+    if not proposed:
+        return NextStep(_packaged(system))
+    if not driven:
+        return NextStep(f"{again} --drive {NEXT_TEST}.csv")
+    return NextStep(again, "once that test has been run, and the law is identified from it too")
 
 
 def _response(system: Path) -> str:

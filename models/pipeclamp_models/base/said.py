@@ -11,6 +11,8 @@ MOST_LINES = 40
 """Lines of a message, at most: one, and what it lists."""
 ENDING = 120
 """Characters that stay of the end of a line that is cut: there it says what was expected."""
+A_COMMAND = "  pipeclamp "
+"""What a line of a list begins with that is a command."""
 CUT = " [...] "
 END_OF_PLACE = 40
 """Characters that stay of a path at the beginning of a line that is too long, at least: upper folders say least."""
@@ -40,9 +42,11 @@ def _shown(character: str) -> str:
 def message(text: str) -> str:
     """Give a text as a message: one line, or that and lines that two spaces begin.
 
-    A line that is too long goes without its file's upper folders, and, if that isn't enough, without its middle.
+    A line that is too long goes without its file's upper folders, and, if that isn't enough, without its middle; one
+    that is a command stays whole, for it is copied.
     """
-    lines = [_fitted(printable(line)) for line in re.split(r"\n(?=  \S)", text.strip())]
+    told = [printable(line) for line in re.split(r"\n(?=  \S)", text.strip())]
+    lines = [line if line.startswith(A_COMMAND) else _fitted(line) for line in told]
     further = len(lines) - MOST_LINES
     return "\n".join(lines if further <= 0 else [*lines[:MOST_LINES], f"  and {further} more"])
 

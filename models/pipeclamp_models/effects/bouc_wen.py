@@ -47,6 +47,9 @@ def stages_of_rate() -> tuple[Stage, ...]:
 
 
 mean = (rates[0] + 2 * rates[1] + 2 * rates[2] + rates[3]) / 6
+loaded = sp.Max(0, load)
+yielded = loaded + (1 - loaded) * (1 - sp.exp(-left * mean))
+"""Load after a step that yields: one that is next to none stays as it is at rest, so that its slope is known there."""
 
 starts = [share * F_typical for share in (0.15, 0.12, 0.08)]
 limits = [share * A_typical for share in (0.05, 0.2, 0.6)]
@@ -90,7 +93,7 @@ EFFECT = Effect(
     states=(
         State(
             z, "N", "force before pinching",
-            update=direction * slip * sp.Piecewise((load + way, load + way < 0), (after(left * mean), True)),
+            update=direction * slip * sp.Piecewise((load + way, load + way <= 0), (yielded, True)),
         ),
     ),
     energy=compliance(k_b) * (z**2 + p_b * (w_b * slip) ** 2 * (sp.exp(-((z / (w_b * slip)) ** 2)) - 1)) / 2,

@@ -1,0 +1,40 @@
+"""Laws with memory come to a steady motion that grows out of rest: a pipe's response begins there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cantilever import cantilever
+from test_effect_contract import FURTHER, SMOOTHING, STRUCTURES, name_of, sound_values
+
+from pipeclamp_models.law.law import Law, Structure
+from pipeclamp_models.pipe.description import parse_pipe
+from pipeclamp_models.pipe.modes import reduce
+from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
+from pipeclamp_system.steady.balance import SteadySystem
+from pipeclamp_system.steady.clamp import SteadyClamp
+
+JUMPING = {"series", "power+play"}
+"""At rest these have no slope: a force in series with a clearance, or with an element that slips at any force."""
+WITH_MEMORY = [
+    structure
+    for structure in STRUCTURES
+    if structure.equations_without_rig.composed.states and name_of(structure) not in JUMPING
+]
+ACCELERATION, FREQUENCY = 20.0, 9.0
+
+
+@pytest.mark.parametrize("structure", WITH_MEMORY, ids=name_of)
+def test_a_steady_motion_grows_out_of_rest(structure: Structure) -> None:
+    law = Law(structure, sound_values(structure), *SMOOTHING)
+    named = conditions_of(structure.equations_without_rig)[len(CONDITIONS_FIRST) :]
+    further = {name: FURTHER[name] for name in named}
+    clamp = SteadyClamp(law, 293.15, None, None, (0.01, 3.0), (1.0, 60.0), further)
+    pipe = reduce(parse_pipe(cantilever(ratio=0.01, up_to_Hz=200)))
+    system = SteadySystem(pipe, [(0, clamp)], lambda frequency: ACCELERATION)
+    unknowns = system.start(FREQUENCY)
+    assert unknowns is not None
+    two = np.array([FREQUENCY])
+    H = (unknowns.size - 1) // 2
+    off = system.residuals(unknowns[None], two, np.array([ACCELERATION]), system.responses(two, H))
+    assert np.abs(off).max() < 1e-5 * np.abs(unknowns).max()

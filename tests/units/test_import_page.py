@@ -1,0 +1,18 @@
+"""The page of an import."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeclamp.pages.imported import overview_picture
+from pipeclamp_identification.importing.plan import Overview
+
+
+@pytest.mark.parametrize(("runs", "labels"), [(1, []), (2, ["1", "2"])])
+def test_runs_of_one_file_are_told_apart_where_it_holds_several(runs, labels):
+    """Above the one run of A1_f2_T-10degC.dat there stood -10degC."""
+    time = np.linspace(0.0, 10.0, 50)
+    spans = tuple((f"A1_f2_T-10degC_{number}", 4.0 * number - 3, 4.0 * number) for number in range(1, runs + 1))
+    picture = overview_picture(Overview("A1", time, np.stack([np.sin(time) - 0.1, np.sin(time)], axis=1), spans, ()))
+    assert [note.text for note in picture.layout.annotations] == labels
