@@ -137,13 +137,14 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
         ([("+ oil_damper", "part")], "part"),
         ([("+ bouc_wen", "part"), ("bouc_wen -> oil_damper", "part")], "part"),
         ([("+ oil_damper", "cause")], "cause"),
+        ([("base series", None), ("+ oil_damper", "cause")], "part"),
         ([("+ bouc_wen", "part"), ("- bouc_wen", None), ("+ oil_damper", None)], "cause"),
     ],
 )
 def test_beside_a_part_nothing_is_called_the_cause(steps, kind):
     """The part may stand for something else, and what explains the rest beside it for another rest."""
     history = [SimpleNamespace(step=step, kind=meant) for step, meant in steps]
-    file = SimpleNamespace(effects=("oil_damper",), history=history, diagnosis=None)
+    file = SimpleNamespace(base="series", effects=("oil_damper",), history=history, diagnosis=None)
     assert by_history(found("missing", "cause", "memory"), file, "of the tests").kind == kind
 
 

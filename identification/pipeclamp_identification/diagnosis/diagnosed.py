@@ -12,7 +12,7 @@ from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
 from pipeclamp_identification.diagnosis.further_test.next_test import NoTest, Proposal, next_test
-from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, parts_of
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, by_history, unproved_of
 from pipeclamp_identification.diagnosis.problem import Prepared
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
@@ -200,7 +200,7 @@ def diagnosed(
     comparison = compare(file, campaign, loops)
     structure = structure_of(file).with_declared(declared)
     diagnosis = diagnose(
-        structure, campaign, comparison.loops, start=law_of(file).values, proved=not parts_of(file), jobs=jobs,
+        structure, campaign, comparison.loops, start=law_of(file).values, proved=not unproved_of(file), jobs=jobs,
         progress=progress, prepared=prepared,
     )  # fmt: skip
     return by_history(Diagnosed(diagnosis, comparison, limits), file, campaign.fingerprint, declared)

@@ -11,6 +11,8 @@ from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
 NO_PROOF = "a part is no proof: something else that acts alike may stand behind it"
 WITH = " with "
 """Joins the names of two that help only together."""
+ON_BASE = "base "
+"""Begins the step by which a law was put on another base."""
 FURTHER_TESTS = "tests at further conditions would tell whether it is real"
 
 
@@ -46,8 +48,8 @@ Named = TypeVar("Named", bound=Naming)
 def by_history(found: Named, file: LawFile, fingerprint: str, declared: Collection[Declaration] = ()) -> Named:
     """Give a diagnosis by what the law's file knows of its way.
 
-    What a ladder that ended on the same tests has tried in vain isn't named again. Beside a part, which may stand for
-    something else, nothing is called the cause.
+    What a ladder that ended on the same tests has tried in vain isn't named again. Beside what may stand for something
+    else nothing is called the cause.
 
     Args:
         found: the diagnosis.
@@ -58,7 +60,7 @@ def by_history(found: Named, file: LawFile, fingerprint: str, declared: Collecti
     named = [WITH.join(found.together)] if found.together else found.effects
     if in_vain := _tried_in_vain(named, file, fingerprint, declared):
         return found.naming_nothing(in_vain)
-    if found.verdict == "missing" and found.kind == "cause" and (parts := parts_of(file)):
+    if found.verdict == "missing" and found.kind == "cause" and (parts := unproved_of(file)):
         return found.naming_a_part(f"{' and '.join(parts)}, a part that the law has, may stand for something else")
     return found
 
@@ -67,6 +69,12 @@ def parts_of(file: LawFile) -> list[str]:
     """Give the effects of a law that were added as parts, which prove nothing."""
     added = {step.step.rpartition(" -> ")[2].removeprefix("+ ") for step in file.history if step.kind == "part"}
     return [name for name in file.effects if name in added]
+
+
+def unproved_of(file: LawFile) -> list[str]:
+    """Give what of a law may stand for something else: its parts, and a base that it was put on for its errors."""
+    on_another_base = any(step.step.startswith(ON_BASE) for step in file.history)
+    return [*parts_of(file), *([f"{ON_BASE}{file.base}"] if on_another_base else [])]
 
 
 def _tried_in_vain(effects: Sequence[str], file: LawFile, fingerprint: str, declared: Collection[Declaration]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeclamp_identification.diagnosis.named import parts_of
+from pipeclamp_identification.diagnosis.named import ON_BASE, parts_of
 from pipeclamp_identification.workflow.tests import Tests, silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.progress import Progress
@@ -140,7 +140,7 @@ def exchange(
     Raises:
         UserError: the data can't serve it.
     """
-    step = f"base {structure.base}{' alone' if file.effects and not structure.effects else ''}"
+    step = f"{ON_BASE}{structure.base}{' alone' if file.effects and not structure.effects else ''}"
     if structure.base == file.base:
         gone, come = (
             " and ".join(name for name in some if name not in others)

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from pipeclamp_identification.diagnosis.further_test.limits import Limits
-from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of
+from pipeclamp_identification.diagnosis.named import NO_PROOF, WITH, in_vain_words, no_help, parts_of, unproved_of
 from pipeclamp_identification.workflow.change import (
     Addition,
     add_effects,
@@ -327,9 +327,9 @@ def _helps(steps: Sequence[Addition]) -> bool:
 def _goes_on(found: Diagnosed, file: LawFile) -> bool:
     """Tell whether there is something to do.
 
-    A part is no claim, so the best of several that act alike may be taken; and where the law has a part already, which
-    may stand for something else, so may the best of several causes, as a part too.
+    A part is no claim, so the best of several that act alike may be taken; and where the law has what may stand for
+    something else already, so may the best of several causes, as a part too.
     """
     if found.verdict == "ambiguous":
-        return found.kind == "part" or bool(parts_of(file))
+        return found.kind == "part" or bool(unproved_of(file))
     return found.verdict in ("missing", "unknown")
