@@ -161,6 +161,14 @@ def test_force_that_cant_be_told_is_refused(given, expected):
         pc.open_law("emwm2").force(given.pop("y"), given.pop("v"), **given)
 
 
+def test_force_asks_for_no_temperature_where_the_tests_told_none(tmp_path):
+    told = pc.open_law("emwm2").to_dict()
+    del told["range"]["T"]
+    (tmp_path / "law.json").write_text(json.dumps(told), encoding="utf-8")
+    law, given = pc.open_law(tmp_path / "law.json"), {"A": 0.5, "f": 1.0}
+    assert law.force(0.1, 1.0, **given) == law.force(0.1, 1.0, **given, T=20.0)
+
+
 def test_one_effect_may_be_named_by_itself(tests):
     law = pc.identify(tests, effects="damping_temperature")
     assert law.values == pc.identify(tests, effects=["damping_temperature"]).values
