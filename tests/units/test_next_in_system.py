@@ -13,7 +13,8 @@ from banded import banded
 from typer.main import get_command
 
 from pipeclamp.cli.app import app
-from pipeclamp_identification.workflow.next_in_system import after_cosim, after_packaging, after_response, after_sweep
+from pipeclamp_identification.workflow.next_built import after_packaging
+from pipeclamp_identification.workflow.next_in_system import after_cosim, after_response, after_sweep
 from pipeclamp_models.base.units import CELSIUS
 
 
@@ -147,4 +148,4 @@ def test_after_a_study(tmp_path, measure, columns, line):
 
 
 def test_after_a_system_was_packaged(tmp_path):
-    can_be_run(after_packaging(tmp_path / "system.toml"))
+    can_be_run(after_packaging(str(tmp_path / "system.toml")))
