@@ -145,8 +145,8 @@ def _figure_14(A: float, f: float, T: float) -> go.Figure:
 
 def _clamp_a(folder: Path, tell: Tell) -> Iterator[Path]:
     tell("2. A campaign of raw loops: clamp_a, 48 runs of an independent virtual rig")
-    tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in ("clamp_a", "clamp_a_heldout"))
-    file = tests.identify().file(name="clamp_a", command=COMMAND, date=None)
+    tests, unseen = (RecordTests(read_campaign(bundled_campaign(name))) for name in (CAMPAIGN, f"{CAMPAIGN}_heldout"))
+    file = tests.identify().file(name=CAMPAIGN, command=COMMAND, date=None)
     metrics = metrics_page(tests, after_import(CAMPAIGN))
     write_report(folder / "2_metrics.html", "Loop metrics of clamp_a", tests.notes, metrics, COMMAND)
     yield folder / "2_metrics.html"

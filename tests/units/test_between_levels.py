@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bump import BUMP
 
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
@@ -26,17 +27,6 @@ BASE = {
 PLAN = rig.TestPlan(
     amplitudes=(0.3, 0.6, 1.0), frequencies=(1.0, 2.0, 4.0, 8.0), temperatures=(20.0, 150.0, 300.0), rate=500.0, seed=3
 )
-BUMP = """
-id = "bump"
-title = "A fixture that is stiffer near one frequency"
-looks_like = "stiffness that rises and falls again over f"
-scales = [{ coefficient = "stiffness", factor = "1 + s_b * exp(-((f - 2.7) / 0.7)**2)" }]
-[[parameters]]
-symbol = "s_b"
-unit = "-"
-meaning = "share by which it is stiffer"
-start = 0.01
-"""
 SHARP = {"k_i": 40.0, "f_i": 2.0, "zeta_i": 0.05, "b_i": 0.0}
 """A mass inside that rings at one frequency of the plan, and hardly shows at the others."""
 WITH_MASS = Structure("power", ("inner_mass",))

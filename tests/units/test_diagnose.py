@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bump import BUMP
 
 from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.sections import diagnosis_page
@@ -121,19 +122,6 @@ def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(
     found = [roughly(with_effect(Structure("power"), "oil_damper"), [start], problem) for start in promise.starts]
     assert max(each.cost for each in found) < law.result.cost
     assert min(each.cost for each in found) < 0.02 * law.result.cost
-
-
-BUMP = """
-id = "bump"
-title = "A fixture that is stiffer near one frequency"
-looks_like = "stiffness that rises and falls again over f"
-scales = [{ coefficient = "stiffness", factor = "1 + s_b * exp(-((f - 2.7) / 0.7)**2)" }]
-[[parameters]]
-symbol = "s_b"
-unit = "-"
-meaning = "share by which it is stiffer"
-start = 0.01
-"""
 
 
 def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign, tmp_path):

@@ -16,7 +16,6 @@ import numpy as np
 from pipeclamp_identification.campaign.reading import Run
 from pipeclamp_identification.campaign.smoothing import gain
 from pipeclamp_identification.loops.scatter import (
-    DRIFT_BY_CHANCE,
     displacement_noise,
     drifting_force,
     harmonic_variance,
@@ -122,7 +121,7 @@ def loop_of(
     condition_columns: Sequence[str],
     harmonics: int,
     displacement_average: float,
-    drift_by_chance: float = DRIFT_BY_CHANCE,
+    drift_by_chance: float,
 ) -> Loop:
     """Turn a run's record into its loop.
 

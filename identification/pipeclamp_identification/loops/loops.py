@@ -11,9 +11,9 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.campaign.reading import Campaign, Run
 from pipeclamp_identification.loops.loop import Loop, loop_of
-from pipeclamp_identification.loops.scatter import DRIFT_AMONG_DRIFTS_BY_CHANCE, drift_alike
+from pipeclamp_identification.loops.scatter import DRIFT_AMONG_DRIFTS_BY_CHANCE, DRIFT_BY_CHANCE, drift_alike
 from pipeclamp_identification.signals.reversals import Bridged
 from pipeclamp_models.base.arrays import Array, ComplexArray
 from pipeclamp_models.base.threads import in_threads
@@ -107,13 +107,13 @@ def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:
     average = campaign.smoothing.displacement
     size = sum(len(run.record.time_s) for run in campaign.runs) / max(len(campaign.runs), 1)
 
-    def rows(*drift_by_chance: float) -> list[Loop]:
-        return in_threads(
-            lambda run: loop_of(run, campaign.condition_columns, harmonics, average, *drift_by_chance),
-            campaign.runs, size,
-        )  # fmt: skip
+    def rows(drift_by_chance: float) -> list[Loop]:
+        def row(run: Run) -> Loop:
+            return loop_of(run, campaign.condition_columns, harmonics, average, drift_by_chance)
 
-    found = rows()
+        return in_threads(row, campaign.runs, size)
+
+    found = rows(DRIFT_BY_CHANCE)
     if drift_alike([row.force_per_cycle for row in found]):
         found = rows(DRIFT_AMONG_DRIFTS_BY_CHANCE)
     return Loops(tuple(found), campaign.smoothing.force)
