@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.special import dawsn, i1, modstruve
+from scipy.special import dawsn, ellipe, ellipk, i1, modstruve
 
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.arrays import realise
@@ -72,6 +72,21 @@ def test_the_loss_of_falling_friction(frequency):
     speed = 2 * np.pi * frequency / STRIBECK["v_s"]
     expected = 4 * (STRIBECK["F_k"] + STRIBECK["F_b"] * dawsn(speed) / speed)
     assert lost(motion, force_on("stribeck", STRIBECK, motion))[0] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("frequency", [0.01, 0.3, 10.0])
+def test_the_loss_of_rounded_friction(frequency):
+    """A cycle loses F_t times the integral of v^2/sqrt(v^2 + v_t^2) over time, in elliptic integrals.
+
+    It goes from that of a dashpot F_t/v_t in slow cycles to 4 A F_t in fast ones.
+    """
+    motion = sinusoids(1.0, frequency, 293.15, 8192)
+    fastest = 2 * np.pi * frequency
+    together = np.hypot(fastest, 2.0)
+    share = (fastest / together) ** 2
+    expected = 4 * 50.0 * (together * ellipe(share) - 4.0 * ellipk(share) / together) / fastest
+    measured = lost(motion, force_on("rounded_friction", {"F_t": 50.0, "v_t": 2.0}, motion))[0]
+    assert measured == pytest.approx(expected, rel=1e-5)
 
 
 @pytest.mark.parametrize("amplitude", [1.0, 2.0])

@@ -96,7 +96,7 @@ DEVICES: dict[str, Device] = {
         "F = k (|y| - g)+ sgn y + k_s (|y| - y_s)+ sgn y + c v + F_c sgn v",
         "Shaw and Holmes 1983, J. Sound Vib. 90(1)",
         flow.loose_hanger, flow.draw_loose_hanger, ("clamp", "damper", "bench"),
-        frozenset({"gap", "end_stop", "viscous", "coulomb"}),
+        frozenset({"gap", "end_stop", "viscous", "coulomb", "rounded_friction"}),
     ),
     "baber_noori": Device(
         "F = a k y + (1 - a) k z, dz = h(z)/eta (dy - nu (b |dy| sgn z + g dy) |z/D|^n), by dissipated energy",
@@ -118,7 +118,7 @@ DEVICES: dict[str, Device] = {
         "dF/dt = k (v - v_valve(F)), valve c1 up to F_r and c2 beyond",
         "Kasai and Nishimura 2004, J. Struct. Constr. Eng. AIJ 69(583)",
         flow.relief_damper, flow.draw_relief_damper, ("damper", "bench"),
-        frozenset({"oil_damper", "coulomb", "damping_temperature"}), fastest=_fastest_oil,
+        frozenset({"oil_damper", "coulomb", "rounded_friction", "damping_temperature"}), fastest=_fastest_oil,
     ),
     "rubber": Device(
         "F = k y (1 + ..) + sum of Maxwell arms tau_i^-order, which flow faster by recent motion",

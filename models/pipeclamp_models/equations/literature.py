@@ -57,6 +57,10 @@ ARMSTRONG = (
     "Armstrong-Hélouvry, Dupont and Canudas de Wit: A survey of models, analysis tools and compensation methods for "
     "the control of machines with friction, Automatica 30(7), 1083-1138 (1994)"
 )
+ANDERSSON = (
+    "Andersson, Söderberg and Björklund: Friction Models for Sliding Dry, Boundary and Mixed Lubricated Contacts, "
+    "Tribology International 40(4), 580-587 (2007)"
+)
 SEGALMAN = (
     "Segalman: A Four-Parameter Iwan Model for Lap-Type Joints, Journal of Applied Mechanics 72(5), 752-760 (2005)"
 )
