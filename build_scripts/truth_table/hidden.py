@@ -1,7 +1,7 @@
 """What can be hidden in a truth: every effect in the catalogue's form (clean) and in another (rough).
 
 `slip_speed` is hidden in devices alone (`devices/`), for it needs another effect, whose slip force it changes; so does
-`slip_temperature`, which isn't hidden. `slip_lock` is hidden in devices alone, too.
+`slip_temperature`, which isn't hidden. `slip_lock` and `relaxation_temperature` are hidden in devices alone, too.
 
 Each function takes the motion, the base law, the form, the size and the drawn shape, and gives the effect's Part.
 """

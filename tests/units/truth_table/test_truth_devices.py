@@ -7,7 +7,7 @@ from project import TRUTH_TABLE, imported
 LAWS = (
     "bouc_wen", "dahl", "iwan", "power_law", "friction_pendulum", "drag", "zener_slip", "loose_hanger", "baber_noori",
     "slip_lock", "play_and_slip", "relief_damper", "rubber", "mr_damper", "memory_alloy", "wire_rope", "lugre",
-    "air_spring", "hydraulic_mount", "ring_spring", "eddy_current", "sliding_bearing",
+    "air_spring", "hydraulic_mount", "ring_spring", "eddy_current", "sliding_bearing", "warm_rubber",
 )  # fmt: skip
 MOST_STEP_ERROR = 3e-4
 """Rms by which the force may depend on the step, as a share of its rms: a tenth of the least sensor noise."""
