@@ -18,7 +18,7 @@ BASE = dict.fromkeys(("k1_A", "k1_T", "k30", "k3_A", "k3_T", "c0", "c_A", "c_f",
 
 @pytest.fixture
 def tests(run_of, campaign_of):
-    """Give a function that makes tests of a spring with friction 40 v/sqrt(v^2 + within^2), of so many cycles."""
+    """Give a function that makes tests of a spring with friction 40 tanh(v/within), of so many cycles."""
 
     def made(within, cycles=5.3, spikes=False):
         random = np.random.default_rng(7)
@@ -26,7 +26,7 @@ def tests(run_of, campaign_of):
         for A, f in ((0.5, 1.0), (1.0, 1.0), (0.5, 3.0), (1.0, 3.0)):
             theta = 2 * np.pi * f * (time := np.arange(round(cycles / f * 500)) / 500)
             y, v = A * np.cos(theta), -2 * np.pi * f * A * np.sin(theta)
-            force = 200 * y + 40 * v / np.hypot(v, max(within, 1e-9)) + 0.5 * random.standard_normal(len(time))
+            force = 200 * y + 40 * np.tanh(v / max(within, 1e-9)) + 0.5 * random.standard_normal(len(time))
             force += 6.0 * spikes * (random.uniform(size=len(time)) < 0.02)
             runs.append(run_of(Record(time, y, force), f"A{A:g}_f{f:g}".replace(".", "p"), amplitude_mm=A))
         return campaign_of(*runs), loops_of(campaign_of(*runs))
