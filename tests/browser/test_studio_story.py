@@ -7,9 +7,9 @@ import re
 import subprocess
 import sys
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
+from project import DATA
 
 pytest.importorskip("starlette", reason="needs the extra 'studio'")
 pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
@@ -187,7 +187,7 @@ def told_both(law, both, values):
 
 
 def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path):
-    folder = Path(__file__).parents[2] / "identification/pipeclamp_identification/data/campaigns/clamp_a_heldout/runs"
+    folder = DATA / "campaigns" / "clamp_a_heldout" / "runs"
     page.goto(url)
     page.click(".brand")
     assert violations(page) == []

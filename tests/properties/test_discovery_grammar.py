@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, STRENGTH, terms
+from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, MOST_STARTS, RATE, STRENGTH, terms
 from pipeclamp_identification.discovery.proposal import toml_of
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.declaration import Declaration
@@ -50,6 +50,15 @@ def test_there_are_hundreds_of_terms_with_few_parameters():
     assert len({term.declaration.id for term in TERMS}) == len(TERMS) > 300
     assert max(len(term.declaration.parameters) for term in TERMS) <= MOST_PARAMETERS
     assert {term.family for term in TERMS} == {"spring", "damper", "element", "factor"}
+
+
+def test_a_term_that_follows_a_condition_is_screened_with_its_strength_rising_and_falling():
+    following = [
+        [one.start for one in term.declaration.parameters if one.symbol == RATE and term.family != "factor"]
+        for term in TERMS
+    ]
+    assert {len(set(start)) for starts in following for start in starts} == {2}
+    assert max(len(one.start) for term in TERMS for one in term.declaration.parameters) <= MOST_STARTS
 
 
 @pytest.mark.parametrize("family", ["spring", "damper", "element", "factor"])

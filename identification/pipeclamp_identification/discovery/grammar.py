@@ -455,8 +455,7 @@ def _term(
 ) -> Term:
     """Give a term; its parameters start from each combination of their starts, of many from some."""
     starts = [one["start"] if isinstance(one["start"], tuple) else (one["start"],) for one in parameters]
-    grid = list(itertools.product(*starts))
-    grid = grid[:: -(-len(grid) // MOST_STARTS)]
+    grid = _some_of_each(starts)
     tables = [
         {**one, "start": tuple(each)} for one, each in zip(parameters, zip(*grid, strict=True), strict=True)
     ]  # fmt: skip
@@ -464,6 +463,15 @@ def _term(
         {"id": id_of(name), "title": acts_like, "looks_like": acts_like, "parameters": tables, **content}
     )
     return Term(family, declaration, acts_like)
+
+
+def _some_of_each(starts: Sequence[Sequence[object]]) -> list[tuple[object, ...]]:
+    """Give combinations of starts, `MOST_STARTS` or about as many, in which each start of each parameter comes."""
+    places = list(itertools.product(*(range(len(own)) for own in starts)))
+    every = -(-len(places) // MOST_STARTS)
+    # diagonals of the grid: every second of a list would leave out every second start of the last parameter
+    chosen = (place for place in places if sum(place) % every == 0)
+    return [tuple(own[at] for own, at in zip(starts, place, strict=True)) for place in chosen]
 
 
 def id_of(name: str) -> str:

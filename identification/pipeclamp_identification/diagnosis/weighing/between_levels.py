@@ -4,6 +4,9 @@ A group of one amplitude and one frequency says little of a law between the leve
 amplitude. So all runs of a level between others are left out, and the law is refitted to the rest. What it then errs
 more on that level counts only as far as the rest insists on it: where the law as fitted to all is as likely by the
 rest, the rest only left open what the level tells.
+
+What an effect takes may rest on one such level: a resonance between two frequencies can pass through the tests at a
+third, whatever they are. Fitted to the others alone it then takes none of that.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from scipy.optimize import brentq
 from pipeclamp_identification.diagnosis.left_out import DISAGREE_LIKELIHOOD
 from pipeclamp_identification.diagnosis.noise import WhitenedObservations
 from pipeclamp_identification.diagnosis.problem import CLOSELY, Judged, Problem
+from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE
 from pipeclamp_identification.fitting.least_squares import Fit, fit
 from pipeclamp_identification.fitting.observations import Rows
 from pipeclamp_identification.loops.loops import Loops
@@ -47,22 +51,66 @@ class LeftOutLevel:
     share: float
 
 
+@dataclass(frozen=True)
+class Level:
+    """A level between others.
+
+    Attributes:
+        condition, unit: of which it is one.
+        label: its set point in words.
+        rows: of the loops.
+    """
+
+    condition: str
+    unit: str
+    label: str
+    rows: Rows
+
+
 def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
     """Give the level between others that a law foretells worst from the others; None where no level lies between."""
     found = []
-    for condition, unit, level, rows in _levels_between(problem.loops):
-        square = max(_added_square(law.result.law, problem, rows), 0.0)
-        noise = float(np.mean(problem.loops.scatter_rms_N[rows] ** 2))
-        found.append(LeftOutLevel(condition, unit, level, float(np.sqrt(square)), float(np.sqrt(square / noise))))
+    for level in _levels_between(problem.loops):
+        square = max(_added_square(law.result.law, problem, level.rows), 0.0)
+        noise = float(np.mean(problem.loops.scatter_rms_N[level.rows] ** 2))
+        rms, share = float(np.sqrt(square)), float(np.sqrt(square / noise))
+        found.append(LeftOutLevel(level.condition, level.unit, level.label, rms, share))
     return max(found, key=lambda each: each.share, default=None)
 
 
-def _levels_between(loops: Loops) -> Iterator[tuple[str, str, str, Rows]]:
-    """Give condition, unit, set point and rows of each level but the lowest and the highest."""
+def rests_on(candidate: Judged, law: Judged, problem: Problem) -> Level | None:
+    """Give the level between others on which most of what a law takes of another rests; None where none bears it.
+
+    It does where the law takes most of its squares there, and, fitted to the other levels, no material part of what
+    the other law errs there.
+
+    Args:
+        candidate: the law that takes it.
+        law: the other.
+        problem: the tests.
+    """
+    gain = np.sum(law.fitted.residual**2 - candidate.fitted.residual**2, axis=1)
+    for level in _levels_between(problem.loops):
+        if np.sum(gain[level.rows]) <= HALF_TAKEN_SHARE * np.sum(gain):
+            continue
+        before, after = (_square_left_out(one.result.law, problem, level.rows) for one in (law, candidate))
+        if after > (1 - MATERIAL_PART_SHARE) * before:
+            return level
+    return None
+
+
+def _levels_between(loops: Loops) -> Iterator[Level]:
+    """Give each level but the lowest and the highest."""
     conditions = (("A", "mm", loops.amplitude_mm), ("f", "Hz", loops.frequency_Hz))
     for condition, unit, values in conditions:
         for level in number_levels(values, relative=SAME_SHARE)[1:-1]:
-            yield condition, unit, level.label, level.rows
+            yield Level(condition, unit, level.label, level.rows)
+
+
+def _square_left_out(law: Law, problem: Problem, level: Rows) -> float:
+    """Give the mean-square error on a level, N2, of the nearest law that the other runs agree with."""
+    others = problem.observations.rows(np.setdiff1d(np.arange(len(problem.loops.run)), level))
+    return _mean_square(law, problem, level, others) + _added_square(law, problem, level)
 
 
 def _added_square(law: Law, problem: Problem, level: Rows) -> float:

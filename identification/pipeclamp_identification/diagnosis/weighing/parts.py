@@ -9,6 +9,7 @@ from pipeclamp_identification.diagnosis.foretold import explained_share, takes_p
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE, SAME_PART_SHARE
+from pipeclamp_identification.diagnosis.weighing.between_levels import rests_on
 from pipeclamp_identification.diagnosis.weighing.causes import named_together
 from pipeclamp_identification.diagnosis.weighing.reasons import immaterial_words
 from pipeclamp_identification.diagnosis.weighing.rivals import bettering
@@ -21,12 +22,14 @@ from pipeclamp_models.law.law import with_effect
 def able_to_take_a_part(scales: Scales) -> list[Judged]:
     """Give the effects that take a part beyond doubt, best first: of what may be form, half at least.
 
-    A general effect gives way to a special case that leaves about as little only where that is the best.
+    Not one whose part rests on one level of A or f: between the levels tested it would be made up. A general effect
+    gives way to a special case that leaves about as little only where that is the best.
     """
     least = HALF_TAKEN_SHARE if scales.law.lack.share < scales.tolerance.left else 0.0
     every = bettering(scales.candidates, scales.law)
     taking = [each for each in every if takes_part(each, scales.law, scales.problem)]
-    enough = [each for each in taking if explained_share(each, scales.law) >= least]
+    large = [each for each in taking if explained_share(each, scales.law) >= least]
+    enough = [each for each in large if rests_on(each, scales.law, scales.problem) is None]
     best = next((each for each in enough if any(each is one for one in scales.usable)), None)
     if best is None:
         return []
@@ -79,6 +82,8 @@ def part_of_two(pair: Judged | None, sound: Sequence[Judged], scales: Scales) ->
     if pair is None or not takes_part(pair, law, scales.problem):
         return None
     if law.lack.share < scales.tolerance.left and explained_share(pair, law) < HALF_TAKEN_SHARE:
+        return None
+    if rests_on(pair, law, scales.problem):
         return None
     takes = f"{' and '.join(pair.effects)} together take {_of_what_is_missing(pair, law)}"
     return named_together(pair, sound, "part", takes, scales)

@@ -11,7 +11,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_PART_SHARE,
     REAL_LACK_CHANCE,
 )
-from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel
+from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, rests_on
 
 SHOWN_SCATTER = 5e-5
 """Scatter from run to run that is less is shown as none."""
@@ -105,6 +105,12 @@ def immaterial_words(best: Judged, law: Judged, problem: Problem) -> str:
         why = "the fit to all tests gains no more than its parameters cost"
     elif not takes_part(best, law, problem):
         why = "some conditions gain, others lose"
+    elif level := rests_on(best, law, problem):
+        at = f"{level.condition} = {level.label} {level.unit}"
+        why = (
+            f"most of that at {at}, and fitted to the other levels it takes none of it there: it isn't to be trusted "
+            f"between the levels tested; test at values of {level.condition} in between"
+        )
     else:
         little = f"where so little is missing ({law.lack.share:.2g} times the force noise)"
         why = f"{little} only what takes half of it is named"

@@ -9,11 +9,12 @@ from bump import BUMP
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.diagnosis.foretold import takes_part
 from pipeclamp_identification.diagnosis.problem import judge, prepare
 from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE
 from pipeclamp_identification.diagnosis.verdict import diagnose
 from pipeclamp_identification.diagnosis.weighing import weigh as verdicts
-from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, worst_level
+from pipeclamp_identification.diagnosis.weighing.between_levels import LeftOutLevel, rests_on, worst_level
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.declaration_files import read_declaration
@@ -62,6 +63,33 @@ def test_a_law_that_goes_wrong_between_the_levels_is_not_complete(tested, bump):
     assert found.verdict == "unknown"
     assert "f = 2 Hz" in found.reasons[0]
     assert "test at values of f in between" in found.reasons[0]
+
+
+def test_no_part_is_made_up_between_the_levels(tested, bump):
+    """An inner mass that takes all at one frequency would have to take some of it when fitted to the others."""
+    campaign = tested(("bump",), {"s_b": 0.1}, declared=(bump,))
+    law, problem = judged(campaign, Structure("power"))
+    with_mass, _ = judged(campaign, WITH_MASS)
+    assert takes_part(with_mass, law, problem), "by groups of one amplitude and one frequency it takes it"
+    assert rests_on(with_mass, law, problem).label == "2"
+    found = diagnose(Structure("power"), campaign)
+    assert (found.verdict, found.effects) == ("unknown", ())
+    assert "test at values of f in between" in found.reasons[0]
+
+
+def test_a_mass_that_rings_at_one_level_may_take_what_is_there(tested):
+    """The other levels don't contradict it, though they don't show it."""
+    campaign = tested(("inner_mass",), SHARP)
+    law, problem = judged(campaign, Structure("power"))
+    with_mass, _ = judged(campaign, WITH_MASS, {**BASE, **SHARP})
+    assert rests_on(with_mass, law, problem) is None
+
+
+def test_what_is_taken_at_the_ends_rests_on_no_level_between(tested):
+    campaign = tested(("end_stop",), {"k_e": 3000.0, "y_e": 0.7})
+    law, problem = judged(campaign, Structure("power"))
+    with_stop, _ = judged(campaign, Structure("power", ("end_stop",)), {**BASE, "k_e": 3000.0, "y_e": 0.7})
+    assert rests_on(with_stop, law, problem) is None
 
 
 def test_groups_that_differ_hide_nothing_of_it(tested, bump):
