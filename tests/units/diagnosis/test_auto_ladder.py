@@ -12,7 +12,7 @@ HELD_OUT = {"": 0.10, "oil_damper": 0.05, "memory": 0.01, "bouc_wen": 0.18, "pla
 
 
 def law(*effects, history=()):
-    after = SimpleNamespace(base="power", effects=effects, history=history, date=None)
+    after = SimpleNamespace(base="power", effects=effects, history=history, date=None, fit=None)
     after.model_copy = lambda update: SimpleNamespace(**update)
     return after
 
@@ -150,7 +150,7 @@ def test_where_the_law_is_complete_a_simpler_effect_takes_the_place_of_a_part(mo
 def test_beside_a_part_nothing_is_called_the_cause(steps, kind):
     """The part may stand for something else, and what explains the rest beside it for another rest."""
     history = [SimpleNamespace(step=step, kind=meant) for step, meant in steps]
-    file = SimpleNamespace(base="series", effects=("oil_damper",), history=history, diagnosis=None)
+    file = SimpleNamespace(base="series", effects=("oil_damper",), history=history, diagnosis=None, fit=None)
     assert by_history(found("missing", "cause", "memory"), file, "of the tests").kind == kind
 
 
