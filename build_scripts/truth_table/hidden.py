@@ -117,9 +117,9 @@ def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shap
 
 
 def rounded_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
-    """Friction that turns over within a speed, by a root; rough: by a hyperbolic tangent, as in greased contacts."""
+    """Friction that turns over within a speed, by a hyperbolic tangent; rough: by a root."""
     speed = motion.v / (2 * shape["speed"])
-    return Part(force=size * typical(base) * (np.tanh(speed) if rough else speed / np.hypot(speed, 1.0)))
+    return Part(force=size * typical(base) * (speed / np.hypot(speed, 1.0) if rough else np.tanh(speed)))
 
 
 def displacement_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
