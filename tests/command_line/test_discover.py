@@ -70,6 +70,8 @@ def test_the_hidden_term_is_found_and_can_be_added(campaigns, pipeclamp, tmp_pat
         truth = 3.0 * v * y**2
         assert np.corrcoef(added, truth)[0, 1] > 0.95
     assert answer["acts_like"].split(",")[0] in done.stdout
+    assert "Its numbers: force of the term" in done.stdout
+    assert "sqrt(" not in done.stdout
     assert "<h2>Difference</h2>" in (tmp_path / "page.html").read_text(encoding="utf-8")
     again = pc.add(law, tmp_path / "term.toml", tests)
     assert again.nrmse == pytest.approx(found.nrmse, rel=0.01)

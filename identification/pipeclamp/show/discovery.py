@@ -4,9 +4,25 @@ from __future__ import annotations
 
 from pipeclamp.show.table import Table
 from pipeclamp.show.view import View
+from pipeclamp_identification.discovery.grammar import SIGN_V, SIGN_Y, SIZE_V, SIZE_Y
 from pipeclamp_identification.discovery.proposal import Proposal, formula_of
 
 RIVALS_SHOWN = 5
+READ_AS = {SIGN_Y: "sign(y)", SIGN_V: "sign(v)", SIZE_Y: "|y|", SIZE_V: "|v|"}
+"""What people read for what is smooth about zero; a declaration has it whole."""
+
+
+def formula_read(formula: str) -> str:
+    """Give a formula as people read it."""
+    for written, read in READ_AS.items():
+        formula = formula.replace(written, read)
+    return formula
+
+
+def numbers_words(proposal: Proposal) -> str:
+    """Give the best term's fitted numbers, each with what it is and its unit."""
+    told = (f"{one.meaning} {one.value:.3g} {one.unit}".removesuffix(" -") for one in proposal.numbers())
+    return f"Its numbers: {', '.join(told)}."
 
 
 def discovery_words(proposal: Proposal) -> list[str]:
@@ -14,10 +30,10 @@ def discovery_words(proposal: Proposal) -> list[str]:
     found = proposal.found
     kinds = "springs, dampers, elements that slip or creep, factors on the law's coefficients"
     tried = f"{proposal.search.tried} terms were tried: {kinds}."
-    if not proposal.proposed or found is None or proposal.heldout is None:
+    if proposal.declaration is None or found is None or proposal.heldout is None:
         words = [f"Nothing is proposed: {proposal.reason}."]
         if found:
-            words.append(f"The best term: {proposal.formula()}.")
+            words.append(numbers_words(proposal))
         if proposal.search.tried:
             words.append(tried)
         if rest := proposal.left_over():
@@ -27,11 +43,14 @@ def discovery_words(proposal: Proposal) -> list[str]:
     scatter = f"; {proposal.noise_nrmse:.2%} is scatter" if proposal.noise_nrmse is not None else ""
     words = [
         f"Acts like {found.term.acts_like}.",
-        f"{proposal.formula()}.",
+        numbers_words(proposal),
         f"RMS error on left-out conditions {before:.2%} -> {after:.2%} of RMS force{scatter}.",
         *(f"The law does as well without {name}, now that it has the term: it went." for name in proposal.spare),
-        "A formula that these tests support, no proof of a physical cause.",
+        f"As a formula: {formula_read(formula_of(proposal.declaration))}.",
+        "These tests support it; it is no proof of a physical cause.",
     ]
+    if found.caution:
+        words.append(f"Mind: {found.caution}.")
     if found.rivals:
         rivals = "; ".join(rival.acts_like for rival in found.rivals[:RIVALS_SHOWN])
         words.append(f"As well do: {rivals}. What tells: {found.next_test}.")
@@ -47,7 +66,7 @@ def guards_table(proposal: Proposal) -> Table:
 def rivals_table(proposal: Proposal) -> Table:
     """Give the terms that do as well."""
     rivals = proposal.found.rivals if proposal.found else ()
-    rows = [(one.acts_like, formula_of(one.declaration)) for one in rivals]
+    rows = [(one.acts_like, formula_read(formula_of(one.declaration))) for one in rivals]
     return Table(("acts like", "formula"), rows, "terms that do as well")
 
 

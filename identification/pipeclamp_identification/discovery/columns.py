@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -196,6 +196,21 @@ def _probe(role: str) -> Declaration:
     return Declaration.model_validate(
         {"id": PROBE, "title": words, "looks_like": words, "parameters": (rate,), "scales": (scale,)}
     )
+
+
+def weighed_anew(columns: Sequence[Column], before: Evaluation, after: Evaluation) -> list[Column]:
+    """Give columns in the units of another evaluation of the same tests; those that say nothing in them go.
+
+    Args:
+        columns: in the units of the first.
+        before: the first.
+        after: the other.
+    """
+    if before.problem.factors is not None or after.problem.factors is not None:
+        found = (after.columns_at(one.term, [one.values]) for one in columns)
+        return [one for each in found for one in each]
+    units = after.problem.coarse.whitener @ np.linalg.inv(before.problem.coarse.whitener)
+    return [replace(one, change=np.einsum("rij,rj->ri", units, one.change)) for one in columns]
 
 
 def all_columns(evaluation: Evaluation, terms: Sequence[Term], tell: Callable[[str], None]) -> list[Column]:

@@ -206,7 +206,7 @@ def _asked(
     while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = best_of(left)
         found = hearing.of(best, rivals)
-        heard.append(found if heard and not found.passed else refining.of(found, [best, *rivals], hearing))
+        heard.append(found if heard and not found.passed else refining.of(found, best, hearing))
         # asked before they are fitted, for then all act much the same
         alike = scanned.alike(place_of[best.term.declaration.id])
         left = left_to_hear(left, best, [bool(alike[place_of[one.term.declaration.id]]) for one in left])

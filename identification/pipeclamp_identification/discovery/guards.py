@@ -91,7 +91,7 @@ def beyond_the_tests(law: Judged, found: Judged, problem: Problem) -> Guard:
         if not edge.any():
             continue
         asked.append(name)
-        without, with_it = (_squares_left_out(each, problem, edge) for each in (law, found))
+        without, with_it = (_squares_left_out(each, problem, np.where(edge, 0, -1)) for each in (law, found))
         if with_it > without + RIVAL_LIKELIHOOD:
             worse.append(f"{name} ({without:.0f} -> {with_it:.0f} squares)")
             if len(number_levels(values[~edge], relative=SAME_SHARE)) == FEWEST_LEVELS:
@@ -117,15 +117,50 @@ def highest(values: Array, beyond: float) -> npt.NDArray[np.bool_]:
     return edge
 
 
-def _squares_left_out(judged: Judged, problem: Problem, edge: npt.NDArray[np.bool_]) -> float:
-    """Give the squares of runs, in units of their noise, that a law has where it isn't fitted to them."""
+def worse_between_levels(law: Judged, found: Judged, problem: Problem) -> str:
+    """Say that temperatures, or levels of further columns, between others are foretold worse with a term; else nothing.
+
+    What follows them may pass through all levels tested, and between them through what nothing shows. That is no
+    reason to refuse it: where a step lies between two levels the others can't tell, and the step may be there.
+
+    Args:
+        law: without the term.
+        found: with it, both fitted to the same tests.
+        problem: the tests.
+    """
+    worse = []
+    for name, groups in levels_between(problem.loops).items():
+        without, with_it = (_squares_left_out(each, problem, groups) for each in (law, found))
+        if with_it > without + RIVAL_LIKELIHOOD:
+            worse.append(name)
+    if not worse:
+        return ""
+    names = " and ".join(worse)
+    return f"left out, a {names} between others is foretold worse with it than without: test at more levels of {names}"
+
+
+def levels_between(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
+    """Give the level of each run, of temperature and of further columns, shape (R,); -1 at the lowest and highest."""
+    found = {}
+    for name, values in {"temperature": loops.temperature_K, **loops.conditions}.items():
+        levels = number_levels(values, relative=SAME_SHARE)[1:-1]
+        groups = np.full(len(values), -1, dtype=np.intp)
+        for number, level in enumerate(levels):
+            groups[level.rows] = number
+        if levels:
+            found[name] = groups
+    return found
+
+
+def _squares_left_out(judged: Judged, problem: Problem, groups: npt.NDArray[np.intp]) -> float:
+    """Give the squares of groups of runs, in units of their noise, where a law isn't fitted to them; of -1 none."""
     result, law = judged.result, judged.result.law
     force = force_of_equations(
         result.equations, law.vector(result.equations), (law.v_r, law.y_r), problem.observations.motion,
         derivatives=True,
     )  # fmt: skip
     whole = LeftOut(replace(result, law_force=force), problem.observations, problem.coarse, judged.fitted)
-    return float(whole.score(np.where(edge, 0, -1)).squares.sum())
+    return float(whole.score(groups).squares.sum())
 
 
 def confirmed(law: Law, found: Law, unseen: Loops, problem: Problem) -> Guard:

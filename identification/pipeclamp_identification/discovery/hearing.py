@@ -20,6 +20,7 @@ from pipeclamp_identification.discovery.guards import (
     comes_back,
     confirmed,
     not_in_the_catalogue,
+    worse_between_levels,
 )
 from pipeclamp_identification.discovery.search import Screened, screened
 from pipeclamp_identification.discovery.telling import telling_test
@@ -39,6 +40,7 @@ class Found:
         next_test: the sine on which the term and its first rival differ most, in words; empty where there is none.
         guards: what was asked of it.
         gone: effects of the law in whose place it stands.
+        caution: what isn't to be trusted of it, in words; empty where nothing is said against it.
     """
 
     term: Term
@@ -48,6 +50,7 @@ class Found:
     next_test: str
     guards: tuple[Guard, ...]
     gone: tuple[str, ...] = ()
+    caution: str = ""
 
     @property
     def passed(self) -> bool:
@@ -183,7 +186,8 @@ class Hearing:
             ),
         )
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
-        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone)
+        caution = worse_between_levels(law, found, problem)
+        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone, caution)
 
 
 def best_of(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:

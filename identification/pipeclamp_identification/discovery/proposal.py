@@ -37,6 +37,15 @@ class RivalAnswer(AnswerModel):
     acts_like: str
 
 
+class NumberAnswer(AnswerModel):
+    """A parameter of the best term, fitted."""
+
+    symbol: str
+    meaning: str
+    value: float
+    unit: str = Field(description="- where it has none")
+
+
 class DiscoveryAnswer(AnswerModel):
     """The answer of `pipeclamp discover --json`."""
 
@@ -44,6 +53,7 @@ class DiscoveryAnswer(AnswerModel):
     effect: str | None = Field(description="id of the proposed effect, as its declaration has it")
     formula: str | None = Field(description="what the term adds, with its fitted values; of the best term at least")
     acts_like: str | None = Field(description="what it does, in words; no cause that the tests can't show")
+    numbers: tuple[NumberAnswer, ...] = Field(description="the best term's parameters, as fitted")
     family: Literal["spring", "damper", "element", "factor"] | None
     heldout_before: float | None = Field(description="error on left-out groups of A and f, as a share of the force")
     heldout_after: float | None = Field(description="the same with the term")
@@ -52,6 +62,7 @@ class DiscoveryAnswer(AnswerModel):
     guards: tuple[GuardAnswer, ...] = Field(description="what was asked of the best term, and with which figures")
     tried: int = Field(description="terms that were evaluated")
     reason: str = Field(description="why nothing is proposed; empty where something is")
+    caution: str | None = Field(description="what isn't to be trusted of the best term, in words")
     next_test: str | None = Field(description="the test that would tell the term from its rivals, in words")
     left_over: tuple[str, ...] = Field(
         description="where the rest lies, where nothing is proposed; most important first"
@@ -103,6 +114,7 @@ class Proposal:
             effect=self.declaration.id if self.declaration else None,
             formula=self.formula(),
             acts_like=found.term.acts_like if found else None,
+            numbers=self.numbers(),
             family=found.term.family if found else None,
             heldout_before=self.heldout[0] if self.heldout else None,
             heldout_after=self.heldout[1] if self.heldout else None,
@@ -114,6 +126,7 @@ class Proposal:
             guards=tuple(GuardAnswer(asked=one.name, passed=one.passed, words=one.words) for one in self.guards),
             tried=self.search.tried,
             reason=self.reason,
+            caution=found.caution or None if found else None,
             next_test=found.next_test or None if found else None,
             left_over=self.left_over(),
             spare=self.spare,
@@ -123,17 +136,31 @@ class Proposal:
         """Say where the rest lies, where a term was sought and none is proposed."""
         return () if self.proposed or not self.search.tried else self.search.diagnosed.left_over()
 
+    def best(self) -> Declaration | None:
+        """Give the best term as it is proposed, or as it was searched; None where there is none."""
+        if self.declaration is not None or self.found is None:
+            return self.declaration
+        return self.found.term.declaration
+
+    def numbers(self) -> tuple[NumberAnswer, ...]:
+        """Give the best term's parameters as they are fitted; none where there is none."""
+        declaration = self.best()
+        if declaration is None or self.found is None:
+            return ()
+        values = self.found.judged.result.law.values
+        if self.after is not None:
+            values = {name: entry.value for name, entry in self.after.coefficients.items()}
+        return tuple(
+            NumberAnswer(symbol=one.symbol, meaning=one.meaning, value=values[one.symbol], unit=one.unit)
+            for one in declaration.parameters
+        )
+
     def formula(self) -> str | None:
         """Give the best term's formula with its fitted values; None where there is none."""
-        if self.found is None:
+        declaration = self.best()
+        if declaration is None:
             return None
-        declaration, values = self.found.term.declaration, self.found.judged.result.law.values
-        if self.declaration is not None and self.after is not None:
-            declaration = self.declaration
-            values = {name: entry.value for name, entry in self.after.coefficients.items()}
-        fitted = (
-            f"{one.symbol} = {values[one.symbol]:.4g} {one.unit}".removesuffix(" -") for one in declaration.parameters
-        )
+        fitted = (f"{one.symbol} = {one.value:.4g} {one.unit}".removesuffix(" -") for one in self.numbers())
         return f"{formula_of(declaration)}, with {', '.join(fitted)}"
 
 

@@ -6,20 +6,27 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from pipeclamp_identification.diagnosis.foretold import explained_share
 from pipeclamp_identification.diagnosis.problem import Contender, judge_each
 from pipeclamp_identification.diagnosis.thresholds import MATERIAL_PART_SHARE, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.freeing import refinements
 from pipeclamp_identification.discovery.grammar import MOST_PARAMETERS, Term, linear_symbol
-from pipeclamp_identification.discovery.guards import beyond_chance, beyond_the_tests, surely_better, surely_worse
+from pipeclamp_identification.discovery.guards import (
+    beyond_chance,
+    beyond_the_tests,
+    surely_better,
+    surely_worse,
+)
 from pipeclamp_identification.discovery.hearing import Found, Hearing, Refitted, best_of, refitted_of
 from pipeclamp_identification.discovery.joining import SHARE, joined, may_join
 from pipeclamp_identification.discovery.search import screened
+from pipeclamp_identification.discovery.weights import weighed_as, weighed_by
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.law import with_effect
 
 MOST_REFINED = 3
-"""Terms that do as well, best first, of which refined forms are tried: what is missing may be a number of another."""
+"""Terms, best first, of which refined forms are tried: what is missing may be a number of one that does worse."""
 MOST_JOINED = 6
 """Second terms, best first by what they explain of what the first leaves over, that are fitted beside it."""
 ALONE = ("more than chance", "comes back")
@@ -45,7 +52,7 @@ class Refining:
     jobs: int
     progress: Progress
 
-    def of(self, found: Found, near: Sequence[Refitted], hearing: Hearing) -> Found:
+    def of(self, found: Found, best: Refitted, hearing: Hearing) -> Found:
         """Give a term in the form that the tests ask for: as it is, or with more numbers of its own.
 
         A refined form must better the plain one beyond chance and doubt, as a term must better the law, foretell no
@@ -53,24 +60,32 @@ class Refining:
 
         Args:
             found: the term.
-            near: it, and what does as well, fitted together with the law.
+            best: the same, fitted together with the law.
             hearing: what it was asked with.
         """
         needed = ALONE if found.gone else BESIDE
         if any(not guard.passed for guard in found.guards if guard.name in needed):
             return found
-        while (further := self._one_more(near, hearing)) is not None:
-            found, near, hearing = further
-        return found
+        plain, asked = found, hearing
+        while (further := self._one_more(best, hearing)) is not None:
+            found, best, hearing = further
+        if found is plain:
+            return plain
+        return replace(found, judged=weighed_as(found.judged, asked.evaluation.problem), law=asked.bar.law)
 
-    def _one_more(self, near: Sequence[Refitted], hearing: Hearing) -> tuple[Found, list[Refitted], Hearing] | None:
+    def _one_more(self, best: Refitted, hearing: Hearing) -> tuple[Found, Refitted, Hearing] | None:
         """Give a term with one thing more, and what it was asked with; None where that isn't asked for."""
-        plain, problem = near[0], hearing.evaluation.problem
-        self.progress(f"refine {plain.term.acts_like}")
-        shorter = [one for one in hearing.refitted if one.term.declaration.id in plain.term.shorter]
+        self.progress(f"refine {best.term.acts_like}")
+        shorter = [one for one in hearing.refitted if one.term.declaration.id in best.term.shorter]
+        hearing, again = weighed_by(best, [best, *shorter], hearing)
+        plain, problem = next((one for one in again if one.term is best.term), None), hearing.evaluation.problem
+        if plain is None:
+            return None
+        shorter = [one for one in again if one is not plain]
         # what is new may be worth more than what a longer term has beyond a shorter one
         forms: dict[str, Form] = {}
-        roomy = [one for one in near if one.parameters < MOST_PARAMETERS]
+        others = sorted((one for one in hearing.refitted if one is not plain), key=lambda one: one.squares)
+        roomy = [one for one in (plain, *others) if one.parameters < MOST_PARAMETERS]
         for one in (*roomy[:MOST_REFINED], *shorter):
             forms |= {term.declaration.id: (term, starts) for term, starts in self._freed(one)}
         for one in (plain, *shorter):
@@ -85,12 +100,12 @@ class Refining:
         if not tried:
             return None
         best, rivals = best_of(tried)
-        least = max(RIVAL_LIKELIHOOD, MATERIAL_PART_SHARE * plain.squares)
-        if best.squares > plain.squares - least or not betters(best, plain, tried, hearing):
+        material = explained_share(best.judged, plain.judged) >= MATERIAL_PART_SHARE
+        if best.squares > plain.squares - RIVAL_LIKELIHOOD or not material or not betters(best, plain, tried, hearing):
             return None
         wider = replace(hearing, refitted=[*hearing.refitted, *tried])
         found = wider.of(best, rivals)
-        return (found, [best, *rivals], wider) if found.passed else None
+        return (found, best, wider) if found.passed else None
 
     def _freed(self, one: Refitted) -> Iterator[Form]:
         """Give a term with each of its numbers freed, and values to start from."""

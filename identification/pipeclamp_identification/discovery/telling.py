@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import SAME_SHARE, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.signals import condition_signal
 from pipeclamp_models.base.units import CELSIUS
@@ -41,7 +42,7 @@ def _tests(loops: Loops) -> Motion:
     amplitudes = _levels(loops.amplitude_mm, BEYOND_A)
     frequencies = _levels(loops.frequency_Hz, BEYOND_F)
     known = bool(np.all(np.isfinite(loops.temperature_K)))
-    temperatures = sorted({float(f(loops.temperature_K)) for f in (np.min, np.max)}) if known else [20.0 + CELSIUS]
+    temperatures = _between(loops.temperature_K) if known else [20.0 + CELSIUS]
     A, f, T = np.array(list(itertools.product(amplitudes, frequencies, temperatures))).T
     motion = sinusoids(A, f, T)
     middle = {condition_signal(name): float(np.median(values)) for name, values in loops.conditions.items()}
@@ -51,6 +52,12 @@ def _tests(loops: Loops) -> Motion:
         middle["rho"] = float(np.median(loops.density_g_cm3))
     further = {name: np.full((len(A), 1), value) for name, value in middle.items()}
     return replace(motion, slow={**motion.slow, **further}, assumed=frozenset() if known else frozenset({"T"}))
+
+
+def _between(temperatures: Array) -> list[float]:
+    """Give the lowest and the highest, and the middle of each two neighbours: there none was tested."""
+    tested = [float(np.mean(temperatures[level.rows])) for level in number_levels(temperatures, relative=SAME_SHARE)]
+    return sorted({tested[0], tested[-1], *((low + high) / 2 for low, high in itertools.pairwise(tested))})
 
 
 def _levels(values: Array, beyond: float) -> list[float]:

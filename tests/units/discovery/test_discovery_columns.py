@@ -5,8 +5,8 @@ import numpy as np
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.diagnosis.problem import judge, prepare
-from pipeclamp_identification.discovery.columns import Evaluation
+from pipeclamp_identification.diagnosis.problem import judge, prepare, weighed_again
+from pipeclamp_identification.discovery.columns import Evaluation, weighed_anew
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.bundled import open_law
@@ -42,3 +42,24 @@ def test_what_relaxes_slowly_is_walked_until_it_repeats(tmp_path):
     (slow,) = (term for term in terms(("T",), {}) if term.declaration.id == "found_warm_relaxing")
     (state,) = evaluation._states(slow.effect, {"t_x": 0.5, "s_x": 0.0}).values()
     assert np.all(np.abs(state.mean(axis=1)) < 0.02 * np.max(np.abs(state), axis=1))
+
+
+def test_columns_in_other_weights_are_what_they_would_be_evaluated_there(tmp_path):
+    """Most of a search's time goes into them; weighed again they needn't be evaluated again."""
+    plan = rig.TestPlan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0, 150.0), seed=1)
+    truth = law_of(open_law("emwm2"))
+    write_campaign(tmp_path / "campaign", rig.virtual_runs(truth, plan), name="virtual", notes="")
+    structure = Structure("power")
+    problem, fitted = prepare(structure, loops_of(read_campaign(tmp_path / "campaign")))
+    law = judge((), structure, [fitted.law.values], problem)
+    whole = judge((), truth.structure, [truth.values], problem)
+    granted, weighed_law = weighed_again(problem, structure, law.result, [law.result])
+    fewer, less_law = weighed_again(granted, structure, whole.result, [law.result])
+    assert fewer.discrepancy < 0.5 * granted.discrepancy
+    before, after = Evaluation(granted, weighed_law), Evaluation(fewer, less_law)
+    chosen = [one for one in terms(("A", "f", "T"), {}) if one.family != "factor"][::60]
+    columns = [column for term in chosen for column in before.columns(term)]
+    direct = [column.change for term in chosen for column in after.columns(term)]
+    assert len(columns) > 30
+    for column, change in zip(weighed_anew(columns, before, after), direct, strict=True):
+        np.testing.assert_allclose(column.change, change, rtol=1e-6, atol=1e-9 * np.max(np.abs(change)))

@@ -23,11 +23,13 @@ from pipeclamp_identification.discovery.guards import (
     comes_back,
     confirmed,
     highest,
+    levels_between,
     not_in_the_catalogue,
     passive,
     squared_errors,
     surely_worse,
     weighed_errors,
+    worse_between_levels,
 )
 from pipeclamp_identification.discovery.hearing import Refitted, beside, best_of
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
@@ -291,6 +293,30 @@ def test_what_a_term_explains_itself_is_no_chance():
 
     assert threshold(5.0, without=False) > 5 * threshold(0.0, without=False)
     assert threshold(5.0, without=True) == pytest.approx(threshold(0.0, without=False), rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("squares", "told"),
+    [((100.0, 120.0), "left out, a temperature between others is foretold worse with it"), ((100.0, 108.0), "")],
+)
+def test_what_goes_wrong_between_the_temperatures_tested_is_said(squares, told, monkeypatch):
+    """A stop that temperature moves had been proposed without a word, though between them it erred more."""
+    loops = SimpleNamespace(temperature_K=np.repeat([293.0, 373.0, 473.0, 573.0], 2), conditions={})
+    given = iter(squares)
+    monkeypatch.setattr(guards, "_squares_left_out", lambda judged, problem, groups: next(given))
+    words = worse_between_levels(None, None, SimpleNamespace(loops=loops))
+    assert words.startswith(told)
+    assert bool(words) == bool(told)
+
+
+def test_only_levels_between_others_are_left_out():
+    temperatures = np.repeat([293.0, 373.0, 473.0, 573.0], 2)
+    loops = SimpleNamespace(temperature_K=temperatures, conditions={"current_A": np.tile([1.0, 2.0], 4)})
+    assert {name: groups.tolist() for name, groups in levels_between(loops).items()} == {
+        "temperature": [-1, -1, 0, 0, 1, 1, -1, -1]
+    }
+    unknown = SimpleNamespace(temperature_K=np.full(8, np.nan), conditions={})
+    assert levels_between(unknown) == {}
 
 
 def test_signs_are_turned_in_sums_over_groups():

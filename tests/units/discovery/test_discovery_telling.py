@@ -26,3 +26,18 @@ def test_terms_that_follow_the_cycles_are_told_apart_at_a_number_of_them(tmp_pat
     one = following("found_damping_levelling_n", s_x=0.3, l_x=20.0)
     other = following("found_damping_growing_n", s_x=0.1, l_x=20.0)
     assert "there they differ by" in telling_test(one, other, loops)
+
+
+def test_what_lies_between_the_temperatures_tested_is_told_there(tmp_path):
+    """Only the lowest and the highest temperature had been asked, where both pass through what was measured."""
+    law = law_of(open_law("emwm2"))
+    plan = rig.TestPlan((0.2, 1.0), (1.0, 4.0), (20.0, 120.0, 220.0), seed=1)
+    write_campaign(tmp_path / "campaign", rig.virtual_runs(law, plan), name="virtual", notes="")
+    loops = loops_of(read_campaign(tmp_path / "campaign"))
+    (step,) = (term for term in terms(("A", "f", "T"), {}) if term.declaration.id == "found_stiffness_step_t")
+    structure = with_effect(law.structure.with_declared([step.declaration]), step.declaration.id)
+    one, other = (
+        Law(structure, {**law.values, "s_x": -0.2, "l_x": 273.15 + level, "w_x": 5.0}, law.v_r, law.y_r)
+        for level in (150.0, 190.0)
+    )
+    assert "T = 170 °C" in telling_test(one, other, loops)

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeclamp.show.discovery import discovery_words
+from pipeclamp.show.discovery import discovery_words, formula_read
 from pipeclamp_identification.discovery import discover
 from pipeclamp_identification.discovery.discover import Search
-from pipeclamp_identification.discovery.proposal import Proposal
+from pipeclamp_identification.discovery.grammar import terms
+from pipeclamp_identification.discovery.proposal import Proposal, formula_of
 
 
 def test_who_gets_no_term_reads_what_was_tried_and_where_the_rest_lies():
@@ -28,6 +29,28 @@ def test_where_the_rest_lies_is_in_the_answer_too():
         proposal = Proposal(search, None, None, None, None, None, (), search.reason, ())
         assert proposal.answer().left_over == rest
         assert any("Where the rest lies" in line for line in discovery_words(proposal)) == bool(rest)
+
+
+def test_the_best_term_is_told_by_what_its_numbers_are():
+    """It had been a line of code: F += F_x * ((y / sqrt(y**2 + y_r**2)) * (max(sqrt(y**2 + y_r**2) - y_x, 0) ...)."""
+    (stop,) = (one for one in terms(("A", "f"), {}) if one.declaration.id == "found_stop_both_2")
+    law = SimpleNamespace(values={"F_x": 237.392, "y_x": 0.67023, "k1": 1.0})
+    judged = SimpleNamespace(result=SimpleNamespace(law=law))
+    found = SimpleNamespace(term=stop, judged=judged, rivals=(), next_test="", caution="")
+    reason = f"{stop.acts_like}: it comes back in 53% of draws"
+    search = Search(SimpleNamespace(left_over=lambda: ()), found, 348, reason)
+    proposal = Proposal(search, None, None, None, None, None, (), reason, ())
+    words = discovery_words(proposal)
+    assert words[:2] == [
+        "Nothing is proposed: a spring that begins beyond a displacement on both sides and grows with the square: it "
+        "comes back in 53% of draws.",
+        "Its numbers: force of the term 237 N, displacement from which it acts 0.67 mm.",
+    ]
+    assert "**" not in " ".join(words)
+    assert [(one.symbol, one.value, one.unit) for one in proposal.answer().numbers] == [
+        ("F_x", 237.392, "N"), ("y_x", 0.67023, "mm"),
+    ]  # fmt: skip
+    assert formula_read(formula_of(stop.declaration)) == "F += F_x * (sign(y) * (max(|y| - y_x, 0) / A_0)**2)"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,83 @@
+"""The tests are weighed again by the best term so far, and a refined form may be that of a term that did worse."""
+
+import pytest
+
+from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.diagnosis.problem import judge, prepare, weighed_again
+from pipeclamp_identification.diagnosis.thresholds import RIVAL_LIKELIHOOD
+from pipeclamp_identification.discovery import refining
+from pipeclamp_identification.discovery.columns import Evaluation
+from pipeclamp_identification.discovery.grammar import terms
+from pipeclamp_identification.discovery.hearing import Bar, Hearing, refitted_of
+from pipeclamp_identification.discovery.refining import Refining
+from pipeclamp_identification.discovery.weights import weighed_by
+from pipeclamp_identification.loops.loops import loops_of
+from pipeclamp_models.law.law import Law, Structure, with_effect
+
+BASE = {
+    "k10": 1450.0, "k1_A": -0.22, "k1_T": -0.1, "k30": 250.0, "k3_A": -0.9, "k3_T": -0.1,
+    "c0": 80.0, "c_A": 0.05, "c_f": -0.15, "alpha0": 0.45, "alpha_A": 0.2, "alpha_f": 0.01,
+}  # fmt: skip
+PLAN = rig.TestPlan((0.2, 0.5, 0.8, 1.0), (1.0, 3.0), (20.0,), rate=500.0, seed=4)
+TERMS = {term.declaration.id: term for term in terms(("A", "f"), {})}
+SQUARE, LINEAR, ELSE = "found_stop_positive_2", "found_stop_positive_1", "found_dry_damping"
+STARTS = {SQUARE: {"F_x": 900.0, "y_x": 0.4}, LINEAR: {"F_x": 300.0, "y_x": 0.4}, ELSE: {"F_x": 1.0}}
+
+
+@pytest.fixture(scope="module")
+def hearing(tmp_path_factory):
+    """Terms that were fitted together with a law that lacks a stop on one side: that stop, another one, and another."""
+    folder = tmp_path_factory.mktemp("stop") / "campaign"
+    base = Structure("power")
+
+    def having(name):
+        return with_effect(base.with_declared([TERMS[name].declaration]), name)
+
+    truth = Law(having(SQUARE), {**BASE, "F_x": 900.0, "y_x": 0.4}, 0.0126, 0.002)
+    write_campaign(folder, rig.virtual_runs(truth, PLAN), name="virtual", notes="")
+    loops = loops_of(read_campaign(folder))
+    problem, first = prepare(base, loops)
+    problem, law = weighed_again(problem, base, first, [first])
+    evaluation = Evaluation(problem, law)
+    fitted = [
+        each
+        for name, own in STARTS.items()
+        for each in refitted_of(
+            judge((name,), having(name), [{**law.result.law.values, **own}], problem), TERMS[name], evaluation
+        )
+    ]
+    columns = [column for name in STARTS for column in evaluation.columns(TERMS[name])]
+    return Hearing(evaluation, columns, fitted, Bar(law, [], loops, ()))
+
+
+def test_what_a_term_takes_is_granted_no_longer(hearing):
+    """The law without it had been granted an error so large that no form of the term could better another."""
+    square, linear, _ = hearing.refitted
+    weighed, (again,) = weighed_by(square, [square], hearing)
+    granted, before = weighed.evaluation.problem.discrepancy, hearing.evaluation.problem.discrepancy
+    assert granted < 0.1 * before
+    (other,) = (one for one in weighed.refitted if one.term is linear.term)
+    assert other.squares - again.squares > 3 * (linear.squares - square.squares)
+    assert [one.term for one in weighed.refitted] == [one.term for one in hearing.refitted]
+    assert weighed.bar.law.squares > 10 * hearing.bar.law.squares
+
+
+def test_where_a_term_takes_little_the_weights_stay(hearing):
+    *_, small = hearing.refitted
+    weighed, near = weighed_by(small, [small], hearing)
+    assert weighed is hearing
+    assert near == [small]
+
+
+def test_forms_of_a_term_that_does_worse_are_tried_too(hearing, monkeypatch):
+    """Only what did as well as the best had been refined; a number of another one may be what is missing."""
+    square, _, worse = hearing.refitted
+    assert worse.squares > square.squares + RIVAL_LIKELIHOOD
+    asked = []
+    monkeypatch.setattr(refining, "refinements", lambda term, *given: asked.append(term.declaration.id) or iter(()))
+    monkeypatch.setattr(refining, "joined", lambda *given: pytest.fail("no second term may be joined"))
+    monkeypatch.setattr(refining, "may_join", lambda one, other: False)
+    assert Refining((("A", "f"), {}), 1, lambda words: None)._one_more(square, hearing) is None
+    assert asked == [SQUARE, LINEAR, ELSE]
