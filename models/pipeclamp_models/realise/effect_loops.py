@@ -19,8 +19,8 @@ from pipeclamp_models.law.file import law_of
 from pipeclamp_models.law.law import Law, Structure, bare_for, with_effect
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion, sinusoids
+from pipeclamp_models.realise.reading.text import symbols_of
 from pipeclamp_models.realise.sizes import law_sizes, number_of
-from pipeclamp_models.realise.text import symbols_of
 
 CLAMP = "emwm2"
 """The bundled law whose base law stands for the clamp."""
