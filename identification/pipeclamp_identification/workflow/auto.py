@@ -43,8 +43,8 @@ def add_until_settled(
     place. Where the law is complete, simpler effects that act alike are tried in the place of each part.
 
     The part that takes most first may lead astray. Where the ladder ends with something missing that can't be named,
-    it is climbed again from where another effect took nearly as much, with that, until a law of a former way is met;
-    the way that ends better is taken.
+    it is climbed again from where another effect took nearly as much, first with one that the end lacks, until a law of
+    a former way is met; the way that ends better is taken.
 
     Args:
         file: the law to begin with.
@@ -61,7 +61,7 @@ def add_until_settled(
     way = climber.climb(file)
     assert way.settled is not None  # no other way came before
     first = best = way.settled
-    others = _worth_climbing(way.turns) if first.found.verdict == "unknown" else []
+    others = _worth_climbing(way.turns, first.file) if first.found.verdict == "unknown" else []
     met = way.met
     for turn in others:
         progress(f"another way: {turn.effect} in place of {turn.taken}")
@@ -75,10 +75,14 @@ def add_until_settled(
     return best
 
 
-def _worth_climbing(turns: Sequence[Turn]) -> list[Turn]:
-    """Give the turns whose other effect comes nearest to what was taken, nearest first."""
-    near = [turn for turn in turns if turn.share >= OTHER_WAY_SHARE]
-    return sorted(near, key=lambda turn: -turn.share)[:MOST_OTHER_WAYS]
+def _worth_climbing(turns: Sequence[Turn], end: LawFile) -> list[Turn]:
+    """Give the turns whose other effect comes nearest to what was taken, nearest first, each effect once.
+
+    Those that the end has all the same come last: with them first, the way takes much the same in another order.
+    """
+    near = sorted(turns, key=lambda turn: (turn.effect in end.effects, -turn.share))
+    first = {turn.effect: turn for turn in reversed(near) if turn.share >= OTHER_WAY_SHARE}
+    return [turn for turn in near if first.get(turn.effect) is turn][:MOST_OTHER_WAYS]
 
 
 def _ends_better(other: Settled, best: Settled) -> bool:
