@@ -23,9 +23,10 @@ from pipeclamp_identification.diagnosis.problem import (
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.columns import Evaluation, all_columns
 from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
-from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, best_of, refitted_of
+from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, Rival, best_of, refitted_of
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
+from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.signals.levels import varies
@@ -121,7 +122,7 @@ def search(
         heard += [other] if isinstance(other, Found) and other.passed else []
     if not heard:
         return Search(found, None, len(every), own if isinstance(own, str) else "")
-    result = best_heard(heard)
+    result = with_rivals_elsewhere(best_heard(heard), heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
 
@@ -240,6 +241,28 @@ def best_heard(heard: Sequence[Found]) -> Found:
     least = min(one.judged.squares for one in passed)
     near = [one for one in passed if one.judged.squares <= least + RIVAL_LIKELIHOOD]
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
+
+
+def with_rivals_elsewhere(best: Found, heard: Sequence[Found], loops: Loops) -> Found:
+    """Name among a term's rivals what does as well in another place, and the test that tells the two laws apart.
+
+    Args:
+        best: the term.
+        heard: it, and terms that passed beside a law's effects or in their place.
+        loops: the tests.
+    """
+    others = [
+        one for one in heard
+        if one is not best and one.passed and one.judged.squares <= best.judged.squares + RIVAL_LIKELIHOOD
+    ]  # fmt: skip
+    if not others:
+        return best
+    rivals = tuple(
+        Rival(one.term, f"in the place of {' and '.join(one.gone)}" if one.gone else "beside all effects of the law")
+        for one in others
+    )
+    telling = best.next_test or telling_test(best.judged.result.law, others[0].judged.result.law, loops)
+    return replace(best, rivals=(*best.rivals, *rivals), next_test=telling)
 
 
 def _by_name(loops: Loops) -> Loops:
