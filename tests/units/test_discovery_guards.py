@@ -192,6 +192,26 @@ def test_of_terms_beside_effects_and_in_their_place_the_best_that_passed_is_take
     assert best_heard(heard).name == taken
 
 
+def test_terms_in_different_places_are_held_together_in_the_weights_of_the_best(monkeypatch):
+    """In those of the law without them, which lacks much, a shorter law had been taken for as good as the right one."""
+    term = next(iter(terms(("A", "f"), {})))
+
+    def heard(name, squares, parameters):
+        law = SimpleNamespace(values=dict.fromkeys(range(parameters)), structure=name)
+        judged = SimpleNamespace(squares=squares, result=SimpleNamespace(law=law))
+        return Found(term, judged, None, (), "", (Guard("asked", True, ""),), (name,))
+
+    def weighed(judged, problem):
+        return SimpleNamespace(squares=problem * judged.squares, result=judged.result)
+
+    monkeypatch.setattr(discover, "weighed_again", lambda problem, structure, best, starts: (problem * 10, None))
+    monkeypatch.setattr(discover, "weighed_as", weighed)
+    right, short = heard("right", 10.0, 9), heard("short", 15.0, 7)
+    assert best_heard([right, short]).gone == ("short",)
+    assert best_heard(discover.weighed_by_the_best([right, short], 1.0)).gone == ("right",)
+    assert discover.weighed_by_the_best([right], 1.0) == [right]
+
+
 def test_what_does_as_well_in_the_place_of_effects_is_a_rival(monkeypatch):
     """Only terms beside the same effects had been named: the other one and its place were never heard of."""
     monkeypatch.setattr(discover, "telling_test", lambda one, other, loops: f"{one} or {other}")

@@ -27,6 +27,7 @@ from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refi
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
 from pipeclamp_identification.discovery.telling import telling_test
+from pipeclamp_identification.discovery.weights import weighed_as
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.signals.levels import varies
@@ -122,6 +123,7 @@ def search(
         heard += [other] if isinstance(other, Found) and other.passed else []
     if not heard:
         return Search(found, None, len(every), own if isinstance(own, str) else "")
+    heard = weighed_by_the_best(heard, problem)
     result = with_rivals_elsewhere(best_heard(heard), heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
@@ -230,6 +232,19 @@ def left_to_hear(left: Sequence[Refitted], failed: Refitted, alike: Sequence[boo
         for one, same in zip(left, alike, strict=True)
         if one is not failed and not same and name not in one.term.shorter
     ]
+
+
+def weighed_by_the_best(heard: Sequence[Found], problem: Problem) -> list[Found]:
+    """Give terms that passed in different places in the weights of the best of them, in which they are held together.
+
+    In those of the law without them, which lacks much, all that take most of it would be equals.
+    """
+    passed = [one for one in heard if one.passed]
+    if len(passed) < 2:
+        return list(heard)
+    best = min(passed, key=lambda one: one.judged.squares).judged.result
+    weighed, _ = weighed_again(problem, best.law.structure, best, [best])
+    return [replace(one, judged=weighed_as(one.judged, weighed)) for one in heard]
 
 
 def best_heard(heard: Sequence[Found]) -> Found:
