@@ -396,14 +396,13 @@ def _minimise(
 
     prior = priors_of(equations, scales).of(free)
     prior_slopes = np.diag(prior.root)
-    units = _units(x0, evaluator)
 
     def minimise(method: str, at: Array) -> OptimizeResult:
         return least_squares(
-            lambda point: np.concatenate([evaluator.residual(point * units), prior.residual(point * units)]),
+            lambda point: np.concatenate([evaluator.residual(point), prior.residual(point)]),
             at,
-            jac=lambda point: np.concatenate([evaluator.jacobian(point * units), prior_slopes]) * units,
-            bounds=(lower / units, upper / units),
+            jac=lambda point: np.concatenate([evaluator.jacobian(point), prior_slopes]),
+            bounds=(lower, upper),
             x_scale="jac",
             method=method,
             ftol=tolerance,
@@ -414,30 +413,13 @@ def _minimise(
 
     # A step that goes too far may give what no number holds; it counts as huge, and is taken back.
     with np.errstate(over="ignore", invalid="ignore"):
-        result = minimise("trf", x0 / units)
+        result = minimise("trf", x0)
         if result.status == 0:
             # The reflective method creeps along curved valleys between bounds; a plain dogleg walks down them.
             result = minimise("dogbox", result.x)
     values = begin.copy()
-    values[free] = result.x * units
+    values[free] = result.x
     return float(result.cost), values
-
-
-def _units(begin: Array, evaluator: _Evaluator) -> Array:
-    """Give the unit in which each free parameter is told to have settled: its value, or what a step of it does.
-
-    A fit ends where a step is small beside the parameters, all together: beside a temperature of 10⁵ K, or a stiffness
-    of 1000 N/mm alone, that is any step of a length or of an exponent. Units are powers of two, which round nothing.
-
-    Args:
-        begin: where the fit begins.
-        evaluator: the residuals there.
-    """
-    lengths = np.linalg.norm(evaluator.jacobian(begin), axis=0)
-    step = np.linalg.norm(evaluator.residual(begin)) / np.where(lengths > 0, lengths, np.inf)
-    sizes = np.maximum(np.abs(begin), step)
-    usable = np.isfinite(sizes) & (sizes > 0)
-    return np.asarray(np.exp2(np.round(np.log2(np.where(usable, sizes, 1.0)))))
 
 
 def _finish(
