@@ -20,7 +20,7 @@ from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.catalogue import listed
 from pipeclamp_models.realise.catalogue_answer import reference_sizes
 from pipeclamp_models.realise.effect_loops import CLAMP
-from pipeclamp_models.realise.text import effect_statements
+from pipeclamp_models.realise.reading.text import effect_statements
 
 FOLDER = Path("reference") / "effects" / "generated"
 

@@ -1,7 +1,7 @@
 """What can be hidden in a truth: every effect in the catalogue's form (clean) and in another (rough).
 
 `slip_speed` is hidden in devices alone (`devices/`), for it needs another effect, whose slip force it changes; so does
-`slip_temperature`, which isn't hidden. `slip_lock` is hidden in devices alone, too.
+`slip_temperature`, which isn't hidden. `slip_lock` and `relaxation_temperature` are hidden in devices alone, too.
 
 Each function takes the motion, the base law, the form, the size and the drawn shape, and gives the effect's Part.
 """
@@ -44,7 +44,7 @@ class Kind:
         most: largest reasonable size.
         needs: "" or what the campaign must vary for it: "density", "condition", "cycles".
         rough_is: another effect that its rough form is as much as its own: two relaxation times are a spread of them,
-            and so are fourteen slip forces.
+            so are fourteen slip forces, and dry friction that is smoothed is rounded.
     """
 
     part: Callable[[Motion, BaseLaw, bool, float, Shape], Part]
@@ -114,6 +114,12 @@ def coulomb(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shap
         return Part(force=F_c * np.sign(motion.v))
     level = 1 + 0.1 * motion.y**2
     return Part(force=F_c * level * np.tanh(motion.v / (0.03 * shape["speed"])))
+
+
+def rounded_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+    """Friction that turns over within a speed, by a hyperbolic tangent; rough: by a root."""
+    speed = motion.v / (2 * shape["speed"])
+    return Part(force=size * typical(base) * (speed / np.hypot(speed, 1.0) if rough else np.tanh(speed)))
 
 
 def displacement_friction(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
@@ -349,7 +355,7 @@ EFFECTS: dict[str, Kind] = {
     "directional_slip": Kind(directional_slip, most=0.8),
     "slip_spread": Kind(slip_spread, most=0.8),
     "bouc_wen": Kind(bouc_wen_pinched, most=0.8),
-    "coulomb": Kind(coulomb, most=0.15),
+    "coulomb": Kind(coulomb, most=0.15, rough_is="rounded_friction"),
     "viscous": Kind(viscous, most=0.15),
     "quadratic_damping": Kind(quadratic_damping, most=0.08),
     "directional_damping": Kind(directional_damping, most=0.6),
@@ -377,6 +383,7 @@ EFFECTS: dict[str, Kind] = {
     "self_centring": Kind(self_centring, most=0.8),
     "exponential_stiffening": Kind(exponential_stiffening, most=1.0),
     "gas_spring": Kind(gas_spring, most=3.0),
+    "rounded_friction": Kind(rounded_friction, most=0.3),
 }
 COLUMN = "bolt_torque_Nm"
 """The further column of runs.csv where the condition is studied."""

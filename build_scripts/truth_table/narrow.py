@@ -21,6 +21,7 @@ IMITATIONS = {
     ("directional_slip", "memory"): STROKE,
     ("exponential_stiffening", "hardening"): STROKE, ("exponential_stiffening", "end_stop"): STROKE,
     ("gas_spring", "asymmetry"): STROKE, ("stribeck", "coulomb"): ANY,
+    ("rounded_friction", "coulomb"): ANY, ("rounded_friction", "memory"): ("one amplitude",),
     ("displacement_friction", "memory"): STROKE, ("displacement_friction", "coulomb"): ("one amplitude",),
     ("pressed_slip", "displacement_friction"): STROKE, ("pressed_slip", "memory"): STROKE,
     ("self_centring", "memory"): ("one amplitude",), ("self_centring", "displacement_friction"): ("one amplitude",),

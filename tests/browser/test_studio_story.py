@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import subprocess
 import sys
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
+from project import DATA
 
 pytest.importorskip("starlette", reason="needs the extra 'studio'")
 pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
@@ -186,8 +187,32 @@ def told_both(law, both, values):
     )  # fmt: skip
 
 
+def test_what_a_file_leaves_open_is_stated_with_a_click(page, url, violations):
+    """A refusal keeps its lines, the option that it ends with is taken over; samples without time get their rate."""
+    time = [place / 500 for place in range(3000)]
+    y = [0.5 * math.sin(6 * math.pi * t) for t in time]
+    force = [0.9 * each + 0.1 * math.cos(6 * math.pi * t) for t, each in zip(time, y, strict=True)]
+    rows = [f"{one:.4f};{two:.5f};{three:.6f}" for one, two, three in zip(time, y, force, strict=True)]
+    text = "\n".join(["Ch1;Ch2;Ch3", *rows]).replace(".", ",")
+    page.goto(url)
+    page.click(".brand")
+    page.set_input_files("#files", [{"name": "export.csv", "mimeType": "text/csv", "buffer": text.encode()}])
+    page.wait_for_selector(".job.refused", timeout=A_JOB_ms)
+    assert len(page.inner_text(".job.refused .says").splitlines()) > 3
+    page.click("text=Take the proposal over")
+    assert page.input_value("#columns") == "time=Ch1 [s],displacement=Ch2 [mm],force=Ch3 [N]"
+    assert violations(page) == []
+    page.fill("#columns", "time=none,displacement=Ch2 [mm],force=Ch3 [kN]")
+    page.fill("#rate", "500,0")
+    page.click("text=Look into them")
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    page.wait_for_selector("#loops .main-svg")
+    assert "--rate 500.0" in page.inner_text("#line")
+    assert "0.5\t3\t" in page.inner_text("#found table:last-of-type >> nth=-1")
+
+
 def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path):
-    folder = Path(__file__).parents[2] / "identification/pipeclamp_identification/data/campaigns/clamp_a_heldout/runs"
+    folder = DATA / "campaigns" / "clamp_a_heldout" / "runs"
     page.goto(url)
     page.click(".brand")
     assert violations(page) == []
@@ -202,7 +227,13 @@ def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path
     page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
     assert "cut.csv: left out" in page.inner_text("#found")
     assert "displacement_mm" in page.inner_text("#found")
+    page.wait_for_selector("#loops .main-svg")
+    assert page.locator("#loops .xy .scatterlayer").count() == 1
+    assert page.evaluate("document.querySelectorAll('#loops .subplot').length") == 6, "a loop each"
+    assert "primary" in page.get_attribute("#write", "class")
     assert violations(page) == []
+    page.set_viewport_size(NARROW)
+    assert soon_no_wider_than_the_window(page)
     page.fill("#name", "clamp_7")
     page.click("text=Look into them")
     page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)

@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from project import DATA, ROOT
 
 from pipeclamp.__main__ import main
 
-ROOT = Path(__file__).parents[2]
 ROOMS = [str(ROOT / room) for room in ("models", "fmu_src", "identification")]
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
@@ -86,7 +86,7 @@ def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
 
 @pytest.fixture(scope="session")
 def clamp_a() -> Path:
-    return ROOT / "identification" / "pipeclamp_identification" / "data" / "campaigns" / "clamp_a"
+    return DATA / "campaigns" / "clamp_a"
 
 
 @pytest.fixture(scope="session")

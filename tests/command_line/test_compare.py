@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from project import ROOT
 
 
 def without_numbers(text):
     return " ".join(re.sub(r"\d+", "#", text.replace("> ", "")).split())
 
 
-PAGE = without_numbers((Path(__file__).parents[2] / "docs" / "howto" / "compare.md").read_text(encoding="utf-8"))
+PAGE = without_numbers((ROOT / "docs" / "howto" / "compare.md").read_text(encoding="utf-8"))
 
 
 def read(path):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from banded import SPREAD
 from cantilever import cantilever, shaken
+from project import EXAMPLES
 
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of, read_law, write_law
@@ -16,7 +16,6 @@ from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_system.transient.monolithic import clamp_equations, solve_monolithic
 
-EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
 MEASUREMENT = '[[probes]]\nname = "midspan"\nunit = "mm"\n[[responses]]\nfile = "sines.csv"\n'
 SINES = "frequency_Hz,acceleration_m_s2,midspan_amplitude\n" + "".join(
     f"{f},0.5,{amplitude}\n" for f, amplitude in ((3.0, 2.2), (3.4, 3.6), (3.8, 8.1), (4.2, 10.2), (4.6, 4.0))

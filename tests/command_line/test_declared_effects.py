@@ -10,13 +10,14 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from project import ROOT
 
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of
 from pipeclamp_models.realise.force import force_of_law
 from pipeclamp_models.realise.motion import sinusoids
 
-PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "own-effect.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "howto" / "own-effect.md").read_text(encoding="utf-8")
 PLAN = ("--amplitudes", "0.3,0.6,1", "--frequencies", "1,4", "--temperatures", "20,250", "--rate", "400")
 Run = Callable[..., object]
 

@@ -11,9 +11,9 @@ import re
 import shutil
 import sys
 import warnings
-from pathlib import Path
 
 import pytest
+from project import EXAMPLES
 
 from pipeclamp.__main__ import main
 from pipeclamp_models.base.said import LONGEST
@@ -44,8 +44,7 @@ COMMANDS = {
 def whole(pipeclamp, small, tmp_path_factory):
     """A folder with a whole file for each command."""
     folder = tmp_path_factory.mktemp("whole") / "files"
-    examples = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
-    shutil.copytree(examples, folder)
+    shutil.copytree(EXAMPLES, folder)
     shutil.copytree(small, folder / "small")
     for name in ("clamp_a.json", "law.json"):
         (folder / name).write_text(law_text(open_law("emwm2")), encoding="utf-8")

@@ -13,10 +13,9 @@ from pathlib import Path
 
 import pytest
 import typer
+from project import EXAMPLES
 
 from pipeclamp.cli.app import app
-
-EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
 
 
 @pytest.fixture

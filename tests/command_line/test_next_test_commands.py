@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import shlex
-from pathlib import Path
 
 import pytest
+from project import ROOT
 
-PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "next-test.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "howto" / "next-test.md").read_text(encoding="utf-8")
 
 
 LINES = [shlex.split(line) for line in re.findall(r"^pipeclamp (.*)$", PAGE, re.M)]

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from project import ROOT
 
 rumoca = pytest.importorskip("rumoca", reason="rumoca isn't installed: pip install rumoca")
 
 HERE = Path(__file__).parent
-EXAMPLE = HERE.parents[1] / "docs" / "modelica" / "ClampOnMass.mo"
+EXAMPLE = ROOT / "docs" / "modelica" / "ClampOnMass.mo"
 M, C, D, START = 20.0, 1.2e6, 300.0, 1e-3
 
 

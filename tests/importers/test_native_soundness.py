@@ -9,11 +9,12 @@ from pathlib import Path
 import fmpy
 import pytest
 from native_driver import NativeDriver
+from project import BUILD_SCRIPTS
 
 from pipeclamp_fmu.native.compiler import system_compiler
 
 HERE = Path(__file__).parent
-HOST = HERE.parents[1] / "build_scripts" / "c_host" / "host.c"
+HOST = BUILD_SCRIPTS / "c_host" / "host.c"
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 CALLS = {2: 1_000_000, 3: 1_000_000, "pipe": 300_000, "loaded_pipe": 50_000}
 """Fewer for pipes, which find new matrices for nearly every random step."""

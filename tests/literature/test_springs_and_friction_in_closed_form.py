@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.special import dawsn, i1, modstruve
 
 from pipeclamp_models.law.law import Structure
@@ -72,6 +73,20 @@ def test_the_loss_of_falling_friction(frequency):
     speed = 2 * np.pi * frequency / STRIBECK["v_s"]
     expected = 4 * (STRIBECK["F_k"] + STRIBECK["F_b"] * dawsn(speed) / speed)
     assert lost(motion, force_on("stribeck", STRIBECK, motion))[0] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("frequency", [0.01, 0.3, 10.0])
+def test_the_loss_of_rounded_friction(frequency):
+    """A cycle loses F_t times the integral of v tanh(v/v_t) over time.
+
+    It goes from that of a dashpot F_t/v_t in slow cycles to 4 A F_t in fast ones.
+    """
+    motion = sinusoids(1.0, frequency, 293.15, 8192)
+    fastest = 2 * np.pi * frequency
+    expected = 4 * 50.0 * quad(lambda turn: np.sin(turn) * np.tanh(fastest * np.sin(turn) / 2.0), 0, np.pi / 2)[0]
+    measured = lost(motion, force_on("rounded_friction", {"F_t": 50.0, "v_t": 2.0}, motion))[0]
+    assert measured == pytest.approx(expected, rel=1e-5)
+    assert at("rounded_friction", {"F_t": 50.0, "v_t": 2.0}, 0.0, 2.0)[0] == pytest.approx(50 * np.tanh(1.0))
 
 
 @pytest.mark.parametrize("amplitude", [1.0, 2.0])

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from project import PIPE_TRUTH
 
 from pipeclamp_identification.attribution.compared import compare_measured
 from pipeclamp_identification.attribution.verdict import attribute
 
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "pipe_truth"
-
 
 @pytest.fixture(autouse=True)
 def trials_on_path(monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
+    monkeypatch.syspath_prepend(PIPE_TRUTH)
 
 
 @pytest.mark.parametrize("hidden", ["nothing", "damping 4 % instead of 2 %", "clamp 0.6 times as damped"])

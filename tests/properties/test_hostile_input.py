@@ -22,6 +22,7 @@ import polars as pl
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from project import EXAMPLES
 
 from pipeclamp_fmu.build import build_clamp
 from pipeclamp_fmu.set_parameters import set_parameters
@@ -43,7 +44,6 @@ from pipeclamp_system.study.description import read_study
 
 EACH = int(os.environ.get("PIPECLAMP_HOSTILE", "12"))
 SECONDS = 30
-EXAMPLES = Path(__file__).parents[2] / "identification" / "pipeclamp_identification" / "data" / "examples"
 NASTY = [
     *("", "0", "-1", "nan", "-inf", "1e39", "1e400", "-1e-320", "9" * 39, "9" * 5000, "-273.15", "true", "[]", '""'),
     *("[" * 1000, "{a=" * 400, "a." * 2000, '"' * 3, "\0", "\x1b[2J", "[/b]", "\r", "\n" * 3, "\u202e", "é", ",", "#"),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from project import BUILD_SCRIPTS
 
 from pipeclamp_fmu.build import build_clamp
 from pipeclamp_identification.campaign import rig as virtual
@@ -42,7 +43,7 @@ def errors(fmus: Path) -> dict[str, dict[str, float]]:
     """The error of each mode on each motion; "given" is a guess that is 40 % off in amplitude."""
     given = (0.7, 3.5)
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(Path(__file__).parents[2] / "build_scripts" / "benchmarks")
+        patch.syspath_prepend(BUILD_SCRIPTS / "benchmarks")
         from prescribed_motion import mode_errors, motions
     return {
         kind: dict(mode_errors(fmus / "law.fmu", fmus / "memory.fmu", motion, given))

@@ -64,6 +64,28 @@ def draw_rubber(random: np.random.Generator, x: float, F: float, w: float) -> di
             "per_100_K": random.uniform(0.3, 1.0)}  # fmt: skip
 
 
+def warm_rubber(drive: Drive, p: Parameters) -> Array:
+    """Unfilled rubber: Maxwell arms whose times shift by Williams, Landel and Ferry; stiffness as the temperature."""
+    y, _, _ = drive.whole
+    tau = p["tau"] * np.geomspace(1.0, p["span"], ARMS)[:, None]
+    k = p["k_arms"] * tau ** -p["order"] / np.sum(tau ** -p["order"])
+    shifted = tau * 10 ** (-p["C1"] * (drive.T - 20) / (p["C2"] + drive.T - 20))
+
+    def rates(i: int, states: Array) -> Array:
+        return k * drive.v[i] - states / shifted
+
+    arms = march(rates, np.zeros((ARMS, drive.runs)), drive).sum(axis=1)
+    return (drive.T + 273.15) / 293.15 * (p["k"] * y + arms)
+
+
+def draw_warm_rubber(random: np.random.Generator, x: float, F: float, w: float) -> dict[str, float]:
+    """Arms relax over four decades about the motion's period at 20 degC."""
+    arms = random.uniform(0.8, 2.0)
+    k = F / x / (1 + 0.4 * arms)
+    return {"k": k, "k_arms": arms * k, "tau": 0.01 / w, "span": 1e4, "order": random.uniform(0.05, 0.2),
+            "C1": random.uniform(3.0, 6.0), "C2": random.uniform(120.0, 160.0)}  # fmt: skip
+
+
 def mr_damper(drive: Drive, p: Parameters) -> Array:
     """Magnetorheological damper of Spencer (modified Bouc-Wen); its coefficients rise with current and saturate."""
     y, v, _ = drive.whole

@@ -46,6 +46,11 @@ def _fastest_oil(p: Parameters) -> float:
     return p["k"] / p["c2"]
 
 
+def _fastest_rubber(p: Parameters) -> float:
+    """At 50 degC, the hottest that it is tested at."""
+    return 10 ** (p["C1"] * 30 / (p["C2"] + 30)) / p["tau"]
+
+
 DEVICES: dict[str, Device] = {
     "bouc_wen": Device(
         "F = a k y + (1 - a) k z, dz = dy - (b |dy| sgn z + g dy) |z/D|^n",
@@ -96,7 +101,7 @@ DEVICES: dict[str, Device] = {
         "F = k (|y| - g)+ sgn y + k_s (|y| - y_s)+ sgn y + c v + F_c sgn v",
         "Shaw and Holmes 1983, J. Sound Vib. 90(1)",
         flow.loose_hanger, flow.draw_loose_hanger, ("clamp", "damper", "bench"),
-        frozenset({"gap", "end_stop", "viscous", "coulomb"}),
+        frozenset({"gap", "end_stop", "viscous", "coulomb", "rounded_friction"}),
     ),
     "baber_noori": Device(
         "F = a k y + (1 - a) k z, dz = h(z)/eta (dy - nu (b |dy| sgn z + g dy) |z/D|^n), by dissipated energy",
@@ -118,12 +123,19 @@ DEVICES: dict[str, Device] = {
         "dF/dt = k (v - v_valve(F)), valve c1 up to F_r and c2 beyond",
         "Kasai and Nishimura 2004, J. Struct. Constr. Eng. AIJ 69(583)",
         flow.relief_damper, flow.draw_relief_damper, ("damper", "bench"),
-        frozenset({"oil_damper", "coulomb", "damping_temperature"}), fastest=_fastest_oil,
+        frozenset({"oil_damper", "coulomb", "rounded_friction", "damping_temperature"}), fastest=_fastest_oil,
     ),
     "rubber": Device(
         "F = k y (1 + ..) + sum of Maxwell arms tau_i^-order, which flow faster by recent motion",
         "Koeller 1984, J. Appl. Mech. 51(2); Hoefer and Lion 2009, J. Mech. Phys. Solids 57(3)",
         flow.rubber, flow.draw_rubber, ("mount", "bench"), run_in=12,
+    ),
+    "warm_rubber": Device(
+        "F = T/T0 (k y + sum of Maxwell arms, tau a_T), log10 a_T = -C1 (T - T0)/(C2 + T - T0)",
+        "Williams, Landel and Ferry 1955, J. Am. Chem. Soc. 77(14)",
+        flow.warm_rubber, flow.draw_warm_rubber, ("bench",),
+        frozenset({"relaxation", "relaxation_spread", "relaxation_temperature", "damping_temperature"}), run_in=6,
+        fastest=_fastest_rubber,
     ),
     "mr_damper": Device(
         "F = c1 dx/dt + k1 y, (c0 + c1) dx/dt = alpha z + c0 v + k0 (y - x), dz as Bouc-Wen of y - x; by current",

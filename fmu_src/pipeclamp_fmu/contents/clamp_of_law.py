@@ -9,13 +9,13 @@ from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.law.file import Interval, LawFile, law_of
+from pipeclamp_models.realise.reading.text import equation_lines
 from pipeclamp_models.realise.scalar_law import parameter_values, source_of
 from pipeclamp_models.realise.stepping import (
     CONDITIONS_FIRST,
     conditions_of,
     parameter_symbols,
 )
-from pipeclamp_models.realise.text import equation_lines
 
 CYCLES = "firstCycle"
 """The clamp FMU's parameter for load cycles that it has seen."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
 
-from pipeclamp.pages.page import GRID, MEASURED, SERIES, Section, render, styled
+from pipeclamp.pages.alternative import words_of
+from pipeclamp.pages.page import GRID, MEASURED, SERIES, Section, plain, render, styled
 from pipeclamp.pages.pictures import LoopPanel, loops_picture
 from pipeclamp.show.imported import (
     columns_table,
@@ -23,6 +25,10 @@ from pipeclamp_identification.importing.plan import Overview
 
 PANELS = 24
 """Loops in a picture."""
+GLANCE = 12
+"""Loops that tell at a glance whether channels and units are right."""
+GLANCE_PER_ROW = 3
+"""Of them beside each other in the studio's column."""
 LONGEST_NAME = 24
 """Characters of a run's name above its loop."""
 MOST_OVERVIEWS, MOST_LABELS = 40, 24
@@ -82,6 +88,18 @@ def _loops(found: Found) -> list[Section]:
     if len(found.judged.sines) > len(shown):
         words.append(f"Drawn are {len(shown)} of {len(found.judged.sines)} runs, evenly over the campaign.")
     return [Section("Loops", words, (), pictures)]
+
+
+def first_look(found: Found) -> dict[str, str] | None:
+    """Give a few loops as the studio draws them, evenly over the campaign, with a title and words; None without any."""
+    shown = found.looked.loops
+    if not shown:
+        return None
+    places = np.unique(np.linspace(0, len(shown) - 1, min(GLANCE, len(shown))).astype(np.intp)).tolist()
+    title = f"Loops of {len(places)} of {len(found.judged.sines)} runs" if len(places) > 1 else "The loop"
+    figure = loops_picture([_panel(shown[place]) for place in places], title, per_row=GLANCE_PER_ROW)
+    words = words_of(figure)
+    return {"title": title, "words": words, "specification": json.dumps(plain(figure.update_layout(title=None)))}
 
 
 def _panel(loop: ShownLoop) -> LoopPanel:

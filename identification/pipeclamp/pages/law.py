@@ -15,7 +15,7 @@ from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.file import LawFile, law_of
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.arrays import realise
-from pipeclamp_models.realise.text import equation_lines
+from pipeclamp_models.realise.reading.text import equation_lines
 
 POINTS = 40
 

@@ -41,12 +41,17 @@ class LoopPanel:
     computed: Array | None
 
 
-def loops_picture(panels: Sequence[LoopPanel], title: str, names: tuple[str, str] = ("measured", "law")) -> go.Figure:
+def loops_picture(
+    panels: Sequence[LoopPanel],
+    title: str,
+    names: tuple[str, str] = ("measured", "law"),
+    per_row: int = PANELS_PER_ROW,
+) -> go.Figure:
     """Draw loops, one a panel, measured in grey and computed in red over it, under these names.
 
     In a narrow window they stand below each other.
     """
-    wide = _loops_in(min(PANELS_PER_ROW, len(panels)), panels, title, names)
+    wide = _loops_in(min(per_row, len(panels)), panels, title, names)
     return with_narrow(wide, _loops_in(1, panels, title, names)) if len(panels) > 1 else wide
 
 

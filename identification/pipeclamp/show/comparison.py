@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeclamp.show.sentences import about_mean, sentence
 from pipeclamp.show.table import SINGLE_CYCLES, Table
 from pipeclamp.show.view import View
 from pipeclamp_identification.comparison.answer import comparison_answer
@@ -13,6 +14,7 @@ from pipeclamp_identification.comparison.breakdown import (
 )
 from pipeclamp_identification.comparison.compare import Comparison, celsius, where_words
 from pipeclamp_identification.fitting.misfit import overall_nrmse
+from pipeclamp_identification.loops.loops import PRELOADED
 from pipeclamp_identification.workflow.along_free import along_free
 
 RUNS_PRINTED = 8
@@ -45,13 +47,16 @@ def _runs(count: int) -> str:
 def _errs(comparison: Comparison, which: str) -> list[str]:
     """Say how much the law errs on sines."""
     runs, single = len(comparison.runs), comparison.single_cycles
-    errs = f"RMS error {overall_nrmse(comparison.runs):.2%} of RMS force over {_runs(runs)}{which}"
-    if single == runs:
-        return [f"{errs}; {SINGLE_CYCLES}."]
-    words = [f"{errs}; {comparison.noise_nrmse:.2%} is cycle-to-cycle scatter, which no law can explain."]
-    if single:
+    error, mean = overall_nrmse(comparison.runs), comparison.loops.mean_share
+    noise = None if single == runs else comparison.noise_nrmse
+    errs = f"RMS error {error:.2%} of RMS force over {_runs(runs)}{which}"
+    if noise is None:
+        words = [f"{errs}; {SINGLE_CYCLES}."]
+    else:
+        words = [f"{errs}; {noise:.2%} is cycle-to-cycle scatter, which no law can explain."]
+    if 0 < single < runs:
         words.append(f"{single} of {runs} runs hold one cycle only: their scatter isn't known.")
-    return words
+    return [*words, sentence(about_mean(mean, error, noise))] if mean > PRELOADED else words
 
 
 def worst_table(comparison: Comparison, most: int | None = None) -> Table:

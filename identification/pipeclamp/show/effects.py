@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from pipeclamp.show.table import Table
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.outline import Sizes
+from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
 from pipeclamp_models.realise.sizes import number_of
-from pipeclamp_models.realise.text import effect_statements, symbols_of
 
 if TYPE_CHECKING:
     from pipeclamp_identification.campaign.rig import Truth

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 
@@ -90,9 +91,9 @@ def import_lines(found: Found, answer: ImportAnswer, called: Sequence[str] = ())
         lines.append(f"{parts} in no run: " + ", ".join(f"{n} x {w}" for w, n in list(why.items())[:4]))
     if called and _names_are_needed(answer):
         lines.append("the files' names look as if they state settings, the temperature too: the line below takes them")
-    elif answer.pattern and called:
+    elif _names_tell_more(answer) and called:
         lines.append(f"the files' names look as if they state settings; to take them: {_again(found, answer, called)}")
-    elif answer.pattern:
+    elif _names_tell_more(answer):
         again = ", into another folder" if found.written else ""
         lines.append(
             f"the files' names look as if they state settings; to take them, import again{again}, with the pattern "
@@ -117,6 +118,13 @@ def following_import(found: Found, answer: ImportAnswer, called: Sequence[str] =
 def _names_are_needed(answer: ImportAnswer) -> bool:
     """Tell whether the files' names state temperatures that nothing else does."""
     return "{temperature" in answer.pattern and bool(_without_temperature(answer))
+
+
+def _names_tell_more(answer: ImportAnswer) -> bool:
+    """Tell whether the files' names state something: more than temperatures, where those of all runs are known."""
+    fields = re.findall(r"\{(\w+)\}", answer.pattern)
+    told = () if _without_temperature(answer) else ("temperature",)
+    return any(not field.startswith(told) for field in fields)
 
 
 def _without_temperature(answer: ImportAnswer) -> list[str]:

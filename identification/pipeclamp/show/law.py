@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from pipeclamp.show.sentences import about_mean
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
@@ -57,7 +58,8 @@ def fit_words(fit: FitQuality) -> str:
     if fit.of_metrics:
         return f"error {fit.nrmse:.2%} in dW and W (rms of log ratios)"
     scatter = f" (scatter {fit.noise_nrmse:.2%})" if fit.noise_nrmse is not None else f"; {SINGLE_CYCLES}"
-    return f"error {fit.nrmse:.2%} of the rms force{scatter}"
+    preload = f"; {about_mean(fit.mean_share, fit.nrmse, fit.noise_nrmse)}" if fit.mean_share else ""
+    return f"error {fit.nrmse:.2%} of the rms force{scatter}{preload}"
 
 
 def doubts(file: LawFile) -> list[str]:

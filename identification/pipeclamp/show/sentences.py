@@ -2,9 +2,25 @@
 
 from __future__ import annotations
 
+import math
+
 
 def sentence(words: str) -> str:
     """Give words as a sentence; a name of the catalogue that begins them stays as `add` takes it."""
     first = words.split(maxsplit=1)[0] if words.split() else ""
     begun = words if set("_:") & set(first) else f"{words[:1].upper()}{words[1:]}"
     return begun if begun.endswith(".") else f"{begun}."
+
+
+def about_mean(mean_share: float, nrmse: float, noise_nrmse: float | None) -> str:
+    """Say what a law errs of the force that varies, where most of the force is a constant load.
+
+    Args:
+        mean_share: share of the squared force that the runs' mean forces hold.
+        nrmse, noise_nrmse: error and scatter, as shares of the rms force; scatter may be unknown.
+    """
+    varying = math.sqrt(1 - mean_share)
+    if nrmse > varying:
+        return "most of the force is a constant load, which the law lacks"
+    scatter = "" if noise_nrmse is None else f", scatter {noise_nrmse / varying:.2%}"
+    return f"most of the force is a constant load; of the rms of the rest the error is {nrmse / varying:.2%}{scatter}"

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.work import Task
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.shell import quoted, shell_line
 from pipeclamp_models.law.file import Kind
 
@@ -141,17 +144,30 @@ def response_task(project: Project, law: str) -> Task:
     return Task("respond", f"The pipe with the clamp of {law}, cold and hot", response_line(project, law), given, law)
 
 
-def import_task(files: Path, folder: Path, columns: str, pattern: str, *, skip_unusable: bool, dry_run: bool) -> Task:
-    """Give the task that makes a campaign of uploaded files, or says what it would be."""
-    stated = [*(("--columns", columns) if columns else ()), *(("--pattern", pattern) if pattern else ())]
+def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_unusable: bool, dry_run: bool) -> Task:
+    """Give the task that makes a campaign of uploaded files, or says what it would be.
+
+    Raises:
+        UserError: the samples per second are no number.
+    """
+    told = {name: text for name, text in stated.items() if text}
     flags = [*(("--skip-unusable",) if skip_unusable else ()), *(("--dry-run",) if dry_run else ())]
-    command = shell_line("import", str(files), "-o", str(folder), *stated, *flags)
-    given = {
-        "files": [str(files)], "folder": str(folder), "columns": columns, "pattern": pattern,
-        "skip_unusable": skip_unusable,
+    options = [word for name, text in told.items() for word in (f"--{name}", text)]
+    command = shell_line("import", str(files), "-o", str(folder), *options, *flags)
+    given: dict[str, Any] = {
+        "files": [str(files)], "folder": str(folder), "skip_unusable": skip_unusable, **told,
     }  # fmt: skip
+    if "rate" in told:
+        given["rate"] = _number(told["rate"])
     kind, title = ("look", "Look into the files") if dry_run else ("import", f"Make the campaign {folder.name}")
     return Task(kind, title, command, given)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise UserError(f"samples per second: got {text!r}; expected a number, such as 1000") from error
 
 
 def _last_parts(command: str) -> str:

@@ -34,6 +34,8 @@ MOST_ASKED = 64 * 1024
 """Bytes of a request that is no file."""
 MOST_LAWS = 4
 """Drawn over one loop."""
+STATED = ("columns", "rate", "pattern")
+"""Options of an import that the page sends as texts."""
 MEDIA = {
     ".json": "application/json",
     ".csv": "text/csv",
@@ -209,7 +211,7 @@ class Pages:
         name = uploads.safe_campaign(_text(asked, "name"))
         files = uploads.batch_folder(self.desk.home, _text(asked, "batch"))
         task = commands.import_task(
-            files, self.desk.home / name, str(asked.get("columns", "")), str(asked.get("pattern", "")),
+            files, self.desk.home / name, {name: _text(asked, name) for name in STATED if name in asked},
             skip_unusable=bool(asked.get("skip_unusable", False)), dry_run=bool(asked.get("dry_run", True)),
         )  # fmt: skip
         job = self.desk.jobs.start("", task, lambda job: self.desk.forget(name))

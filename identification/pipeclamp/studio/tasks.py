@@ -89,6 +89,7 @@ def import_into(tell: Progress, *, files: list[str], folder: str, **stated: Any)
 
 def _imported(tell: Progress, files: list[str], folder: str, **stated: Any) -> dict[str, Any]:
     from pipeclamp.api.importing import import_files
+    from pipeclamp.pages.imported import first_look
     from pipeclamp.show.table import cell
 
     found = import_files(files, folder, progress=tell, **stated)
@@ -97,7 +98,12 @@ def _imported(tell: Progress, files: list[str], folder: str, **stated: Any) -> d
         {"caption": table.caption, "header": list(table.header), "rows": [[cell(v) for v in row] for row in table.rows]}
         for table in view.tables
     ]
-    return {"lines": [*view.lines, *found.notes], "tables": tables, "written": found.written}
+    return {
+        "lines": [*view.lines, *found.notes],
+        "tables": tables,
+        "loops": first_look(found.found),
+        "written": found.written,
+    }
 
 
 def _tests(tell: Progress, campaign: str) -> Tests:

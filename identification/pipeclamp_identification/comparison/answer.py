@@ -139,6 +139,10 @@ class ComparisonAnswer(AnswerModel):
         description="cycle-to-cycle scatter of it, which no law can explain; None where a free motion counts, whose "
         "scatter nobody knows"
     )
+    mean_share: float | None = Field(
+        description="share of the squared force that the mean forces of the sines hold, a constant load; None without "
+        "sines"
+    )
     runs: tuple[RunComparison, ...]
     where: WhereAnswer
     left_out: tuple[LeftOutRun, ...]
@@ -151,6 +155,7 @@ def comparison_answer(comparison: Comparison) -> ComparisonAnswer:
     return ComparisonAnswer(
         nrmse=comparison.nrmse,
         noise_nrmse=comparison.known_noise,
+        mean_share=loops.mean_share if comparison.runs else None,
         runs=(
             *(
                 RunComparison(

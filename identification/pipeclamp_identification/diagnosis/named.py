@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Protocol, Self, TypeVar
 
+from pipeclamp_models.equations.effect import Effect
+from pipeclamp_models.law.catalogue import effect_id, find_entry
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
 
@@ -72,9 +74,19 @@ def parts_of(file: LawFile) -> list[str]:
 
 
 def unproved_of(file: LawFile) -> list[str]:
-    """Give what of a law may stand for something else: its parts, and a base that it was put on for its errors."""
+    """Give what of a law may stand for something else: its parts, and a base that it was put on for its errors.
+
+    Not a constant force where most of the force is a constant load: no effect of the motion makes as much of a mean.
+    """
     on_another_base = any(step.step.startswith(ON_BASE) for step in file.history)
-    return [*parts_of(file), *([f"{ON_BASE}{file.base}"] if on_another_base else [])]
+    loaded = file.fit is not None and file.fit.mean_share is not None
+    parts = [name for name in parts_of(file) if not (loaded and _is_constant(name))]
+    return [*parts, *([f"{ON_BASE}{file.base}"] if on_another_base else [])]
+
+
+def _is_constant(name: str) -> bool:
+    entry = find_entry(effect_id(name))
+    return isinstance(entry, Effect) and entry.is_constant
 
 
 def _tried_in_vain(effects: Sequence[str], file: LawFile, fingerprint: str, declared: Collection[Declaration]) -> str:

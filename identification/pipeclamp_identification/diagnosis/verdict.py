@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeclamp_identification.campaign.reading import Campaign
+from pipeclamp_identification.diagnosis.beyond_harmonics import beyond_harmonics
 from pipeclamp_identification.diagnosis.candidates import (
     as_it_is,
     candidates,
@@ -37,7 +38,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     MATERIAL_FORCE_SHARE,
     MATERIAL_NOISE_SHARE,
 )
-from pipeclamp_identification.diagnosis.weighing.scales import Weighed
+from pipeclamp_identification.diagnosis.weighing.scales import Weighed, nothing_named
 from pipeclamp_identification.diagnosis.weighing.tolerance import Tolerance, is_adequate, is_complete
 from pipeclamp_identification.diagnosis.weighing.weigh import weigh
 from pipeclamp_identification.fitting.identify import fit_structure
@@ -186,8 +187,13 @@ def diagnose(
     found = weigh(structure, problem, law, judged, tolerance, jobs, tell, differing)
     tell("what is left over")
     diagnosis = Diagnosis(found, law, tuple(judged), screened_out, problem, tolerance, campaign, loops)
-    if found.verdict == "complete" and diagnosis.leftover.not_periodic:
+    if found.verdict != "complete":
+        return diagnosis
+    if diagnosis.leftover.not_periodic:
         return replace(diagnosis, found=replace(found, verdict="unknown"))
+    beyond = beyond_harmonics(law.result.law, campaign, loops)
+    if beyond.sure_share > FORM_NOISE_SHARE:
+        return replace(diagnosis, found=nothing_named("unknown", beyond.words()))
     return diagnosis
 
 

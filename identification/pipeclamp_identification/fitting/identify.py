@@ -19,7 +19,7 @@ from pipeclamp_identification.fitting.misfit import RunMisfit, known_noise, misf
 from pipeclamp_identification.fitting.observations import LoopObservations, coarser, loop_observations
 from pipeclamp_identification.fitting.spread import spread_of
 from pipeclamp_identification.fitting.surfaces import elastic_values, surface_values
-from pipeclamp_identification.loops.loops import Loops, loops_of, per_cycle
+from pipeclamp_identification.loops.loops import PRELOADED, Loops, loops_of, per_cycle
 from pipeclamp_models.base.errors import UsageError
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.toml_file import unknown
@@ -241,6 +241,7 @@ def law_file(
         method=identification.method,
         nrmse=rounded(overall_nrmse(runs)),
         noise_nrmse=_rounded(known_noise(runs, identification.loops)),
+        mean_share=rounded(mean) if (mean := identification.loops.mean_share) > PRELOADED else None,
         runs=tuple(
             RunQuality(run=run.run, nrmse=rounded(run.nrmse), noise_nrmse=rounded(run.noise_nrmse) if many else None)
             for run, many in zip(runs, identification.loops.shows_scatter, strict=True)

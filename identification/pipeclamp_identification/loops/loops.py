@@ -20,6 +20,9 @@ from pipeclamp_models.base.threads import in_threads
 
 HARMONICS = 20
 """H, the highest harmonic that is kept."""
+PRELOADED = 0.8
+"""Share of the squared force that mean forces hold, above which most of it is a constant load: their rms is twice
+that of the rest, and a force with y^2 alone, more of a mean than any clamp makes of its motion, has 2/3."""
 
 Number = TypeVar("Number", bound=np.generic)
 Entry = TypeVar("Entry")
@@ -92,6 +95,12 @@ class Loops:
         """Return the part of the force, over all samples, that is not periodic: no law can explain it."""
         noise = np.sum(self.samples * self.noise_rms_N**2)
         return math.sqrt(noise / np.sum(self.samples * self.force_rms_N**2))
+
+    @property
+    def mean_share(self) -> float:
+        """Return the share of the squared force, over all samples, that the rows' mean forces hold: a preload."""
+        means = np.sum(self.samples * self.force[:, 0].real ** 2)
+        return float(means / np.sum(self.samples * self.force_rms_N**2))
 
 
 def loops_of(campaign: Campaign, harmonics: int = HARMONICS) -> Loops:

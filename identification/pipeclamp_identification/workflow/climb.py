@@ -15,6 +15,7 @@ from pipeclamp_identification.workflow.change import (
     add_effects,
     as_well_without,
     exchange,
+    fits_samples,
     stays_as_good,
     without_spares,
 )
@@ -257,7 +258,7 @@ class Climber:
         """Put a law on another base, or another effect of a family in one's place; None where none does better."""
         for structure in self.tests.better_structures(file, self.progress)[:MOST_EXCHANGED]:
             change = self._exchanged(file, structure)
-            if _helps([change]):
+            if _helps([change]) and fits_samples(change):
                 words = f"{change.effect}: the error on left-out conditions falls beyond doubt"
                 return Rung(change, "revision", (words,))
         return None

@@ -3,13 +3,13 @@
 import sympy as sp
 from sympy.codegen.cfunctions import expm1
 
-from pipeclamp_models.equations.effect import Effect, Parameter, State
+from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, State
 from pipeclamp_models.equations.literature import BOGRAD, FERRY
 from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, f_highest, f_lowest, h, y, y_previous
 
-k_m, tau, q = sp.symbols("k_m tau q", real=True)
-decay = sp.exp(-h / tau)
-ramp = sp.Piecewise((-tau / h * expm1(-h / tau), h > 0), (1, True))
+k_m, tau, tau_m, q = sp.symbols("k_m tau tau_m q", real=True)
+decay = sp.exp(-h / tau_m)
+ramp = sp.Piecewise((-tau_m / h * expm1(-h / tau_m), h > 0), (1, True))
 slowest, fastest = 1 / (2 * sp.pi * f_lowest), 1 / (2 * sp.pi * f_highest)
 
 EFFECT = Effect(
@@ -31,6 +31,7 @@ EFFECT = Effect(
             upper=slowest * 20,
         ),
     ),
+    coefficients=(Coefficient(tau_m, "s", "relaxation", tau),),
     force=q,
     states=(State(q, "N", "force of the arm", update=decay * q + k_m * ramp * (y - y_previous)),),
     energy=compliance(k_m) * q**2 / 2,

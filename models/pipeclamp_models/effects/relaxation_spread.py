@@ -69,7 +69,7 @@ EFFECT = Effect(
             for symbol, (below, above) in zip(k, pairwise(shares), strict=True)
         ),
         *(
-            Coefficient(symbol, "s", None, tau_r * sp.exp(place * distance))
+            Coefficient(symbol, "s", "relaxation", tau_r * sp.exp(place * distance))
             for symbol, place in zip(tau, places, strict=True)
         ),
     ),

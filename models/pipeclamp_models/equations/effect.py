@@ -191,6 +191,12 @@ class Effect:
         return f"{self.id}:{self.argument}" if self.argument else self.id
 
     @property
+    def is_constant(self) -> bool:
+        """Whether it is a force that nothing changes, neither the motion nor a condition."""
+        own = {parameter.symbol for parameter in self.parameters}
+        return self.force != NOTHING and not self.states and self.force.free_symbols <= own
+
+    @property
     def within_steps(self) -> tuple[sp.Symbol, ...]:
         """The symbols of its states and stages."""
         return (*(state.symbol for state in self.states), *(stage.symbol for stage in self.stages))

@@ -57,6 +57,14 @@ ARMSTRONG = (
     "Armstrong-Hélouvry, Dupont and Canudas de Wit: A survey of models, analysis tools and compensation methods for "
     "the control of machines with friction, Automatica 30(7), 1083-1138 (1994)"
 )
+WILLIAMS = (
+    "Williams, Landel and Ferry: The Temperature Dependence of Relaxation Mechanisms in Amorphous Polymers and Other "
+    "Glass-forming Liquids, Journal of the American Chemical Society 77(14), 3701-3707 (1955)"
+)
+ANDERSSON = (
+    "Andersson, Söderberg and Björklund: Friction Models for Sliding Dry, Boundary and Mixed Lubricated Contacts, "
+    "Tribology International 40(4), 580-587 (2007)"
+)
 SEGALMAN = (
     "Segalman: A Four-Parameter Iwan Model for Lap-Type Joints, Journal of Applied Mechanics 72(5), 752-760 (2005)"
 )

@@ -113,11 +113,16 @@ class RunQuality(Part):
 
 
 class FitQuality(Part):
-    """How well the law fits its data; `unsettled` are cycles on which its memory didn't become periodic, if any."""
+    """How well the law fits its data.
+
+    `mean_share` is the share of the squared force that the runs' mean forces hold, where it is most; `unsettled` are
+    cycles on which the law's memory didn't become periodic, if any.
+    """
 
     method: str
     nrmse: Finite
     noise_nrmse: Finite | None = None
+    mean_share: Annotated[float, Field(gt=0, lt=1)] | None = None
     runs: tuple[RunQuality, ...] = ()
     unsettled: Annotated[int, Field(ge=1)] | None = None
 

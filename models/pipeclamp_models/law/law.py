@@ -5,6 +5,7 @@ Nothing here loads SymPy before it is needed: that takes half a second.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Iterable, Mapping
@@ -267,15 +268,24 @@ def smoothing(smallest_amplitude: float, lowest_frequency: float) -> tuple[float
     return 2 * math.pi * lowest_frequency * y_r, y_r
 
 
-def base_for(effect: Effect) -> str:
-    """Give the first base law that a term belongs to, or that has what an effect scales; else the first of all."""
+def bare_for(effect: Effect) -> Structure:
+    """Give the plainest law that an effect can be added to, or that it is a term of.
+
+    It is the first base law that has what the effect scales; where none has, the first one with the first effect of
+    the catalogue that brings it; else the first one.
+    """
+    from pipeclamp_models.law.catalogue import listed
     from pipeclamp_models.law.compose import scaled_by
 
     if effect.part == "base":
-        return next(name for name, base in BASES.items() if effect.id in base.terms)
-    able = (name for name in BASES if scaled_by(effect, Structure(name).equations.composed.coefficients))
-    first = next(iter(BASES))
-    return next(able, first) if effect.scales else first
+        return Structure(next(name for name, base in BASES.items() if effect.id in base.terms))
+    plainest = Structure(next(iter(BASES)))
+    if not effect.scales:
+        return plainest
+    bases = (Structure(name) for name in BASES)
+    able = (bare for bare in bases if scaled_by(effect, bare.equations.composed.coefficients))
+    brought = (replace(plainest, effects=(one.name,)) for one in listed() if scaled_by(effect, one.coefficients))
+    return next(itertools.chain(able, brought), plainest)
 
 
 def with_effect(structure: Structure, effect: str) -> Structure:

@@ -12,8 +12,8 @@ from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.outline import Sizes
+from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
 from pipeclamp_models.realise.sizes import file_sizes, number_of
-from pipeclamp_models.realise.text import effect_statements, symbols_of
 
 REFERENCE = "emwm2"
 """The bundled law whose clamp's loops typical sizes are stated for."""

@@ -16,11 +16,11 @@ from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import law_of
-from pipeclamp_models.law.law import Law, Structure, base_for, with_effect
+from pipeclamp_models.law.law import Law, Structure, bare_for, with_effect
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion, sinusoids
+from pipeclamp_models.realise.reading.text import symbols_of
 from pipeclamp_models.realise.sizes import law_sizes, number_of
-from pipeclamp_models.realise.text import symbols_of
 
 CLAMP = "emwm2"
 """The bundled law whose base law stands for the clamp."""
@@ -60,7 +60,7 @@ def loops_with_and_without(effect: Effect, declared: Sequence[Declaration] = ())
         effect: the effect.
         declared: a user's own effects, of which it may be one.
     """
-    bare = Structure(base_for(effect), declared=tuple(declared))
+    bare = replace(bare_for(effect), declared=tuple(declared))
     labels, motion = _motions(effect)
     known = law_of(open_law(CLAMP))
     slow = {name: float(values[-1, 0]) for name, values in motion.slow.items() if name not in ("A", "f", "T")}

@@ -1,10 +1,15 @@
 // Files dropped on the page: taken, looked into, and made a campaign once that is confirmed.
-import { ask, complain, start, textOf } from "./ask.js";
+import { complain, start, textOf } from "./ask.js";
+
+/* global drawIn, onLookChanged */
 
 const drop = document.getElementById("drop");
 const input = document.getElementById("files");
 const form = document.getElementById("import");
 const write = document.getElementById("write");
+const look = form.querySelector("[value=look]");
+const proposed = document.getElementById("proposed");
+const WIDE = 900; // px, from which on loops stand beside each other
 const batch = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 let taken = 0;
 
@@ -21,7 +26,7 @@ async function take(files) {
     taken += 1;
   }
   told.textContent = `${taken} file${taken === 1 ? "" : "s"} taken`;
-  if (taken) { form.hidden = false; write.disabled = true; form.requestSubmit(form.querySelector("[value=look]")); }
+  if (taken) { form.hidden = false; right(false); form.requestSubmit(look); }
 }
 
 drop.addEventListener("dragover", (event) => { event.preventDefault(); drop.classList.add("over"); });
@@ -31,11 +36,29 @@ input.addEventListener("change", () => take([...input.files]));
 
 const value = (id) => document.getElementById(id).value.trim();
 
-form.addEventListener("input", () => { write.disabled = true; });
+// What comes next is the button that stands out.
+function right(known) {
+  write.disabled = !known;
+  write.classList.toggle("primary", known);
+  look.classList.toggle("primary", !known);
+}
+
+// A refusal ends with the option that would tell the channels: one click takes it over.
+function propose(says) {
+  const option = says.match(/--columns "([^"]+)"/);
+  proposed.hidden = !option;
+  proposed.onclick = () => {
+    document.getElementById("columns").value = option[1];
+    proposed.hidden = true;
+    right(false);
+  };
+}
+
+form.addEventListener("input", () => right(false));
 form.addEventListener("submit", async (event) => {
   event.preventDefault();
   const dry = event.submitter?.value !== "write";
-  const job = await start("/import/jobs", { batch, name: value("name"), columns: value("columns"), pattern: value("pattern"), skip_unusable: document.getElementById("skip").checked, dry_run: dry }, "-", ended);
+  const job = await start("/import/jobs", { batch, name: value("name"), columns: value("columns"), rate: value("rate").replace(",", "."), pattern: value("pattern"), skip_unusable: document.getElementById("skip").checked, dry_run: dry }, "-", ended);
   if (job) {
     const line = document.createElement("pre");
     line.className = "scroll";
@@ -46,9 +69,12 @@ form.addEventListener("submit", async (event) => {
 });
 
 function ended(job) {
-  if (job.state !== "done") return;
+  propose(job.state === "refused" ? job.says : "");
+  if (job.state !== "done") { document.getElementById("found").replaceChildren(); return; }
   if (job.kind === "import") { location.assign(`/c/${encodeURIComponent(value("name"))}/`); return; }
   const found = job.result.lines.map((line) => textOf("p", line));
+  const { loops } = job.result;
+  if (loops) found.push(pictured(loops));
   for (const table of job.result.tables) {
     const made = document.createElement("table");
     made.className = "plain";
@@ -66,5 +92,23 @@ function ended(job) {
     found.push(around);
   }
   document.getElementById("found").replaceChildren(...found);
-  write.disabled = false;
+  if (loops) onLookChanged(() => drawLoops(loops));
+  right(true);
+}
+
+function pictured(loops) {
+  const around = document.createElement("details");
+  around.open = innerWidth > WIDE;
+  const figure = document.createElement("figure");
+  const place = document.createElement("div");
+  place.id = "loops";
+  figure.append(textOf("figcaption", loops.words, "hidden"), place);
+  around.append(textOf("summary", loops.title), figure);
+  around.addEventListener("toggle", () => drawLoops(loops));
+  return around;
+}
+
+function drawLoops(loops) {
+  const place = document.getElementById("loops");
+  if (place?.closest("details").open) drawIn(place, JSON.parse(loops.specification));
 }

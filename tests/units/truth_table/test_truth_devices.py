@@ -1,23 +1,16 @@
 """The other devices: their laws are integrated soundly, by code of their own, and counted in the issue's words."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from project import TRUTH_TABLE, imported
 
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
 LAWS = (
     "bouc_wen", "dahl", "iwan", "power_law", "friction_pendulum", "drag", "zener_slip", "loose_hanger", "baber_noori",
     "slip_lock", "play_and_slip", "relief_damper", "rubber", "mr_damper", "memory_alloy", "wire_rope", "lugre",
-    "air_spring", "hydraulic_mount", "ring_spring", "eddy_current", "sliding_bearing",
+    "air_spring", "hydraulic_mount", "ring_spring", "eddy_current", "sliding_bearing", "warm_rubber",
 )  # fmt: skip
 MOST_STEP_ERROR = 3e-4
 """Rms by which the force may depend on the step, as a share of its rms: a tenth of the least sensor noise."""
-
-
-@pytest.fixture(autouse=True)
-def rig_on_path(monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
 
 
 def test_every_law_is_tried_here():
@@ -40,10 +33,9 @@ def test_a_device_is_inside_when_the_catalogue_has_all_that_it_holds(monkeypatch
 
 
 def test_the_laws_share_no_code_with_the_package():
-    from test_imports import imported
 
     for module in ("drive", "hysteresis", "flow", "registry", "rigs"):
-        names = {name.split(".")[0] for name in imported(FOLDER / "devices" / f"{module}.py")}
+        names = {name.split(".")[0] for name in imported(TRUTH_TABLE / "devices" / f"{module}.py")}
         assert not any(name.startswith("pipeclamp") for name in names), module
 
 

@@ -6,9 +6,9 @@ import ast
 import re
 import shlex
 import tomllib
-from pathlib import Path
 
 import pytest
+from project import ROOT
 from typer.main import get_command
 
 from pipeclamp.cli.app import app
@@ -26,7 +26,6 @@ from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_system.description.system import SystemDescription
 from pipeclamp_system.study.description import StudyDescription
 
-ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]

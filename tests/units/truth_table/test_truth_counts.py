@@ -3,16 +3,9 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
-
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
-
-
-@pytest.fixture(autouse=True)
-def rig_on_path(monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
+from project import TRUTH_TABLE
 
 
 def step(verdict, *effects, kind="cause"):
@@ -102,7 +95,13 @@ def test_several_draws_are_counted_together_from_their_journals(tmp_path):
     for name, rows in (("cases-1.jsonl", [row("right")]), ("cases-2.jsonl", [row("right"), row("wrong")])):
         text = "".join(f"{json.dumps(one)}\n" for one in rows) + json.dumps(row("failed"))[:40]
         (tmp_path / name).write_text(text, encoding="utf-8")
-    program = [sys.executable, FOLDER / "run.py", "--journals", tmp_path / "cases-1.jsonl", tmp_path / "cases-2.jsonl"]
+    program = [
+        sys.executable,
+        TRUTH_TABLE / "run.py",
+        "--journals",
+        tmp_path / "cases-1.jsonl",
+        tmp_path / "cases-2.jsonl",
+    ]
     told = subprocess.run(program, capture_output=True, encoding="utf-8", check=True).stdout
     assert "run.py --journals cases-1.jsonl cases-2.jsonl`: 3 cases." in told
     assert "| one effect, clean: right | 3 | 66.7% |" in told

@@ -12,7 +12,7 @@ import pytest
 from pipeclamp_models.base import kept as kept_module
 from pipeclamp_models.base.kept import kept, version_of
 from pipeclamp_models.law.catalogue import listed
-from pipeclamp_models.law.law import Structure, base_for
+from pipeclamp_models.law.law import Structure, bare_for, with_effect
 from pipeclamp_models.law.outline import as_json, from_json, number_in, outline_of
 from pipeclamp_models.realise.array_source import array_source
 from pipeclamp_models.realise.arrays import realise
@@ -67,7 +67,8 @@ def test_an_outline_comes_back_whole(structure):
 
 @pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.name)
 def test_starts_and_bounds_are_those_that_the_effect_states(effect):
-    structure = Structure(base_for(effect), () if effect.part == "base" else (effect.name,))
+    bare = bare_for(effect)
+    structure = bare if effect.part == "base" else with_effect(bare, effect.name)
     outlined = {parameter.name: parameter for parameter in structure.equations.parameters}
     for parameter in structure.equations.composed.parameters:
         found = outlined[parameter.name]

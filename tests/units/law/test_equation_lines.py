@@ -6,7 +6,7 @@ import pytest
 
 from pipeclamp_models.law.catalogue import find_effect, listed
 from pipeclamp_models.law.law import Structure
-from pipeclamp_models.realise.text import WIDEST, effect_statements, equation_lines, symbols_of
+from pipeclamp_models.realise.reading.text import effect_statements, equation_lines, symbols_of
 
 
 def lines(*effects):
@@ -44,23 +44,6 @@ def test_an_effect_is_stated_whole(effect):
     assert set().union(*(one.expression.free_symbols for one in statements)) <= explained
     for one in statements:
         assert not any(word in one.plain + one.latex for word in ("**", "Piecewise", "sign"))
-
-
-def test_a_wide_sum_takes_a_line_a_term():
-    force = effect_statements(find_effect("slip_lock"))[0].latex
-    left, first, second = force.removeprefix(r"\begin{split}").removesuffix(r"\end{split}").split(r" \\ & ")
-    mean = r"\left(\frac{z_{ln}}{2} + \frac{z_{lp}}{2}\right)"
-    assert left == rf"\Delta F = & {mean} \Bigl("
-    assert first.startswith("- ") and second.startswith("+ ") and second.endswith(r" \Bigr)")
-    assert "10^{-9}" in first and "1000000000" not in force
-    for line in (first, second):
-        assert line.count("{") == line.count("}")
-
-
-@pytest.mark.parametrize("effect", listed(), ids=lambda effect: effect.id)
-def test_lines_are_broken_only_where_they_are_wide(effect):
-    for one in effect_statements(effect):
-        assert (r"\begin{split}" not in one.latex) or len(one.plain) > WIDEST
 
 
 def test_statements_say_what_they_are():

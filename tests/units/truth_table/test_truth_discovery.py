@@ -1,13 +1,12 @@
 """The truth table of discovery: its laws are what their equations say, and answers are judged by their force."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from project import TRUTH_TABLE, imported
 from scipy.integrate import solve_ivp
 
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
 SHAPE = {"tau": 0.06, "limit": 0.2, "speed": 1.0, "stop": 0.7, "sign": 1.0, "contact": 420.0, "cycles": 100.0}
 STEP_ERROR = 2e-3
 """Share of the force (rms) by which the fine steps of the truth err: half of the least noise."""
@@ -17,11 +16,6 @@ LAWS = (
     "hardening_plastic", "wire_rope", "grease", "ageing_contacts", "warm_arm", "rubber_friction",
     "overshooting_friction", "glass_transition", "payne", "moving_peak", "running_in", "field_friction",
 )  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def rig_on_path(monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
 
 
 def base_law():
@@ -45,14 +39,13 @@ def sines(f=3.0, A=0.9):
 
 def test_the_laws_are_not_the_packages_and_share_no_code_with_it():
     from beyond import registry
-    from test_imports import imported
 
     from pipeclamp_models.law.catalogue import identifiers
 
     assert set(registry.LAWS) == set(LAWS)
     assert not set(registry.LAWS) & set(identifiers())
     for module in ("plain", "states", "factors", "registry"):
-        names = {name.split(".")[0] for name in imported(FOLDER / "beyond" / f"{module}.py")}
+        names = {name.split(".")[0] for name in imported(TRUTH_TABLE / "beyond" / f"{module}.py")}
         assert not any(name.startswith("pipeclamp") for name in names), module
 
 

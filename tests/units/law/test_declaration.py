@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import pickle
 import sys
-from pathlib import Path
 
 import pytest
+from project import DECLARED_EFFECTS
 
 from pipeclamp_identification.diagnosis.screen import fits_beside
 from pipeclamp_models.base.errors import UserError
@@ -22,7 +22,6 @@ from pipeclamp_models.realise import bounded
 from pipeclamp_models.realise.c import c_source
 from pipeclamp_models.realise.scalar import python_source
 
-EXAMPLES = Path(__file__).parents[1] / "effects" / "declared"
 GOOD = """
 id = "stop"
 title = "A stop"
@@ -172,7 +171,7 @@ def law_with(declaration: Declaration) -> dict:
     return content
 
 
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(DECLARED_EFFECTS.glob("*.toml")), ids=lambda path: path.stem)
 def test_a_law_file_travels_alone(path):
     file = parse_law(json.dumps(law_with(read_declaration(path))), "alone")
     assert file.declared == (read_declaration(path),)
@@ -193,7 +192,7 @@ def test_reading_a_law_executes_nothing(tmp_path, monkeypatch):
 
 def test_a_second_effect_of_the_same_symbols_is_no_partner():
     """A pair of candidates is fitted only where the two can stand in one law."""
-    copy = read_declaration(EXAMPLES / "contact_growth_copy.toml")
+    copy = read_declaration(DECLARED_EFFECTS / "contact_growth_copy.toml")
     with_copy = Structure(effects=(copy.id,), declared=(copy,))
     assert not fits_beside(with_copy, "contact_growth")
     assert fits_beside(with_copy, "viscous")

@@ -108,6 +108,7 @@ REFUSED = {
     "no finite number": ("/c/virtual/moved", b'{"law": "law1", "run": "x", "values": {"k10": NaN}}'),
     "no parameter": ("/c/virtual/moved", {"law": "law1", "run": "", "values": {"zz": 1}}),
     "an unsafe campaign": ("/import/jobs", {"batch": "0123456789abcdef", "name": "../x"}),
+    "no number of samples": ("/import/jobs", {"batch": "0123456789abcdef", "name": "x", "rate": "many"}),
     "no batch": ("/import/jobs", {"batch": "../../etc", "name": "x"}),
 }
 

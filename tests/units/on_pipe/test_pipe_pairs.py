@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from project import PIPE_TRUTH
 
 from pipeclamp.show.on_pipe import attribution_words
 from pipeclamp_identification.attribution.compared import compare_measured
@@ -14,7 +14,6 @@ from pipeclamp_identification.attribution.pairs import promised_pairs, refitted_
 from pipeclamp_identification.attribution.suspect import Suspect
 from pipeclamp_identification.attribution.verdict import Attribution, attribute
 
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "pipe_truth"
 TRUTH = {"support:2.9.stiffness", "added_mass"}
 NOISE = 0.01
 PARTS = ("real", "imag")
@@ -25,7 +24,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> Attribution:
     """A softer support and a mass together, under weak drive, by harmonic balance, with noise."""
     folder = tmp_path_factory.mktemp("two")
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(FOLDER)
+        patch.syspath_prepend(PIPE_TRUTH)
         from designs import MASS
         from measuring_trials import MEASURING_DESIGNS
         from pipe_rig import describe

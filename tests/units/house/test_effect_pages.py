@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import re
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from project import BUILD_SCRIPTS
 
 from pipeclamp_models.law.catalogue import find_effect, listed
 from pipeclamp_models.realise.effect_loops import SEEN, loops_with_and_without
 
 pytest.importorskip("matplotlib", reason="needs the extra docs")
 pytest.importorskip("sphinx", reason="needs the extra docs")
-sys.path.append(str(Path(__file__).parents[2] / "build_scripts" / "site"))
+sys.path.append(str(BUILD_SCRIPTS / "site"))
 from effect_loops import draw  # type: ignore[import-not-found]
 from effect_pages import page  # type: ignore[import-not-found]
 

@@ -17,7 +17,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.catalogue import entries, find_effect
 from pipeclamp_models.law.file import law_of
-from pipeclamp_models.law.law import base_for
+from pipeclamp_models.law.law import bare_for
 
 TestPlan.__test__ = False  # type: ignore[attr-defined]  # a plan of tests, no test
 PLAN = TestPlan(amplitudes=(0.3, 0.9), frequencies=(2.0,), temperatures=(20.0, 250.0), rate=400.0)
@@ -123,7 +123,8 @@ def test_every_effect_has_a_typical_size_that_shows_and_is_no_other_clamp(name):
     conditions = {"density_g_cm3": 2.35} if name == "density" else {}
     file = open_law("published_R1")
     plan = replace(QUIET, cycles=20.0)
-    needs = ["memory"] if base_for(find_effect(name)) == "memory" else []
+    bare = bare_for(find_effect(name))
+    needs = ["memory"] if bare.base == "memory" else list(bare.effects)
     found = truth_of(file, [*needs, name], conditions, plan)
     assert set(found.whence.values()) == {"typical size"}
     bare = truth_of(file, needs, {}, plan).law if needs else law_of(file)

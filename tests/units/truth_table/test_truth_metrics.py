@@ -1,18 +1,11 @@
 """The truth table of dW and W alone: its loops and errors are what they are meant to be, and its bounds are counted."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from project import TRUTH_TABLE, imported
 
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
 AGREEMENT = 3e-4
 """Rms log ratio that rounding to four digits and the points of the cycle leave."""
-
-
-@pytest.fixture(autouse=True)
-def rig_on_path(monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
 
 
 def drawn_case(effect, form="clean", plan="grid of 48", strength="large"):
@@ -24,9 +17,8 @@ def drawn_case(effect, form="clean", plan="grid of 48", strength="large"):
 
 
 def test_the_loops_share_no_physics_with_the_package():
-    from test_imports import imported
 
-    names = {name.split(".")[0] for name in imported(FOLDER / "metric_loops.py")}
+    names = {name.split(".")[0] for name in imported(TRUTH_TABLE / "metric_loops.py")}
     assert not any(name.startswith("pipeclamp") for name in names)
 
 

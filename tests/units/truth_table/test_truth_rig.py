@@ -1,18 +1,11 @@
 """The truth table's rig: two implementations that share no code agree on the base law and on every effect."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from project import TRUTH_TABLE, imported
 
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
 AGREEMENT = 9e-4
 """Rms of what may be left over, as a share of the force: samples see friction's reversals only so finely."""
-
-
-@pytest.fixture(autouse=True)
-def rig_on_path(monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
 
 
 def drawn_case(effect, form="clean"):
@@ -23,10 +16,9 @@ def drawn_case(effect, form="clean"):
 
 
 def test_the_rig_shares_no_physics_with_the_package():
-    from test_imports import imported
 
     for module in ("truth", "hidden", "unlisted"):
-        names = {name.split(".")[0] for name in imported(FOLDER / f"{module}.py")}
+        names = {name.split(".")[0] for name in imported(TRUTH_TABLE / f"{module}.py")}
         assert not any(name.startswith("pipeclamp") for name in names), module
 
 
@@ -45,7 +37,7 @@ def test_both_agree_on_the_base_law():
         "end_stop", "gap", "play", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency",
         "loosening", "density", "condition", "offset", "inertia", "delay", "stribeck", "exponential_stiffening",
         "displacement_friction", "self_centring", "pressed_slip",
-        "gas_spring", "relaxation_spread", "oil_damper", "inner_mass",
+        "gas_spring", "relaxation_spread", "oil_damper", "inner_mass", "rounded_friction",
     ],
 )  # fmt: skip
 def test_both_agree_on_an_effect(effect):

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import sympy as sp
-from sympy.codegen.cfunctions import expm1
 from sympy.printing.str import StrPrinter
 
 from pipeclamp_models.base.signals import CONDITION
 from pipeclamp_models.equations import symbols
 from pipeclamp_models.equations.effect import Effect
 from pipeclamp_models.law.compose import Composed
+from pipeclamp_models.realise.reading.typeset import PlusFirst, equation, latex
 
 
 def equation_lines(equations: Composed) -> list[str]:
@@ -22,13 +21,6 @@ def equation_lines(equations: Composed) -> list[str]:
     lines += [f"{stage.symbol}, within a step = {_text(stage.expression)}" for stage in equations.stages]
     lines += [f"{state.symbol}, after a step = {_text(state.update)}" for state in equations.states]
     return lines
-
-
-WIDEST = 120
-"""Signs of an equation's plain text from which on it takes several lines."""
-BREAK = r" \\ & "
-SMALL = 1000
-"""Whole numbers from which on their inverse is written as a power of ten, where it is one."""
 
 
 @dataclass(frozen=True)
@@ -52,35 +44,10 @@ class Statement:
 
     @property
     def latex(self) -> str:
-        """The whole equation in LaTeX, a term of the sum a line where it is too wide for one."""
-        if len(self.plain) > WIDEST and (lines := _terms(self.expression)):
-            return rf"\begin{{split}}{self.left} & {BREAK.join(lines)}\end{{split}}"
-        right = _latex(self.expression)
-        is_sum = isinstance(self.expression, sp.Add) and self.left.endswith(r"\times")
-        return rf"{self.left} \left({right}\right)" if is_sum else f"{self.left} {right}"
-
-
-def _terms(expression: sp.Expr) -> list[str]:
-    """Part a sum, or a product with one, into LaTeX of its terms; nothing without one, or where one term is wide.
-
-    Brackets that hold a sum over several lines have a size of their own: those that grow end with the line.
-    """
-    parts = sp.Mul.make_args(expression)
-    sums = [part for part in parts if isinstance(part, sp.Add)]
-    if not sums:
-        return []
-    longest = max(sums, key=lambda part: len(_text(part)))
-    *_, second, _ = sorted(len(_text(term)) for term in longest.args)
-    if second < WIDEST / 4:
-        return []
-    before = sp.Mul(*(part for part in parts if part is not longest))
-    terms = [_latex(term) for term in longest.as_ordered_terms()]
-    terms[1:] = [term if term.startswith("-") else f"+ {term}" for term in terms[1:]]
-    if before == 1:
-        return terms
-    terms[-1] += r" \Bigr)"
-    factor = rf"\left({_latex(before)}\right)" if isinstance(before, sp.Add) else _latex(before)
-    return [rf"{factor} \Bigl(", *terms]
+        """The whole equation in LaTeX, in lines that a narrow page holds."""
+        if isinstance(self.expression, sp.Add) and self.left.endswith(r"\times"):
+            return rf"{self.left} \left({latex(self.expression)}\right)"
+        return equation(self.left, self.expression)
 
 
 def effect_statements(effect: Effect) -> list[Statement]:
@@ -90,19 +57,19 @@ def effect_statements(effect: Effect) -> list[Statement]:
         found.append(Statement("force added, N", r"\Delta F =", effect.force))
     for coefficient in effect.coefficients:
         words = str(coefficient.symbol) + (f", {coefficient.unit}" if coefficient.unit != "-" else "")
-        found.append(Statement(words, f"{_latex(coefficient.symbol)} =", coefficient.expression))
+        found.append(Statement(words, f"{latex(coefficient.symbol)} =", coefficient.expression))
     for target, factor in effect.scales.items():
         found.append(Statement(f"factor on every {target}", rf"\text{{{target}}} \times", factor))
     for signal, path in effect.replaces.items():
-        found.append(Statement(f"in place of {signal}", f"{_latex(signal)} =", path))
+        found.append(Statement(f"in place of {signal}", f"{latex(signal)} \\leftarrow", path))
     if symbols.y in effect.replaces:
         found.append(Statement("force that comes through, N", "F =", effect.passes))
     found += [
-        Statement(f"{stage.symbol}, {stage.meaning}", f"{_latex(stage.symbol)} =", stage.expression)
+        Statement(f"{stage.symbol}, {stage.meaning}", f"{latex(stage.symbol)} =", stage.expression)
         for stage in effect.stages
     ]
     found += [
-        Statement(f"{state.symbol} after a step", f"{_latex(state.symbol)} \\leftarrow", state.update)
+        Statement(f"{state.symbol} after a step", f"{latex(state.symbol)} \\leftarrow", state.update)
         for state in effect.states
     ]
     if effect.lag != 0:
@@ -142,23 +109,6 @@ def _stiff(compliance: sp.Expr) -> sp.Expr:
     return compliance.args[0][0]
 
 
-def _is_small_power(expression: sp.Expr) -> bool:
-    """Tell whether a number is 1/1000 or a smaller power of ten."""
-    is_inverse = isinstance(expression, sp.Rational) and expression.p == 1 and expression.q >= SMALL
-    return is_inverse and str(expression.q).strip("0") == "1"
-
-
-def _latex(expression: sp.Expr) -> str:
-    expression = expression.replace(expm1, lambda argument: sp.exp(argument) - 1)
-    expression = expression.replace(_is_small_power, lambda one: sp.Symbol(f"10^{{-{len(str(one.q)) - 1}}}"))
-    names = {symbols.y_previous: r"y_\mathrm{prev}"}
-    for symbol in expression.free_symbols:
-        word = re.fullmatch(r"([a-z]{3,})(\d*)", str(symbol))
-        if word and str(sp.latex(symbol)).startswith(word[1]):  # a word, not the name of a Greek letter
-            names[symbol] = rf"\mathrm{{{word[1]}}}" + (f"_{{{word[2]}}}" if word[2] else "")
-    return str(sp.latex(expression, symbol_names=names)).replace(r"\operatorname{sign}", r"\operatorname{sgn}")
-
-
 def _text(expression: sp.Expr) -> str:
     text = str(_Words().doprint(expression)).replace("**", "^").replace("*", " ")
     # brackets around the words hold them together within a product; alone they hold nothing
@@ -166,7 +116,7 @@ def _text(expression: sp.Expr) -> str:
     return text[1:-1] if whole else text
 
 
-class _Words(StrPrinter):  # type: ignore[misc]
+class _Words(PlusFirst, StrPrinter):  # type: ignore[misc]
     """Prints cases in words, "(this if that; else the other)", and functions by their usual signs."""
 
     def _print_Piecewise(self, expression: sp.Piecewise) -> str:

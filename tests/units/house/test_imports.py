@@ -1,11 +1,10 @@
 """The rooms of the house: each package imports only those that stand before it, and what else it may know."""
 
 import ast
-from pathlib import Path
 
 import pytest
+from project import ROOT, imported
 
-ROOT = Path(__file__).parents[2]
 ROOTS = {
     "pipeclamp_models": "models",
     "pipeclamp_fmu": "fmu_src",
@@ -41,17 +40,6 @@ def folder(package):
     return ROOT / ROOTS[package] / package
 
 
-def imported(file):
-    """Names of modules that a file imports, relative ones refused."""
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{file}: relative import"
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
-
-
 @pytest.mark.parametrize("package", ROOTS)
 def test_nothing_imports_to_the_right(package):
     order = list(ROOTS)
@@ -81,6 +69,11 @@ def test_rooms_are_small_and_say_what_they_are_for(package):
         assert len(modules) - 1 <= MOST_MODULES or room in REGISTRIES, f"{room} holds {len(modules) - 1} modules"
         words = ast.get_docstring(ast.parse(entrance.read_text(encoding="utf-8"))) or ""
         assert len(words.splitlines()) >= 3, f"{room}: three lines should say what it is for"
+
+
+def test_rooms_of_tests_are_small():
+    for room in {file.parent for file in (ROOT / "tests" / "units").rglob("*.py")}:
+        assert len(list(room.glob("test_*.py"))) <= MOST_MODULES, room
 
 
 def test_polars_is_imported_in_one_place():

@@ -1,7 +1,6 @@
 """No law of the table of discovery is one term of the grammar: how near the nearest comes, of laws without memory."""
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.realise.array_source import ArrayPrinter
 from pipeclamp_models.realise.sizes import number_of
 
-FOLDER = Path(__file__).parents[2] / "build_scripts" / "truth_table"
 SHAPE = {"limit": 0.2, "speed": 1.0, "stop": 0.7, "sign": 1.0, "contact": 420.0, "cycles": 100.0, "tau": 0.06}
 SIZES = {
     "A_typical": 0.56, "A_highest": 1.0, "F_typical": 900.0, "f_typical": 2.5, "f_lowest": 1.0, "f_highest": 5.0,
@@ -30,11 +28,6 @@ LAWS = (
     "jammed_paste", "struck_pad", "shifted_flow", "glass_transition", "payne", "moving_peak", "running_in",
     "field_friction",
 )  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def rig_on_path(monkeypatch):
-    monkeypatch.syspath_prepend(FOLDER)
 
 
 def motions():

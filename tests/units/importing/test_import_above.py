@@ -109,6 +109,16 @@ def test_names_that_state_another_one_leave_it_open(tmp_path):
     assert "T{temperature_C}" in found.to_dict()["pattern"]
 
 
+def test_names_that_state_the_same_need_no_pattern(tmp_path):
+    folder = write_texts(tmp_path / "e", [loop(0.3)], **header("Prüftemperatur;20;°C"))
+    (only,) = folder.iterdir()
+    only.rename(folder / "Schelle_7_20C.csv")
+    found = pc.import_files(folder, tmp_path / "c")
+    assert "{temperature_C}" in found.to_dict()["pattern"]
+    assert set(temperatures(tmp_path / "c").values()) == {20.0}
+    assert not any("names look as if" in line for line in found.view().lines)
+
+
 def test_an_open_one_is_told_beside_no_temperature(tmp_path):
     folder = write_texts(tmp_path / "e", [loop(0.3)], **header("Raumtemperatur;21;°C"))
     found = pc.import_files(folder, tmp_path / "c")
