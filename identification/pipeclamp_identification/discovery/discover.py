@@ -23,9 +23,11 @@ from pipeclamp_identification.diagnosis.problem import (
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.columns import Evaluation, all_columns
 from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
-from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, best_of, refitted_of
+from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, Rival, best_of, refitted_of
 from pipeclamp_identification.discovery.refining import Refining
 from pipeclamp_identification.discovery.search import WORTH_FITTING, Screened, screened
+from pipeclamp_identification.discovery.telling import telling_test
+from pipeclamp_identification.discovery.weights import weighed_as
 from pipeclamp_identification.fitting.heldout import condition_groups
 from pipeclamp_identification.loops.loops import Loops, loops_of
 from pipeclamp_identification.signals.levels import varies
@@ -121,7 +123,8 @@ def search(
         heard += [other] if isinstance(other, Found) and other.passed else []
     if not heard:
         return Search(found, None, len(every), own if isinstance(own, str) else "")
-    result = best_heard(heard)
+    heard = weighed_by_the_best(heard, problem)
+    result = with_rivals_elsewhere(best_heard(heard), heard, problem.loops)
     failed = next((guard for guard in result.guards if not guard.passed), None)
     return Search(found, result, len(every), f"{result.term.acts_like}: {failed.words}" if failed else "")
 
@@ -231,6 +234,19 @@ def left_to_hear(left: Sequence[Refitted], failed: Refitted, alike: Sequence[boo
     ]
 
 
+def weighed_by_the_best(heard: Sequence[Found], problem: Problem) -> list[Found]:
+    """Give terms that passed in different places in the weights of the best of them, in which they are held together.
+
+    In those of the law without them, which lacks much, all that take most of it would be equals.
+    """
+    passed = [one for one in heard if one.passed]
+    if len(passed) < 2:
+        return list(heard)
+    best = min(passed, key=lambda one: one.judged.squares).judged.result
+    weighed, _ = weighed_again(problem, best.law.structure, best, [best])
+    return [replace(one, judged=weighed_as(one.judged, weighed)) for one in heard]
+
+
 def best_heard(heard: Sequence[Found]) -> Found:
     """Give what foretells best of terms beside a law's effects and in their place; of equals that of the shortest law.
 
@@ -240,6 +256,28 @@ def best_heard(heard: Sequence[Found]) -> Found:
     least = min(one.judged.squares for one in passed)
     near = [one for one in passed if one.judged.squares <= least + RIVAL_LIKELIHOOD]
     return min(near, key=lambda one: (len(one.judged.result.law.values), one.judged.squares))
+
+
+def with_rivals_elsewhere(best: Found, heard: Sequence[Found], loops: Loops) -> Found:
+    """Name among a term's rivals what does as well in another place, and the test that tells the two laws apart.
+
+    Args:
+        best: the term.
+        heard: it, and terms that passed beside a law's effects or in their place.
+        loops: the tests.
+    """
+    others = [
+        one for one in heard
+        if one is not best and one.passed and one.judged.squares <= best.judged.squares + RIVAL_LIKELIHOOD
+    ]  # fmt: skip
+    if not others:
+        return best
+    rivals = tuple(
+        Rival(one.term, f"in the place of {' and '.join(one.gone)}" if one.gone else "beside all effects of the law")
+        for one in others
+    )
+    telling = best.next_test or telling_test(best.judged.result.law, others[0].judged.result.law, loops)
+    return replace(best, rivals=(*best.rivals, *rivals), next_test=telling)
 
 
 def _by_name(loops: Loops) -> Loops:

@@ -26,6 +26,30 @@ from pipeclamp_identification.discovery.search import Screened, screened
 from pipeclamp_identification.discovery.telling import telling_test
 from pipeclamp_identification.loops.loops import Loops
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.law.declaration import Declaration
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A term that does as well as another.
+
+    Attributes:
+        term: the term.
+        place: where it stands, in words, if not where the other one does; else empty.
+    """
+
+    term: Term
+    place: str = ""
+
+    @property
+    def declaration(self) -> Declaration:
+        """The term's."""
+        return self.term.declaration
+
+    @property
+    def acts_like(self) -> str:
+        """What it does, and where it stands."""
+        return f"{self.term.acts_like}, {self.place}" if self.place else self.term.acts_like
 
 
 @dataclass(frozen=True)
@@ -46,7 +70,7 @@ class Found:
     term: Term
     judged: Judged
     law: Judged
-    rivals: tuple[Term, ...]
+    rivals: tuple[Rival, ...]
     next_test: str
     guards: tuple[Guard, ...]
     gone: tuple[str, ...] = ()
@@ -187,7 +211,9 @@ class Hearing:
         )
         telling = telling_test(found.result.law, rivals[0].judged.result.law, problem.loops) if rivals else ""
         caution = worse_between_levels(law, found, problem)
-        return Found(best.term, found, law, tuple(one.term for one in rivals), telling, guards, self.gone, caution)
+        return Found(
+            best.term, found, law, tuple(Rival(one.term) for one in rivals), telling, guards, self.gone, caution
+        )
 
 
 def best_of(refitted: Sequence[Refitted]) -> tuple[Refitted, list[Refitted]]:

@@ -14,11 +14,12 @@ import pytest
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
-from pipeclamp_identification.discovery import guards
+from pipeclamp_identification.discovery import discover, guards
 from pipeclamp_identification.discovery.columns import Column
 from pipeclamp_identification.discovery.discover import best_heard, left_to_hear, to_better
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.discovery.guards import (
+    Guard,
     beyond_the_tests,
     comes_back,
     confirmed,
@@ -31,7 +32,7 @@ from pipeclamp_identification.discovery.guards import (
     weighed_errors,
     worse_between_levels,
 )
-from pipeclamp_identification.discovery.hearing import Refitted, beside, best_of
+from pipeclamp_identification.discovery.hearing import Found, Refitted, beside, best_of
 from pipeclamp_identification.discovery.proposal import formula_of, renamed, toml_of
 from pipeclamp_identification.discovery.search import screened
 from pipeclamp_identification.discovery.telling import BEYOND_A, BEYOND_F
@@ -189,6 +190,47 @@ def test_of_terms_beside_effects_and_in_their_place_the_best_that_passed_is_take
         for name, each in (("beside", beside), ("instead", instead)) if each
     ]  # fmt: skip
     assert best_heard(heard).name == taken
+
+
+def test_terms_in_different_places_are_held_together_in_the_weights_of_the_best(monkeypatch):
+    """In those of the law without them, which lacks much, a shorter law had been taken for as good as the right one."""
+    term = next(iter(terms(("A", "f"), {})))
+
+    def heard(name, squares, parameters):
+        law = SimpleNamespace(values=dict.fromkeys(range(parameters)), structure=name)
+        judged = SimpleNamespace(squares=squares, result=SimpleNamespace(law=law))
+        return Found(term, judged, None, (), "", (Guard("asked", True, ""),), (name,))
+
+    def weighed(judged, problem):
+        return SimpleNamespace(squares=problem * judged.squares, result=judged.result)
+
+    monkeypatch.setattr(discover, "weighed_again", lambda problem, structure, best, starts: (problem * 10, None))
+    monkeypatch.setattr(discover, "weighed_as", weighed)
+    right, short = heard("right", 10.0, 9), heard("short", 15.0, 7)
+    assert best_heard([right, short]).gone == ("short",)
+    assert best_heard(discover.weighed_by_the_best([right, short], 1.0)).gone == ("right",)
+    assert discover.weighed_by_the_best([right], 1.0) == [right]
+
+
+def test_what_does_as_well_in_the_place_of_effects_is_a_rival(monkeypatch):
+    """Only terms beside the same effects had been named: the other one and its place were never heard of."""
+    monkeypatch.setattr(discover, "telling_test", lambda one, other, loops: f"{one} or {other}")
+    by_id = {term.declaration.id: term for term in terms(("A", "f"), {})}
+
+    def heard(name, squares, passed, gone):
+        judged = SimpleNamespace(squares=squares, result=SimpleNamespace(law=name))
+        guard = Guard("asked", passed, "")
+        return Found(by_id[f"found_{name}"], judged, None, (), "", (guard,), gone)
+
+    beside = heard("dry_damping", 103.0, True, ())
+    instead = heard("thinning_damping", 100.0, True, ("stribeck",))
+    failed, worse = heard("damping", 99.0, False, ("oil_damper",)), heard("viscous_damping", 120.0, True, ("gap",))
+    told = discover.with_rivals_elsewhere(beside, [beside, failed, instead, worse], None)
+    assert [one.acts_like for one in told.rivals] == [
+        "damping that thins with velocity, levelling off in the end, in the place of stribeck"
+    ]
+    assert told.next_test == "dry_damping or thinning_damping"
+    assert discover.with_rivals_elsewhere(beside, [beside, failed], None) is beside
 
 
 def test_the_simplest_stands_for_terms_that_act_as_one():
