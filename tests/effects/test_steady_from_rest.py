@@ -15,7 +15,8 @@ from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 
 JUMPING = {"series", "power+play"}
-"""At rest these have no slope: a force in series with a clearance, or with an element that slips at any force."""
+"""Driven so, the one just breaks away from its friction, and the other has more harmonics than a cycle's samples tell;
+`tests/properties/test_three_ways.py` has a clearance that is found."""
 WITH_MEMORY = [
     structure
     for structure in STRUCTURES

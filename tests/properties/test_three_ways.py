@@ -101,6 +101,31 @@ def test_three_ways_agree(bench: Path, law: str, name: str, temperature: float, 
     assert coupled == pytest.approx(whole, rel=0.01)
 
 
+def test_a_clearance_that_rest_leads_nowhere_from(bench: Path, write_law: Callable[..., None]) -> None:
+    """Where a clamp behind a clearance takes hold no path leads on from rest; the motion is the co-simulation's."""
+    frequency, cycles, steps = 9.0, 40, 500
+    write_law(bench / "loose.json", LAWS["soft"] | {"g_p": 0.05}, "power", ("damping_temperature", "play"))
+    build_clamp(read_law(bench / "loose.json"), bench / "loose.fmu")
+    pipe = reduce(parse_pipe(PIPES["pipe"]))
+    system = steady(bench, pipe, "loose", 20.0, 0.5)
+    assert system._grown_from_rest(frequency) is None
+    state = system.at(frequency)
+    assert state is not None
+    assert state.stable
+    balanced = [half_range(state.clamps)[0], half_range(state.probes)[0]]
+    file = bench / "loose.toml"
+    file.write_text(
+        '[pipe]\nfmu = "pipe.fmu"\n[[clamps]]\nat = "clamp1"\nfmu = "loose.fmu"\n'
+        "temperature_C = 20.0\namplitude_mm = 0.5\n"
+        f'[excitation]\nkind = "sine"\nacceleration_m_s2 = {ACCELERATION}\nfrequency_Hz = {frequency}\n'
+        f"[run]\nstop_s = {cycles / frequency!r}\nstep_s = {1 / (steps * frequency)!r}\n",
+        encoding="utf-8",
+    )
+    result = run_system(file)
+    coupled = [1e3 * result.amplitude(f"{point}.s", CYCLES_KEPT / cycles) for point in ("clamp1", "tip")]
+    assert balanced == pytest.approx(coupled, rel=0.01)
+
+
 def hardening(bench: Path, write_law: Callable[..., None], alpha: float = 1.0, c0: float = 0.02) -> SteadySystem:
     write_law(bench / "hard.json", {"k10": 4.0, "k30": 4.0, "c0": c0, "alpha0": alpha})
     file = read_law(bench / "hard.json")

@@ -23,6 +23,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.pipe.modes import ReducedPipe
 from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of
 from pipeclamp_system.steady.continuation import Equation, Refinement, Solution, Steps, between, follow, solve
+from pipeclamp_system.steady.equivalent import equivalent
 from pipeclamp_system.steady.floquet import growth
 from pipeclamp_system.steady.harmonics import (
     A_HARMONIC,
@@ -377,9 +378,48 @@ class SteadySystem:
         return None if start is None else self.state(start, frequency)
 
     def start(self, frequency: float) -> Array | None:
-        """Find the unknowns at a frequency by letting the excitation grow from nothing."""
+        """Find the unknowns at a frequency by letting the excitation grow from nothing.
+
+        Where a law has no slope at rest, or takes hold at once as a clearance does, no path may lead away from there:
+        then springs and dashpots, as stiff as the clamps on the motion that they make, turn into the clamps.
+        """
         if not self._clamps:
             return np.zeros(0)
+        found = self._grown_from_rest(frequency)
+        return self._turned_from_springs(frequency) if found is None else found
+
+    def _turned_from_springs(self, frequency: float) -> Array | None:
+        """Find the unknowns at a frequency by turning springs and dashpots into the clamps, under the whole drive."""
+        at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
+        responses = self.responses(at)
+        told = equivalent(self._forces, responses[0, : self.clamps], -1j * float(drive[0]), at)
+        if told is None:
+            return None
+        guess, stiffness = told
+        size = float(np.abs(guess).max())
+
+        def equation(unknowns: Array, share: float) -> tuple[Array, Array, Array]:
+            whole, by_unknowns, _ = self._linearised(unknowns, at, drive, responses)
+            rows = self.unpacked(np.vstack([np.zeros(unknowns.size), np.eye(unknowns.size)]))
+            forces = stiffness[None, :, None] * rows
+            forces[:, :, 0] = forces[:, :, 0].real
+            loaded = packed(self._driven(forces, drive, responses[:, : self.clamps]))
+            springs = np.eye(unknowns.size) - (loaded[1:] - loaded[0]).T
+            linear = springs @ unknowns - loaded[0]
+            return share * whole + (1 - share) * linear, share * by_unknowns + (1 - share) * springs, whole - linear
+
+        turning = Equation(equation)
+        begin = solve(turning, packed(guess[None])[0], 0.0, size)
+        if begin is None:
+            return None
+        path = list(follow(turning, Solution(0.0, begin), 1.0, size, Steps(longest=0.2)))
+        if path[-1].parameter != 1.0:
+            return None
+        found = solve(self.over_level(frequency), path[-1].unknowns, 1.0, size)
+        return None if found is None else self.with_sides(found, frequency)
+
+    def _grown_from_rest(self, frequency: float) -> Array | None:
+        """Find the unknowns at a frequency by letting the excitation grow from nothing."""
         linear = self._excitation(frequency) * float(np.abs(self.responses(np.array([frequency]))[0, :, 0, 1]).max())
         at_rest = solve(self.over_level(frequency), np.zeros(self.size), 0.0, SMALLEST)
         if at_rest is None:

@@ -121,8 +121,20 @@ def solve(equation: Equation, guess: Array, parameter: float, size: float, toler
     """
     found = _solved(equation, guess, parameter, size, tolerance)
     while found is not None and (asked := equation.asked(found, parameter)) > found.size:
-        found = _solved(equation, equation.resized(found, asked), parameter, size, tolerance)
+        found = _grown(equation, found, asked, parameter, size, tolerance)
     return found
+
+
+def _grown(
+    equation: Equation, found: Array, asked: int, parameter: float, size: float, tolerance: float
+) -> Array | None:
+    """Solve in more unknowns than a solution has: in as many as are asked for, else in half of what is added."""
+    while (guess := equation.resized(found, asked)).size > found.size:
+        finer = _solved(equation, guess, parameter, size, tolerance)
+        if finer is not None:
+            return finer
+        asked = (found.size + guess.size) // 2
+    return None
 
 
 def _solved(equation: Equation, guess: Array, parameter: float, size: float, tolerance: float) -> Array | None:

@@ -8,7 +8,7 @@ from pipeclamp.pages.page import Card, Section
 from pipeclamp.pages.pictures import LoopPanel, curves_picture, loops_picture
 from pipeclamp.pages.sketch import sketch
 from pipeclamp.pages.waterfall import ESTIMATED, Rung
-from pipeclamp.show.diagnosis import against, before_physics, candidate_table, helpful
+from pipeclamp.show.diagnosis import LEAST_HELP, against, before_physics, candidate_table, helpful
 from pipeclamp.show.sentences import sentence
 from pipeclamp_identification.campaign.drive import DrivePlan
 from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
@@ -39,14 +39,16 @@ def diagnosis_answer(answer: Diagnosed) -> Section:
 def promised(diagnosis: Diagnosis) -> list[Rung]:
     """Give the law as it is, and what the effects that the answer names, or the best one, would make of it.
 
-    Of two that help only together neither is promised anything alone: they are added at once.
+    Of two that help only together neither is promised anything alone: they are added at once. Two that do nothing are
+    not drawn.
     """
     named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
     # what runs at the same stated conditions differ by is promised to no effect
     best = [] if diagnosis.found.unstated or diagnosis.found.bent else diagnosis.candidates[:1]
     both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
     alone = [] if both else named or best
-    together = [diagnosis.pair] if diagnosis.pair else []
+    pair = diagnosis.pair
+    together = [pair] if pair and explained_share(pair, diagnosis.law) >= LEAST_HELP else []
     return [
         Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),
         *(

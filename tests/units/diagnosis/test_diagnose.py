@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from bump import BUMP
 
+from pipeclamp.pages.diagnosis import promised
 from pipeclamp.pages.page import plain, render
 from pipeclamp.pages.sections import diagnosis_page
 from pipeclamp.show.diagnosis_views import diagnosis_view
@@ -138,6 +139,9 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
         assert in_studio == on_page, "the studio promises what the page does"
     told, both = told_of(found, file, ""), " + ".join(found.together)
     assert [rung.label for rung in told.promised] == [f"+ {both}"], "neither is promised anything alone"
+    pair = replace(found.diagnosis.law, effects=("bouc_wen", "slip_speed"))
+    idle = replace(found.diagnosis, found=replace(found.diagnosis.found, pair=pair))
+    assert all("slip_speed" not in rung.label for rung in promised(idle)), "two that do nothing are no step"
     assert told.offered == (",".join(found.together),)
     (candidate,) = (each for each in told.candidates if each.name in told.offered)
     assert candidate.heldout_nrmse == told.promised[0].heldout_nrmse
