@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import groupby, repeat
@@ -118,8 +118,8 @@ class FrequencyResponse:
                 f"{name} {peak:.3g} mm at {frequency:.3g} Hz{ends[frequency]}"
                 for name, (peak, frequency) in zip(self.points, peaks, strict=True)
             )
-            stretches = [_span(low, high) for low, high in unstable_stretches(curve.pieces)]
-            branch = f"; unstable {', '.join(stretches)}" if stretches else ""
+            unstable = _spans(stretches(curve.pieces, lambda state: not state.stable))
+            branch = f"; unstable {unstable}" if unstable else ""
             broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
             apart = "".join(
                 f"; {about(piece)}"
@@ -146,11 +146,12 @@ class FrequencyResponse:
         )
         if worst.truncated <= DOUBTFUL:
             return [line]
-        low, high = (edge(s.frequency for s in states if s.truncated > DOUBTFUL) for edge in (min, max))
+        pieces = [piece for curve in self.curves for piece in curve.pieces]
+        doubtful = _spans(stretches(pieces, lambda state: state.truncated > DOUBTFUL))
         more = "the force steps there, or more can't be balanced; co-simulate there"
         if self.stated_harmonics:
             more = "leave harmonics out of [response], so that they follow the motion"
-        return [doubt(f"{line}; more than {DOUBTFUL:.0%} {_span(low, high)}: {more}")]
+        return [doubt(f"{line}; more than {DOUBTFUL:.0%} {doubtful}: {more}")]
 
     def about_ranges(self) -> list[str]:
         """Say where a clamp's law is used beyond the range of its data."""
@@ -211,12 +212,14 @@ def _places(dots: Sequence[Dot]) -> str:
     return "; ".join(f"{label(dot.temperature, dot.level)}, {dot.frequency:.4g} Hz" for dot in dots)
 
 
-def unstable_stretches(pieces: Iterable[Sequence[SteadyState]]) -> list[tuple[float, float]]:
-    """Give least and largest frequency (Hz) of each unstable stretch of a curve; those that overlap are one."""
+def stretches(
+    pieces: Iterable[Sequence[SteadyState]], told: Callable[[SteadyState], bool]
+) -> list[tuple[float, float]]:
+    """Give least and largest frequency (Hz) of each stretch of which something is told; those that overlap are one."""
     found: list[tuple[float, float]] = []
     for piece in pieces:
-        for stable, states in groupby(piece, key=lambda state: state.stable):
-            if not stable:
+        for is_told, states in groupby(piece, key=told):
+            if is_told:
                 frequencies = [state.frequency for state in states]
                 found.append((min(frequencies), max(frequencies)))
     apart: list[tuple[float, float]] = []
@@ -231,6 +234,11 @@ def unstable_stretches(pieces: Iterable[Sequence[SteadyState]]) -> list[tuple[fl
 def _span(low: float, high: float) -> str:
     """Say a range of frequencies, Hz."""
     return f"at {low:.4g} Hz" if f"{low:.4g}" == f"{high:.4g}" else f"from {low:.4g} to {high:.4g} Hz"
+
+
+def _spans(ranges: Iterable[tuple[float, float]]) -> str:
+    """Say ranges of frequencies, Hz."""
+    return ", ".join(_span(low, high) for low, high in ranges)
 
 
 def _about_detached(branch: Sequence[SteadyState]) -> str:

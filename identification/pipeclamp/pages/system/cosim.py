@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Section, doubted, styled
 from pipeclamp.pages.pictures import curves_picture, thinned
 from pipeclamp.pages.system.bands import add_area, run_bands_section
+from pipeclamp.show.sentences import sentence
 from pipeclamp.show.table import Table
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_system.bands.ensemble import RunBands
@@ -52,9 +53,9 @@ def cosim_sections(
 
 
 def answer_first(lines: Sequence[str]) -> list[str]:
-    """Give a summary as a page tells it: what came out before how it was computed."""
+    """Give a summary as a page tells it, in sentences: what came out before how it was computed."""
     how, *what = lines
-    return [*what, how]
+    return [*map(sentence, what), sentence(how)]
 
 
 def answer_section(lines: Sequence[str], following: NextStep | None) -> Section:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from pipeclamp_system.steady.response import Curve, FrequencyResponse, unstable_stretches
+from pipeclamp_system.steady.response import Curve, FrequencyResponse, stretches
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState
 
 
@@ -20,8 +22,18 @@ BENT = states((5.0, -1), (7.0, 1), (6.5, 1), (6.0, 1), (8.0, -1), (9.0, -1), (10
 
 
 def test_a_stable_stretch_between_two_unstable_ones_is_no_part_of_either():
-    assert unstable_stretches([BENT]) == [(6.0, 7.0), (10.0, 11.0)]
-    assert unstable_stretches([BENT, states((6.8, 1), (7.4, 1))]) == [(6.0, 7.4), (10.0, 11.0)]
+    def unstable(*pieces):
+        return stretches(pieces, lambda state: not state.stable)
+
+    assert unstable(BENT) == [(6.0, 7.0), (10.0, 11.0)]
+    assert unstable(BENT, states((6.8, 1), (7.4, 1))) == [(6.0, 7.4), (10.0, 11.0)]
     curve = Curve(None, 1.0, FollowedResponse((BENT,), whole=True))
     said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
     assert "; unstable from 6 to 7 Hz, from 10 to 11 Hz" in said
+
+
+def test_where_harmonics_are_left_out_is_told_stretch_by_stretch():
+    left_out = [replace(one, truncated=0.02 if one.frequency in (5.0, 12.0) else 0.001) for one in BENT]
+    curve = Curve(None, 1.0, FollowedResponse((tuple(left_out),), whole=True))
+    said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
+    assert "more than 1% at 5 Hz, at 12 Hz: " in said
