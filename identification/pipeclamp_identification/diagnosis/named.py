@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Protocol, Self, TypeVar
 
-from pipeclamp_models.equations.effect import Effect
-from pipeclamp_models.law.catalogue import effect_id, find_entry
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import InVain, Kind, LawFile, Verdict
 
@@ -85,6 +83,10 @@ def unproved_of(file: LawFile) -> list[str]:
 
 
 def _is_constant(name: str) -> bool:
+    # equations load SymPy, which takes half a second
+    from pipeclamp_models.equations.effect import Effect
+    from pipeclamp_models.law.catalogue import effect_id, find_entry
+
     entry = find_entry(effect_id(name))
     return isinstance(entry, Effect) and entry.is_constant
 
