@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +12,9 @@ from pipeclamp_identification.fitting.least_squares import sized_and_linearised,
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import Linearised
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.equations.effect import Family
+from pipeclamp_models.equations.effect import Effect, Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
+from pipeclamp_models.law.compose import scaled_by
 from pipeclamp_models.law.law import Structure, with_effect
 
 
@@ -72,12 +73,12 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
     """
     try:
         larger = with_effect(structure, name)
-        stated, known = _starts(structure, larger, name, problem, law)
+        stated = list(_starts(structure, larger, name, problem, law))
     except UserError:
         if any(declaration.id == name for declaration in structure.declared):
             raise  # who declares an effect wants to know why it can't be tried
         return None
-    started = [sized_and_linearised(larger, problem.coarse, point, known) for point in stated]
+    started = [sized_and_linearised(larger, problem.coarse, point, known) for point, known in stated]
     starts, steps = [start for start, _ in started], [step for _, step in started]
     costs = [step.cost_after_one_step() for step in steps]
     best = int(np.argmin(costs))
@@ -86,14 +87,34 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
 
 def _starts(
     structure: Structure, larger: Structure, name: str, problem: Problem, law: Judged
-) -> tuple[Sequence[Mapping[str, float]], Collection[str]]:
-    """Give the points that an effect is tried from, beside or in place of what the law has, and what stays of that."""
+) -> Iterator[tuple[Mapping[str, float], Collection[str]]]:
+    """Give the points that an effect is tried from, beside or in place of what the law has, and what stays of that.
+
+    Effects that it scales begin anew, too: without it they may have come to a valley of their own.
+    """
     values = law.result.law.values
     smaller = next((one for one in structure.all_effects() if effect_id(one.name) == effect_id(name)), None)
-    if smaller is None:
-        return starting_points(larger, problem.observations, values), set(values)
-    gone = {parameter.name for parameter in smaller.parameters}
-    return refined_starts(larger, smaller, problem.observations, values), set(values) - gone
+    if smaller is not None:
+        gone = {parameter.name for parameter in smaller.parameters}
+        for point in refined_starts(larger, smaller, problem.observations, values):
+            yield point, set(values) - gone
+        return
+    kept = [values]
+    if scaled := scaled_in(structure, structure.effect(name)):
+        kept.append({name: value for name, value in values.items() if name not in scaled})
+    for known in kept:
+        for point in starting_points(larger, problem.observations, known):
+            yield point, set(known)
+
+
+def scaled_in(structure: Structure, effect: Effect) -> set[str]:
+    """Give the parameters of a law's effects that an effect scales; none of the base law's."""
+    return {
+        parameter.name
+        for name in structure.effects
+        if scaled_by(effect, (present := structure.effect(name)).coefficients)
+        for parameter in present.parameters
+    }
 
 
 def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], Promise]:

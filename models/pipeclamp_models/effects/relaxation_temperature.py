@@ -1,32 +1,37 @@
-"""Relaxation times over temperature: tau times exp(r_T1 t + r_T2 t^2), t = (T - T0)/100 K, of all that relaxes."""
+"""Relaxation times over temperature: tau times a_T of Williams, Landel and Ferry, of all that relaxes.
+
+ln a_T = r_T1 t/(1 + 100 K t/w_T), t = (T - T0)/100 K: r_T1 is the slope at T0; w_T below T0 nothing relaxes any more.
+"""
 
 import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import FERRY, WILLIAMS
-from pipeclamp_models.equations.symbols import T_0, T
+from pipeclamp_models.equations.symbols import T_0, T, T_lowest
 
-r_T1, r_T2 = sp.symbols("r_T1 r_T2", real=True)
-t = (T - T_0) / 100
+r_T1, w_T = sp.symbols("r_T1 w_T", real=True)
+STILL = sp.Rational(1, 10)
+"""Share of w_T above that end at which times are held: within it they would pass all bounds."""
+above = sp.Max(1 + (T - T_0) / w_T, STILL)
 
 EFFECT = Effect(
     id="relaxation_temperature",
     part="clamp",
     does="relaxation times follow the temperature: what relaxes is at another place of its frequencies",
-    source=f"{WILLIAMS}; {FERRY}, on time-temperature superposition. Its logarithm is a parabola about T0 here",
+    source=f"{WILLIAMS}; {FERRY}, on time-temperature superposition",
     looks_like="a loop at a higher temperature is as one at a lower frequency: stiffness and damping change with T as "
     "they do with f",
     imitated_by=("damping_temperature", "stiffness_frequency"),
     told_apart_by="a decade of frequency at several temperatures: curves over f lie on one when shifted along log f",
     parameters=(
         Parameter(
-            r_T1, "-", "log change of relaxation times per 100 K at T0", (-1.0, -4.0, -12.0), -20.0, 20.0, neutral=0.0,
+            r_T1, "-", "log change of relaxation times per 100 K at T0", (-1.0, -4.0, -12.0), -25.0, 25.0, neutral=0.0,
             follows=(T,),
         ),
         Parameter(
-            r_T2, "-", "bend of the log of relaxation times per (100 K)^2", (0.0,) * 3, -10.0, 10.0, neutral=0.0,
-            follows=(T,), levels=3,
+            w_T, "K", "how far below T0 nothing relaxes any more", (120.0,) * 3, sp.Max(40.0, 1.3 * (T_0 - T_lowest)),
+            1000.0, neutral=120.0, follows=(T,), levels=3, known_within=50.0,
         ),
     ),
-    scales={"relaxation": sp.exp(r_T1 * t + r_T2 * t**2)},
+    scales={"relaxation": sp.exp(r_T1 * (T - T_0) / 100 / above)},
 )  # fmt: skip

@@ -34,6 +34,7 @@ from pipeclamp_identification.workflow.change import add_effect
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.law.catalogue import find_effect
 from pipeclamp_models.law.declaration_files import read_declaration
 from pipeclamp_models.law.file import InVain, LastDiagnosis, law_text
 from pipeclamp_models.law.law import Law, Structure, with_effect
@@ -123,6 +124,21 @@ def test_a_weak_effect_with_a_shape_of_its_own_is_found_from_starts_of_any_size(
     found = [roughly(with_effect(Structure("power"), "oil_damper"), [start], problem) for start in promise.starts]
     assert max(each.cost for each in found) < law.result.cost
     assert min(each.cost for each in found) < 0.02 * law.result.cost
+
+
+def test_what_scales_an_effect_of_the_law_is_tried_with_that_begun_anew(campaign):
+    """Fitted to warm and cold tests alike, relaxation times come to a valley of their own."""
+    arms = {"k_m": 400.0, "tau": 0.05, "r_T1": -4.0, "w_T": 150.0}
+    tests = campaign(("relaxation", "relaxation_temperature"), **arms)
+    structure = Structure("power", ("relaxation",))
+    problem, fitted = prepare(structure, loops_of(tests))
+    law = judge((), structure, [fitted.law.values], problem)
+    (promise,) = screened(structure, problem, law, silent, ["relaxation_temperature"])
+    times = {start["tau"] for start in promise.starts}
+    assert law.result.law.values["tau"] in times
+    assert len(times) == 1 + len(find_effect("relaxation").parameters[1].starts)
+    (promise,) = screened(structure, problem, law, silent, ["damping_temperature"])
+    assert {start["tau"] for start in promise.starts} == {law.result.law.values["tau"]}
 
 
 def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign, tmp_path):
