@@ -153,7 +153,7 @@ def test_an_effect_is_shown_whole(pipeclamp, tmp_path):
     text = pipeclamp("effects", "relaxation").stdout
     for words in (
         "q after a step",
-        "exp(-h/tau)",
+        "exp(-h/tau_m)",
         "k_m",
         "N/mm",
         "relaxation time",
