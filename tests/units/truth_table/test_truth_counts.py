@@ -85,6 +85,9 @@ def test_targets_leave_weak_cases_aside_and_say_what_was_missed():
     assert not right["met"]
     assert not sound(rows)
     assert sound(rows[:2])
+    outside = row("wrong") | {"kind": "unlisted", "form": "rough"}
+    assert sound([*9 * [row("right")], outside])
+    assert not sound([*9 * [row("right")], outside, outside])
     text = markdown(rows, "the command")
     assert "| one effect, clean: right | 3 | 66.7% | >= 98% | **missed** |" in text
     assert "effect/gap/clean/middle/low/A/wrong" in text
