@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import pytest
+from project import BUILD_SCRIPTS, ROOT
 
 from pipeclamp_models.law.catalogue import listed
 
@@ -13,11 +13,11 @@ pytest.importorskip("furo", reason="needs the extra docs")
 pytest.importorskip("latex2mathml", reason="needs the extra docs")
 pytest.importorskip("matplotlib", reason="needs the extra docs")
 pytest.importorskip("myst_parser", reason="needs the extra docs")
-sys.path.append(str(Path(__file__).parents[2] / "build_scripts" / "site"))
+sys.path.append(str(BUILD_SCRIPTS / "site"))
 from effect_pages import page as effect_page  # type: ignore[import-not-found]
 from sphinx.application import Sphinx
 
-STYLES = Path(__file__).parents[2] / "docs" / "_static"
+STYLES = ROOT / "docs" / "_static"
 EFFECTS = [effect.id for effect in listed()]
 WIDTH = 420
 SETTINGS = {
