@@ -23,7 +23,7 @@ def test_a_state_that_slips_is_told_in_words():
 
 def test_cases_within_a_product_stand_in_brackets():
     (state,) = [line for line in lines("relaxation") if line.startswith("q, after a step")]
-    assert "(-tau (exp(-h/tau) - 1)/h if h > 0; else 1)" in state
+    assert "(-tau_m (exp(-h/tau_m) - 1)/h if h > 0; else 1)" in state
 
 
 @pytest.mark.parametrize("effect", ["gap", "end_stop", "quadratic_damping", "memory:2", "relaxation", "contact_growth"])
