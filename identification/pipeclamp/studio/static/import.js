@@ -112,3 +112,6 @@ function drawLoops(loops) {
   const place = document.getElementById("loops");
   if (place?.closest("details").open) drawIn(place, JSON.parse(loops.specification));
 }
+
+// They may have been chosen before this ran: the page shows before its pictures' library has come.
+if (input.files.length) take([...input.files]);
