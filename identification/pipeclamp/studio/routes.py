@@ -211,7 +211,7 @@ class Pages:
         name = uploads.safe_campaign(_text(asked, "name"))
         files = uploads.batch_folder(self.desk.home, _text(asked, "batch"))
         task = commands.import_task(
-            files, self.desk.home / name, {name: _text(asked, name) for name in STATED if name in asked},
+            files, self.desk.home / name, {option: _text(asked, option) for option in STATED if option in asked},
             skip_unusable=bool(asked.get("skip_unusable", False)), dry_run=bool(asked.get("dry_run", True)),
         )  # fmt: skip
         job = self.desk.jobs.start("", task, lambda job: self.desk.forget(name))

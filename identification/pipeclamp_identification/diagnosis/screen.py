@@ -101,7 +101,7 @@ def _starts(
         return
     kept = [values]
     if scaled := scaled_in(structure, structure.effect(name)):
-        kept.append({name: value for name, value in values.items() if name not in scaled})
+        kept.append({own: value for own, value in values.items() if own not in scaled})
     for known in kept:
         for point in starting_points(larger, problem.observations, known):
             yield point, set(known)

@@ -80,9 +80,11 @@ def _worth_climbing(turns: Sequence[Turn], end: LawFile) -> list[Turn]:
 
     Those that the end has all the same come last: with them first, the way takes much the same in another order.
     """
-    near = sorted(turns, key=lambda turn: (turn.effect in end.effects, -turn.share))
-    first = {turn.effect: turn for turn in reversed(near) if turn.share >= OTHER_WAY_SHARE}
-    return [turn for turn in near if first.get(turn.effect) is turn][:MOST_OTHER_WAYS]
+    near = (turn for turn in turns if turn.share >= OTHER_WAY_SHARE)
+    first: dict[str, Turn] = {}
+    for turn in sorted(near, key=lambda turn: (turn.effect in end.effects, -turn.share)):
+        first.setdefault(turn.effect, turn)
+    return list(first.values())[:MOST_OTHER_WAYS]
 
 
 def _ends_better(other: Settled, best: Settled) -> bool:

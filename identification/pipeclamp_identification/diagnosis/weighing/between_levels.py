@@ -71,7 +71,8 @@ def worst_level(law: Judged, problem: Problem) -> LeftOutLevel | None:
     """Give the level between others that a law foretells worst from the others; None where no level lies between."""
     found = []
     for level in _levels_between(problem.loops):
-        square = max(_added_square(law.result.law, problem, level.rows), 0.0)
+        there, here = _squares(law.result.law, problem, level.rows)
+        square = max(there - here, 0.0)
         noise = float(np.mean(problem.loops.scatter_rms_N[level.rows] ** 2))
         rms, share = float(np.sqrt(square)), float(np.sqrt(square / noise))
         found.append(LeftOutLevel(level.condition, level.unit, level.label, rms, share))
@@ -93,7 +94,7 @@ def rests_on(candidate: Judged, law: Judged, problem: Problem) -> Level | None:
     for level in _levels_between(problem.loops):
         if np.sum(gain[level.rows]) <= HALF_TAKEN_SHARE * np.sum(gain):
             continue
-        before, after = (_square_left_out(one.result.law, problem, level.rows) for one in (law, candidate))
+        before, after = (_squares(one.result.law, problem, level.rows)[0] for one in (law, candidate))
         if after > (1 - MATERIAL_PART_SHARE) * before:
             return level
     return None
@@ -107,39 +108,33 @@ def _levels_between(loops: Loops) -> Iterator[Level]:
             yield Level(condition, unit, level.label, level.rows)
 
 
-def _square_left_out(law: Law, problem: Problem, level: Rows) -> float:
-    """Give the mean-square error on a level, N2, of the nearest law that the other runs agree with."""
-    others = problem.observations.rows(np.setdiff1d(np.arange(len(problem.loops.run)), level))
-    return _mean_square(law, problem, level, others) + _added_square(law, problem, level)
-
-
-def _added_square(law: Law, problem: Problem, level: Rows) -> float:
-    """Give the mean square by which the nearest law that the other runs agree with errs more on a level than the law.
+def _squares(law: Law, problem: Problem, level: Rows) -> tuple[float, float]:
+    """Give the mean-square error on a level, N2, of the nearest law that the other runs agree with, and of the law.
 
     Args:
         law: as fitted to all runs.
         problem: the data.
         level: rows of the level.
-
-    Returns:
-        N2; zero where the other runs agree with the law itself, or are too few for it.
     """
-    rest = np.setdiff1d(np.arange(len(problem.loops.run)), level)
-    others = problem.observations.rows(rest)
+    others = problem.observations.rows(np.setdiff1d(np.arange(len(problem.loops.run)), level))
+    there, here = (_mean_square(one, problem, level, others) for one in (_nearest(law, others), law))
+    return there, here
+
+
+def _nearest(law: Law, others: WhitenedObservations) -> Law:
+    """Give the nearest law that runs agree with: the law itself where they do with it, or are too few to be fitted."""
     try:
         refitted = fit(law.structure, others, start=law.values, tolerance=CLOSELY)
     except UserError:
-        return 0.0
+        return law
     most = _cost(refitted, law, others, 0.0) + float(DISAGREE_LIKELIHOOD)
 
     def beyond(share: float) -> float:
         return _cost(refitted, law, others, share) - most
 
     if beyond(1.0) <= 0.0:
-        return 0.0
-    nearest = _between(refitted, law, float(brentq(beyond, 0.0, 1.0, xtol=SHARE_ERROR)))
-    there, here = (_mean_square(one, problem, level, others) for one in (nearest, law))
-    return there - here
+        return law
+    return _between(refitted, law, float(brentq(beyond, 0.0, 1.0, xtol=SHARE_ERROR)))
 
 
 def _between(refitted: Fit, law: Law, share: float) -> Law:
