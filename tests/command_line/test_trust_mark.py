@@ -71,7 +71,7 @@ def test_steps_that_are_too_long_are_marked_though_the_energy_is_right(pipeclamp
     shaken("sequential", 1 / (FREQUENCY * float(mark[2])))
     done = pipeclamp("cosim", "system.toml", "-o", "result.csv", "--report", "result.html", cwd=folder)
     assert "NOT TO BE TRUSTED" not in done.stdout + done.stderr
-    assert re.search(r"the displacement errs by [01]\.\d+% in amplitude and phase", done.stdout)
+    assert re.search(r"The displacement errs by [01]\.\d+% in amplitude and phase", done.stdout)
     assert set(pl.read_csv(folder / "result.csv")["trusted [1 yes, 0 no]"]) == {1.0}
     drawn = titles(folder / "result.html")
     assert len(drawn) == 3
@@ -117,7 +117,8 @@ def test_a_page_of_the_demo_and_its_lines_bear_the_same_marks(shaken, parts, mar
     page = co_simulated(folder / "system.toml", folder / "page.html", "20 degC", told.append)
     on_page = re.findall(r'<p class="doubt">(.*)</p>', page.read_text(encoding="utf-8"))
     assert bool(on_page) == marked
-    assert [html.unescape(mark) for mark in on_page] == [line.strip() for line in told if "NOT TO BE" in line]
+    # On a page a mark is a sentence of its own, with its full stop.
+    assert [html.unescape(mark) for mark in on_page] == [f"{line.strip()}." for line in told if "NOT TO BE" in line]
     assert all("NOT TO BE TRUSTED" in title for title in titles(page)) == marked
     assert re.search(r"displacement errs by \d+\.\d+% for its steps", told[0]), told
 
