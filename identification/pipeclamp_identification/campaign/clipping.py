@@ -113,7 +113,8 @@ class Extremes:
         low, high: its least and largest value.
         held: those of the two in which neighbouring samples agree.
         quanta: steps between its values that its range holds; 0 where nothing is held, and nobody asks.
-        amplitude: of the force's fundamental, which says how different runs are.
+        amplitude: of the channel's fundamental, which says how different runs are: at other temperatures a motion that
+            is the same has another force.
     """
 
     low: float
@@ -124,7 +125,7 @@ class Extremes:
 
 
 def extremes_of(record: Record, cycles: Cycles, channel: Channel, amplitude: float) -> Extremes:
-    """Give how far a channel of a run goes; `amplitude` is that of the run's fundamental."""
+    """Give how far a channel of a run goes; `amplitude` is that of its fundamental."""
     samples = getattr(record, COLUMNS[channel])[cycles.steady]
     low, high = float(np.min(samples)), float(np.max(samples))
     agreeing = samples[1:][samples[1:] == samples[:-1]]

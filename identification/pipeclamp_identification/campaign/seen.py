@@ -76,8 +76,10 @@ def seen_sine(record: Record, cycles: Cycles) -> SeenSine:
     """Look at a record of a sine that can be used."""
     by_cycle = cycle_by_cycle(record, cycles)
     shown = fundamental_of(record, cycles, by_cycle)
-    force = shown.amplitude_mm * abs(shown.stiffness)
-    ends = {channel: extremes_of(record, cycles, channel, force) for channel in UNITS}
+    amplitudes: dict[Channel, float] = {
+        "displacement": shown.amplitude_mm, "force": shown.amplitude_mm * abs(shown.stiffness)
+    }  # fmt: skip
+    ends = {channel: extremes_of(record, cycles, channel, amplitudes[channel]) for channel in UNITS}
     place, mean_force = (float(np.mean(one[:, 0].real)) for one in (by_cycle.displacement, by_cycle.force))
     return SeenSine(*_clock(record), shown, place, mean_force, cycles, by_cycle, ends)
 

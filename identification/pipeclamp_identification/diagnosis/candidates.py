@@ -23,8 +23,9 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, starting_points
+from pipeclamp_identification.fitting.least_squares import Fit, sized_start, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
+from pipeclamp_identification.fitting.starts import kept
 from pipeclamp_models.law.catalogue import effect_id
 from pipeclamp_models.law.law import Structure, with_effect
 
@@ -185,7 +186,14 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
         if fits(structure, name) or not fits_beside(larger, name):
             continue
         both = with_effect(larger, name)
-        starts = starting_points(both, problem.observations, first.result.law.values)
+        stated = first.result.law.values
+        points = [
+            sized_start(both, problem.observations, point, kept(point, stated))
+            for point in starting_points(both, problem.observations, stated)
+        ]
+        promising = most_promising_first(both, problem.observations, points)
+        going_on = next(point for point in promising if kept(point, stated) == set(stated))
+        starts = [going_on, *(point for point in promising if point is not going_on)]
         contenders.append(Contender((first.effects[0], name), both, starts))
     return contenders
 

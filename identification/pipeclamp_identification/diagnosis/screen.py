@@ -10,11 +10,10 @@ import numpy as np
 from pipeclamp_identification.diagnosis.problem import Judged, Problem, are_one_memory
 from pipeclamp_identification.fitting.least_squares import sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
-from pipeclamp_identification.fitting.starts import Linearised
+from pipeclamp_identification.fitting.starts import Linearised, kept
 from pipeclamp_models.base.errors import UserError
-from pipeclamp_models.equations.effect import Effect, Family
+from pipeclamp_models.equations.effect import Family
 from pipeclamp_models.law.catalogue import effect_id, entries, find_effect
-from pipeclamp_models.law.compose import scaled_by
 from pipeclamp_models.law.law import Structure, with_effect
 
 
@@ -88,10 +87,7 @@ def _promise(structure: Structure, name: str, problem: Problem, law: Judged) -> 
 def _starts(
     structure: Structure, larger: Structure, name: str, problem: Problem, law: Judged
 ) -> Iterator[tuple[Mapping[str, float], Collection[str]]]:
-    """Give the points that an effect is tried from, beside or in place of what the law has, and what stays of that.
-
-    Effects that it scales begin anew, too: without it they may have come to a valley of their own.
-    """
+    """Give the points that an effect is tried from, beside or in place of what the law has, and what stays of that."""
     values = law.result.law.values
     smaller = next((one for one in structure.all_effects() if effect_id(one.name) == effect_id(name)), None)
     if smaller is not None:
@@ -99,22 +95,8 @@ def _starts(
         for point in refined_starts(larger, smaller, problem.observations, values):
             yield point, set(values) - gone
         return
-    kept = [values]
-    if scaled := scaled_in(structure, structure.effect(name)):
-        kept.append({own: value for own, value in values.items() if own not in scaled})
-    for known in kept:
-        for point in starting_points(larger, problem.observations, known):
-            yield point, set(known)
-
-
-def scaled_in(structure: Structure, effect: Effect) -> set[str]:
-    """Give the parameters of a law's effects that an effect scales; none of the base law's."""
-    return {
-        parameter.name
-        for name in structure.effects
-        if scaled_by(effect, (present := structure.effect(name)).coefficients)
-        for parameter in present.parameters
-    }
+    for point in starting_points(larger, problem.observations, values):
+        yield point, kept(point, values)
 
 
 def beside(promise: Promise, first: Judged, law: Judged) -> tuple[float, dict[str, float], Promise]:

@@ -18,7 +18,9 @@ from pipeclamp_identification.fitting.priors import priors_of, spreads_of
 from pipeclamp_identification.fitting.starts import (
     SINGULAR,
     Linearised,
+    Values,
     combined,
+    kept,
     most_promising,
     sized,
     starts_of_effects,
@@ -29,7 +31,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.base.units import grows_with_force
-from pipeclamp_models.law.law import Equations, Law, Structure, find_base, smoothing
+from pipeclamp_models.law.law import Equations, Law, Structure, find_base, scaled_in, smoothing
 from pipeclamp_models.law.outline import ParameterOutline, Sizes, number_in
 from pipeclamp_models.realise.force import LawForce, force_of_equations
 from pipeclamp_models.realise.motion import refuse_unknown_conditions
@@ -211,7 +213,8 @@ def fit(
         structure: the law's structure; parameters that its base or `frozen` hold stay there.
         observations: what is fitted.
         start: values to start from, by name; the other parameters start where their effects say. Without a value here,
-            an effect with several starts is tried from each of them, see `most_promising`.
+            an effect with several starts is tried from each of them, see `most_promising`. So is one with values here
+            that an effect without values scales: without that one it may have come to a valley of its own.
         tolerance: relative change of cost or parameters below which the fit ends.
         progress: is told what is being done.
 
@@ -230,9 +233,10 @@ def fit(
     A, f = observations.motion.slow["A"], observations.motion.slow["f"]
     smooth = smoothing(float(np.min(A)), float(np.min(f)))
     best: tuple[float, Array] | None = None
-    choices = starts_of_effects(equations, start or {}, scales)
+    given = start or {}
+    choices = _choices(structure, given, scales)
     chosen = most_promising(choices, lambda at: linearised(structure, observations, at).cost_after_one_step())
-    starts = [sized_start(structure, observations, values, start or {}) for values in chosen]
+    starts = [sized_start(structure, observations, values, kept(values, given)) for values in chosen]
     with one_thread():
         law = _Remembered(observations, equations, smooth)
         for attempt, values in enumerate(starts):
@@ -251,8 +255,23 @@ def fit(
 def starting_points(
     structure: Structure, observations: Observations, given: Mapping[str, float]
 ) -> list[dict[str, float]]:
-    """Give the points that a fit starts from: each effect's own starts in combination, given values as they are."""
-    return combined(starts_of_effects(structure.equations, given, data_scales(observations)))
+    """Give the points that a fit starts from, each effect's in combination; see `fit`."""
+    return combined(_choices(structure, given, data_scales(observations)))
+
+
+def _choices(structure: Structure, given: Mapping[str, float], scales: Sizes) -> list[list[Values]]:
+    """Give the points that each effect starts from: given values, the effect's own starts, or both; see `fit`."""
+    equations = structure.equations
+    stated = starts_of_effects(equations, given, scales)
+    new = {parameter.effect for parameter in equations.parameters if parameter.name not in given}
+    if not new or not given:  # then no effect has to be looked up, which loads the mathematics
+        return stated
+    scaled = set().union(*(scaled_in(structure, effect) for effect in structure.all_effects() if effect.name in new))
+    anew = {name: value for name, value in given.items() if name not in scaled}
+    return [
+        [*points, *(point for point in own if point not in points)]
+        for points, own in zip(stated, starts_of_effects(equations, anew, scales), strict=True)
+    ]
 
 
 def sized_start(

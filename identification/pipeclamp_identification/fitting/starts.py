@@ -105,16 +105,21 @@ def starts_of_effects(equations: Equations, given: Values, scales: Sizes) -> lis
         ]
         known = all(parameter.name in given for parameter in parameters)
         count = 1 if known else max(len(parameter.starts) for parameter in parameters)
-        found.append(
-            [
-                {
-                    parameter.name: starts[min(index, len(starts) - 1)]
-                    for parameter, starts in zip(parameters, stated, strict=True)
-                }
-                for index in range(count)
-            ]
-        )
+        points: list[Values] = []
+        for index in range(count):
+            point = {
+                parameter.name: starts[min(index, len(starts) - 1)]
+                for parameter, starts in zip(parameters, stated, strict=True)
+            }
+            if point not in points:  # for some tests two starts are one
+                points.append(point)
+        found.append(points)
     return found
+
+
+def kept(point: Values, given: Values) -> set[str]:
+    """Give the names of the values that a start has of those given."""
+    return {name for name, value in given.items() if point[name] == value}
 
 
 def combined(choices: Sequence[Sequence[Values]]) -> list[dict[str, float]]:

@@ -5,12 +5,12 @@ from sympy.codegen.cfunctions import expm1
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, State
 from pipeclamp_models.equations.literature import BOGRAD, FERRY
-from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, f_highest, f_lowest, h, y, y_previous
+from pipeclamp_models.equations.relaxation_times import LOWER, STARTS, UPPER
+from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, h, y, y_previous
 
 k_m, tau, tau_m, q = sp.symbols("k_m tau tau_m q", real=True)
 decay = sp.exp(-h / tau_m)
 ramp = sp.Piecewise((-tau_m / h * expm1(-h / tau_m), h > 0), (1, True))
-slowest, fastest = 1 / (2 * sp.pi * f_lowest), 1 / (2 * sp.pi * f_highest)
 
 EFFECT = Effect(
     id="relaxation",
@@ -21,15 +21,8 @@ EFFECT = Effect(
     imitated_by=("viscous", "stiffness_frequency", "relaxation_spread", "oil_damper"),
     told_apart_by="a wider range of frequency: the stiffness levels off and the damping falls again",
     parameters=(
-        Parameter(k_m, "N/mm", "stiffness of the arm", (0.05 * F_typical / A_typical,) * 3, lower=0.0),
-        Parameter(
-            tau,
-            "s",
-            "relaxation time",
-            (slowest, sp.sqrt(slowest * fastest), fastest),
-            lower=fastest / 20,
-            upper=slowest * 20,
-        ),
+        Parameter(k_m, "N/mm", "stiffness of the arm", (0.05 * F_typical / A_typical,) * len(STARTS), lower=0.0),
+        Parameter(tau, "s", "relaxation time", STARTS, LOWER, UPPER),
     ),
     coefficients=(Coefficient(tau_m, "s", "relaxation", tau),),
     force=q,

@@ -13,7 +13,8 @@ from sympy.codegen.cfunctions import expm1
 
 from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, State
 from pipeclamp_models.equations.literature import COLE, KOELLER, PARK
-from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, f_highest, f_lowest, h, y, y_previous
+from pipeclamp_models.equations.relaxation_times import LOWER, STARTS, UPPER
+from pipeclamp_models.equations.symbols import A_typical, F_typical, compliance, h, y, y_previous
 
 ARMS = 7
 DECADES = sp.Rational(1, 2)
@@ -40,8 +41,6 @@ def after(arm: int) -> sp.Expr:
     return sp.exp(-h / tau[arm]) * q[arm] + k[arm] * ramp * (y - y_previous)
 
 
-slowest, fastest = 1 / (2 * sp.pi * f_lowest), 1 / (2 * sp.pi * f_highest)
-
 EFFECT = Effect(
     id="relaxation_spread",
     part="clamp",
@@ -53,14 +52,11 @@ EFFECT = Effect(
     "relaxation time makes a hump of one decade",
     special_cases=("relaxation",),
     parameters=(
-        Parameter(k_r, "N/mm", "stiffness of all arms", (0.1 * F_typical / A_typical,) * 3, lower=0.0),
+        Parameter(k_r, "N/mm", "stiffness of all arms", (0.1 * F_typical / A_typical,) * len(STARTS), lower=0.0),
+        Parameter(tau_r, "s", "relaxation time in the middle", STARTS, LOWER, UPPER),
         Parameter(
-            tau_r, "s", "relaxation time in the middle", (slowest, sp.sqrt(slowest * fastest), fastest),
-            lower=fastest / 20, upper=slowest * 20,
-        ),
-        Parameter(
-            beta_r, "-", "order of the springpot: 1 one relaxation time, less a wider spread", (0.5,) * 3, lower=0.2,
-            upper=1.0,
+            beta_r, "-", "order of the springpot: 1 one relaxation time, less a wider spread", (0.5,) * len(STARTS),
+            lower=0.2, upper=1.0,
         ),
     ),
     coefficients=(

@@ -7,12 +7,12 @@ import sympy as sp
 
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.equations.literature import FERRY, WILLIAMS
+from pipeclamp_models.equations.relaxation_times import ABOVE_STILL, COLDEST, HOTTEST, SLOPE, log_factor
 from pipeclamp_models.equations.symbols import T_0, T, T_lowest
 
 r_T1, w_T = sp.symbols("r_T1 w_T", real=True)
 STILL = sp.Rational(1, 10)
 """Share of w_T above that end at which times are held: within it they would pass all bounds."""
-above = sp.Max(1 + (T - T_0) / w_T, STILL)
 
 EFFECT = Effect(
     id="relaxation_temperature",
@@ -25,13 +25,15 @@ EFFECT = Effect(
     told_apart_by="a decade of frequency at several temperatures: curves over f lie on one when shifted along log f",
     parameters=(
         Parameter(
-            r_T1, "-", "log change of relaxation times per 100 K at T0", (-1.0, -4.0, -12.0), -25.0, 25.0, neutral=0.0,
+            r_T1, "-", "log change of relaxation times per 100 K at T0", (-1.0, SLOPE, -12.0), -25.0, 25.0, neutral=0.0,
             follows=(T,),
         ),
         Parameter(
-            w_T, "K", "how far below T0 nothing relaxes any more", (120.0,) * 3, sp.Max(40.0, 1.3 * (T_0 - T_lowest)),
-            1000.0, neutral=120.0, follows=(T,), levels=3, known_within=50.0,
+            w_T, "K", "how far below T0 nothing relaxes any more", (ABOVE_STILL,) * 3,
+            sp.Max(40.0, 1.3 * (T_0 - T_lowest)), 1000.0, neutral=ABOVE_STILL, follows=(T,), levels=3,
+            known_within=50.0,
         ),
     ),
-    scales={"relaxation": sp.exp(r_T1 * (T - T_0) / 100 / above)},
+    scales={"relaxation": sp.exp(log_factor(T - T_0, r_T1, w_T, STILL))},
+    brings_into_view=(COLDEST, HOTTEST),
 )  # fmt: skip

@@ -149,6 +149,8 @@ class Effect:
         stages: what is computed on the way to the new states, in order.
         energy: the energy that it stores, N mm, so that what is dissipated can be accounted for.
         scales: factors on coefficients, by coefficient name or by role; roles that no term has are passed over.
+        brings_into_view: factors by which starts and bounds of parameters reach further where it scales them: what lies
+            outside of the tests' view at one condition, at another it may lie within.
         replaces: what stands in place of a fast signal, for effects in series with a path: of `x` for all forces of the
             elastic path, of `y` and `v` for all else in the clamp (what the rig adds stays outside). In updates of what
             stands behind, the effect's own states then count before the step with `y_previous`, after it with `y`.
@@ -177,6 +179,7 @@ class Effect:
     stages: tuple[Stage, ...] = ()
     energy: sp.Expr = NOTHING
     scales: Mapping[str, sp.Expr] = field(default_factory=dict)
+    brings_into_view: tuple[sp.Expr, ...] = ()
     replaces: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
     passes: sp.Expr = symbols.F_path
     lag: sp.Expr = NOTHING

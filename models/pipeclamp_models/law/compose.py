@@ -131,6 +131,22 @@ def scaled_by(effect: Effect, coefficients: Sequence[Coefficient]) -> list[tuple
     ]
 
 
+def brought_into_view(
+    effects: Sequence[Effect], coefficients: Sequence[Coefficient]
+) -> dict[sp.Symbol, tuple[sp.Expr, ...]]:
+    """Give the factors by which starts and bounds reach further, by parameter: of the unit of what is scaled."""
+    return {
+        parameter.symbol: scaling.brings_into_view
+        for scaling in effects
+        if scaling.brings_into_view
+        for index, _ in scaled_by(scaling, coefficients)
+        for effect in effects
+        for parameter in effect.parameters
+        if parameter.unit == coefficients[index].unit
+        and parameter.symbol in coefficients[index].expression.free_symbols
+    }
+
+
 def refuse_misfits(effects: tuple[Effect, ...], base: str) -> None:
     """Refuse effects that can't be composed, without composing them, which takes up to a second.
 

@@ -288,6 +288,18 @@ def bare_for(effect: Effect) -> Structure:
     return next(itertools.chain(able, brought), plainest)
 
 
+def scaled_in(structure: Structure, effect: Effect) -> set[str]:
+    """Give the parameters of a law's effects that an effect scales; none of the base law's."""
+    from pipeclamp_models.law.compose import scaled_by
+
+    return {
+        parameter.name
+        for name in structure.effects
+        if scaled_by(effect, (present := structure.effect(name)).coefficients)
+        for parameter in present.parameters
+    }
+
+
 def with_effect(structure: Structure, effect: str) -> Structure:
     """Give the structure with one more effect; a larger member of a numbered family takes the smaller one's place.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from types import CodeType
@@ -118,11 +118,15 @@ def from_json(content: Mapping[str, Any]) -> Outline:
 def outline_of(composed: Composed) -> Outline:
     """Give the outline of composed equations."""
     from pipeclamp_models.equations import symbols
+    from pipeclamp_models.law.compose import brought_into_view
 
+    factors = brought_into_view(composed.effects, composed.coefficients)
     return Outline(
         effects=tuple(effect.name for effect in composed.effects),
         parameters=tuple(
-            _parameter(parameter, effect.name, parameter.symbol in composed.used_symbols)
+            _parameter(
+                parameter, effect.name, factors.get(parameter.symbol, ()), parameter.symbol in composed.used_symbols
+            )
             for effect in composed.effects
             for parameter in effect.parameters
         ),
@@ -134,15 +138,21 @@ def outline_of(composed: Composed) -> Outline:
     )
 
 
-def _parameter(parameter: Parameter, effect: str, used: bool) -> ParameterOutline:
+def _parameter(parameter: Parameter, effect: str, factors: Sequence[sp.Expr], used: bool) -> ParameterOutline:
+    starts = (*parameter.starts, *(factor * start for factor in factors for start in parameter.starts))
+    lower, upper = parameter.lower, parameter.upper
+    if factors:
+        import sympy as sp
+
+        lower, upper = lower * sp.Min(1, *factors), upper * sp.Max(1, *factors)
     return ParameterOutline(
         name=parameter.name,
         unit=parameter.unit,
         meaning=parameter.meaning,
         effect=effect,
-        starts=tuple(_quantity(start) for start in parameter.starts),
-        lower=_quantity(parameter.lower),
-        upper=_quantity(parameter.upper),
+        starts=tuple(_quantity(start) for start in starts),
+        lower=_quantity(lower),
+        upper=_quantity(upper),
         spread=None if parameter.spread is None else _quantity(parameter.spread),
         neutral=parameter.neutral,
         follows=tuple(map(str, parameter.follows)),

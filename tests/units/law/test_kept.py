@@ -12,6 +12,7 @@ import pytest
 from pipeclamp_models.base import kept as kept_module
 from pipeclamp_models.base.kept import kept, version_of
 from pipeclamp_models.law.catalogue import listed
+from pipeclamp_models.law.compose import brought_into_view
 from pipeclamp_models.law.law import Structure, bare_for, with_effect
 from pipeclamp_models.law.outline import as_json, from_json, number_in, outline_of
 from pipeclamp_models.realise.array_source import array_source
@@ -72,8 +73,15 @@ def test_starts_and_bounds_are_those_that_the_effect_states(effect):
     outlined = {parameter.name: parameter for parameter in structure.equations.parameters}
     for parameter in structure.equations.composed.parameters:
         found = outlined[parameter.name]
+        further = brought_into_view(structure.all_effects(), structure.equations.composed.coefficients)
+        factors = (1, *further.get(parameter.symbol, ()))
         ours = [number_in(value, SIZES) for value in (*found.starts, found.lower, found.upper, found.spread or 0.0)]
-        stated = [*parameter.starts, parameter.lower, parameter.upper, parameter.spread or 0.0]
+        stated = [
+            *(factor * start for factor in factors for start in parameter.starts),
+            parameter.lower * min(number_of(factor, SIZES) for factor in factors),
+            parameter.upper * max(number_of(factor, SIZES) for factor in factors),
+            parameter.spread or 0.0,
+        ]
         assert ours == pytest.approx([number_of(value, SIZES) for value in stated], rel=1e-14, abs=0.0)
 
 
