@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, sized_start, starting_points
+from pipeclamp_identification.fitting.least_squares import Fit, linearised, sized_start, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import kept
 from pipeclamp_models.law.catalogue import effect_id
@@ -153,12 +153,17 @@ def pairs(
     jobs: int,
     tell: Callable[[str], None],
 ) -> list[Judged]:
-    """Fit the best candidates together with the second effects that promise most; give the sound pairs, best first."""
+    """Fit the best candidates together with the second effects that promise most; give the sound pairs, best first.
+
+    Of all candidates those that promise most with what scales only them are tried, too: by itself such an effect may
+    take nothing, as relaxation that each temperature moves elsewhere.
+    """
     contenders: list[Contender] = []
     seen: set[frozenset[str]] = set()
-    for first in best_of_each(sound)[:MOST_PAIRED]:
+    firsts = best_of_each(sound)
+    for first in firsts[:MOST_PAIRED]:
         larger = with_effect(structure, first.effects[0])
-        contenders += _with_modifiers(structure, first, problem)
+        contenders += [each for _, each in _with_modifiers(structure, first, problem)]
         seconds = [
             beside(promise, first, law)
             for promise in promises
@@ -172,29 +177,34 @@ def pairs(
             tried.add(second.name)
             contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), [start]))
         seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
+    further = [pair for first in firsts[MOST_PAIRED:] for pair in _with_modifiers(structure, first, problem)]
+    contenders += [each for _, each in sorted(further, key=lambda pair: pair[0])[:MOST_PAIRED]]
     usable = ranked(
         pair for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell) if pair.may_be_cause
     )
     return [larger_as_asked(pair, structure, problem, tell) for pair in usable[:1]] + usable[1:]
 
 
-def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[Contender]:
-    """Give the pairs of an effect with those that scale what only it has: none of them can be screened without it."""
+def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[tuple[float, Contender]]:
+    """Give the pairs of an effect with those that scale what only it has: none of them can be screened without it.
+
+    Each comes with the cost after one step from the best of its starts.
+    """
     larger = with_effect(structure, first.effects[0])
     contenders = []
     for name in candidate_names(larger, problem.loops.conditions):
         if fits(structure, name) or not fits_beside(larger, name):
             continue
-        both = with_effect(larger, name)
-        stated = first.result.law.values
+        both, stated = with_effect(larger, name), first.result.law.values
         points = [
-            sized_start(both, problem.observations, point, kept(point, stated))
-            for point in starting_points(both, problem.observations, stated)
+            sized_start(both, problem.coarse, point, kept(point, stated))
+            for point in starting_points(both, problem.coarse, stated)
         ]
-        promising = most_promising_first(both, problem.observations, points)
-        going_on = next(point for point in promising if kept(point, stated) == set(stated))
-        starts = [going_on, *(point for point in promising if point is not going_on)]
-        contenders.append(Contender((first.effects[0], name), both, starts))
+        promised = [linearised(both, problem.coarse, point).cost_after_one_step() for point in points]
+        order = sorted(range(len(points)), key=lambda place: promised[place])
+        going_on = next(place for place in order if kept(points[place], stated) == set(stated))
+        starts = [points[place] for place in (going_on, *(one for one in order if one != going_on))]
+        contenders.append((promised[order[0]], Contender((first.effects[0], name), both, starts)))
     return contenders
 
 

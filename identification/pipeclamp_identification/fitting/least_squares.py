@@ -48,7 +48,9 @@ BEYOND_REASON = 1e100
 ALIKE = 1e-3
 """Parameters whose shares of an undetermined direction differ by less are alike in it."""
 AT_BOUND = 1e-6
-"""A parameter is at a bound when no more than this share of the allowed range lies between."""
+"""A parameter is at a bound when no more than this share of the allowed range lies between,"""
+AT_LOWER_BOUND = 0.01
+"""and no more than this share of a lower bound above nought, where the range covers decades."""
 EQUALLY_GOOD = 1e-9
 """Starts whose costs differ by less than this share end in one valley: the last of them is taken, whatever rounding
 says."""
@@ -454,11 +456,12 @@ def _finish(
     frozen = dict(reasons)
     allowed = upper - lower
     width = AT_BOUND * np.where(np.isfinite(allowed), allowed, np.maximum(np.abs(values), 1e-3))
+    above = np.where(lower > 0, np.minimum(width, AT_LOWER_BOUND * lower), width)
     at_bound = {
         name
         for index, name in enumerate(equations.names)
         if name not in frozen
-        and (values[index] - lower[index] <= width[index] or upper[index] - values[index] <= width[index])
+        and (values[index] - lower[index] <= above[index] or upper[index] - values[index] <= width[index])
     }
     free = np.array(
         [index for index, name in enumerate(equations.names) if name not in frozen and name not in at_bound],

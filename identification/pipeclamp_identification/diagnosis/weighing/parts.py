@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pipeclamp_identification.diagnosis.candidates import best_of_each, distinct, likeliest
 from pipeclamp_identification.diagnosis.foretold import explained_share, takes_part
 from pipeclamp_identification.diagnosis.problem import Judged
-from pipeclamp_identification.diagnosis.screen import Promise, beside, fits_beside
+from pipeclamp_identification.diagnosis.screen import Promise, beside, fits, fits_beside
 from pipeclamp_identification.diagnosis.thresholds import HALF_TAKEN_SHARE, MATERIAL_PART_SHARE, SAME_PART_SHARE
 from pipeclamp_identification.diagnosis.weighing.between_levels import rests_on
 from pipeclamp_identification.diagnosis.weighing.causes import named_together
@@ -87,6 +87,14 @@ def part_of_two(pair: Judged | None, sound: Sequence[Judged], scales: Scales) ->
         return None
     takes = f"{' and '.join(pair.effects)} together take {_of_what_is_missing(pair, law)}"
     return named_together(pair, sound, "part", takes, scales)
+
+
+def outdoes(pair: Judged | None, able: Sequence[Judged], scales: Scales) -> bool:
+    """Tell whether an effect with what scales only it takes half, or more, of what the best one alone would leave."""
+    if pair is None or not able or all(fits(scales.structure, name) for name in pair.effects):
+        return False
+    left = 1 - explained_share(able[0], scales.law)
+    return explained_share(pair, scales.law) - explained_share(able[0], scales.law) >= HALF_TAKEN_SHARE * left
 
 
 def _of_what_is_missing(judged: Judged, law: Judged) -> str:

@@ -14,7 +14,7 @@ from pipeclamp_identification.diagnosis.thresholds import FORM_NOISE_SHARE, NEAR
 from pipeclamp_identification.diagnosis.weighing.between_levels import worst_level
 from pipeclamp_identification.diagnosis.weighing.causes import cause_of_two, if_it_is_itself, one_cause, takers_of_half
 from pipeclamp_identification.diagnosis.weighing.channel import BentChannel
-from pipeclamp_identification.diagnosis.weighing.parts import able_to_take_a_part, one_part, part_of_two
+from pipeclamp_identification.diagnosis.weighing.parts import able_to_take_a_part, one_part, outdoes, part_of_two
 from pipeclamp_identification.diagnosis.weighing.reasons import (
     between_words,
     few_runs_words,
@@ -79,6 +79,8 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
             found = pairs(structure, problem, law, sound, promises if in_pairs else (), scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = cause_of_two(found, sound, scales)
+            if weighed is None and outdoes(pair, able, scales):
+                weighed = part_of_two(pair, sound, scales)
         weighed = weighed or one_part(able, rivals, promises, pair, scales) or part_of_two(pair, sound, scales)
         if weighed is not None:
             return _but_for_the_channel(if_it_is_itself(weighed), scales)
