@@ -44,6 +44,8 @@ ROUGHLY = 1e-4
 """Tolerance of the fits that only tell the best of several starts, or of several pairs."""
 VALLEYS = 2
 """Starts from which an effect is fitted, those that promise most: the error has valleys between them."""
+KNOWN_DEVIATIONS = 2.0
+"""Standard deviations of a prior within which any value is likely."""
 WORTH_PROCESSES = 100
 """Rows from which on fits are shared out to processes, which take some seconds to start."""
 
@@ -423,12 +425,22 @@ def are_one_memory(one: Effect, other: Effect) -> bool:
 
 
 def _at_bounds(effects: tuple[str, ...], result: Fit) -> list[Parameter]:
+    """Give the effects' parameters at bounds that say something: not that they change nothing, nor what is known."""
     return [
         parameter
         for name in effects
         for parameter in result.law.structure.effect(name).parameters
-        if parameter.name in result.at_bound and parameter.neutral not in (parameter.lower, parameter.upper)
+        if parameter.name in result.at_bound
+        and parameter.neutral not in (parameter.lower, parameter.upper)
+        and not _likely_beforehand(parameter, result.law.values[parameter.name])
     ]
+
+
+def _likely_beforehand(parameter: Parameter, value: float) -> bool:
+    """Tell whether physics alone lets a parameter be so: tests that end it at a bound there don't determine it."""
+    if parameter.known_within is None or parameter.neutral is None:
+        return False
+    return abs(value - parameter.neutral) <= KNOWN_DEVIATIONS * parameter.known_within
 
 
 def _shapes(parameter: Parameter) -> bool:

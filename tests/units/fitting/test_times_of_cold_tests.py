@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pipeclamp_identification.campaign.reading import read_campaign
+from pipeclamp_identification.diagnosis.diagnosed import diagnosed
 from pipeclamp_identification.fitting.identify import identify, law_file
 from pipeclamp_identification.fitting.starts import kept
 from pipeclamp_identification.workflow.change import add_effects
@@ -47,6 +48,12 @@ def test_the_arm_that_was_fitted_at_all_temperatures_is_found_at_its_own(cold_te
     assert beside.nrmse[1] > 0.05
     assert found.nrmse[1] < 1.2 * found.noise_nrmse
     assert found.after.coefficients["tau"].value == pytest.approx(TIME, rel=0.1)
+
+
+def test_relaxation_that_takes_nothing_alone_is_named_with_what_moves_it(cold_tests):
+    found = diagnosed(law_file(identify(cold_tests), cold_tests, name="law", command="test", date=None), cold_tests)
+    assert (found.verdict, found.kind, found.effects) == ("missing", "cause", ("relaxation",)), found.headline()
+    assert found.together == ("relaxation", "relaxation_temperature")
 
 
 def test_one_motion_without_noise_at_all_temperatures_is_no_clipped_sensor(cold_tests):
