@@ -75,11 +75,17 @@ def add_effect(
     return _changed(file, new, step, tests, command=command, date=date, kind=kind, start=start, progress=progress)
 
 
-def add_effects(file: LawFile, effects: Sequence[str], tests: Tests, **given: Any) -> list[Addition]:
-    """Add effects to a law one after the other, as `add_effect` does; give each step."""
+def add_effects(
+    file: LawFile, effects: Sequence[str], tests: Tests, *, start: Mapping[str, float] | None = None, **given: Any
+) -> list[Addition]:
+    """Add effects to a law one after the other, as `add_effect` does; give each step.
+
+    The last one starts at `start`, which is of the law with all of them: one alone may do badly there.
+    """
     steps: list[Addition] = []
-    for effect in effects:
-        steps.append(add_effect(steps[-1].after if steps else file, effect, tests, **given))
+    for place, effect in enumerate(effects, 1):
+        begin = start if place == len(effects) else None
+        steps.append(add_effect(steps[-1].after if steps else file, effect, tests, start=begin, **given))
     return steps
 
 
