@@ -12,7 +12,7 @@ from pipeclamp_identification.fitting.groups import factors_of, find_groups
 from pipeclamp_identification.fitting.least_squares import fit
 from pipeclamp_identification.fitting.observations import LoopObservations, Rows, coarser
 from pipeclamp_identification.loops.loops import Loops
-from pipeclamp_identification.signals.levels import SAME_SHARE, Level, number_levels
+from pipeclamp_identification.signals.levels import SAME_SHARE, Level, name_levels, number_levels
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.law.law import Law
@@ -44,19 +44,20 @@ def further_groups(loops: Loops) -> dict[str, npt.NDArray[np.intp]]:
 
     A condition needs three levels: what it does can't be foretold from one. A further condition needs four, for its
     effect is described by a bend, which takes three (`effects.condition`); its lowest and its highest level are never
-    left out (group -1): a description claims nothing beyond its range.
+    left out (group -1): a description claims nothing beyond its range. Nor are runs of which it isn't known: together
+    they are no level.
     """
     conditions = {"temperature": loops.temperature_K, "density": loops.density_g_cm3}
     groups = {}
     for name, values in (conditions | dict(loops.conditions)).items():
-        levels = number_levels(values, relative=SAME_SHARE)
+        levels = [level for level in number_levels(values, relative=SAME_SHARE) if level.known]
         if name in conditions and len(levels) >= 3:
             groups[name] = _numbers(levels, len(values))
         elif len(levels) >= 4:
             groups[name] = _numbers(levels[1:-1], len(values))
-    specimens = np.unique([name or "" for name in loops.specimen], return_inverse=True)[1]
-    if specimens.max() > 0:
-        groups["specimen"] = specimens.astype(np.intp)
+    specimens = [level for level in name_levels(loops.specimen) if level.known]
+    if len(specimens) >= 2:
+        groups["specimen"] = _numbers(specimens, len(loops.specimen))
     return groups
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from pipeclamp_identification.fitting.bounds import AT_BOUND, CLOSE, close_to_a_bound, steps_over_a_bound
 from pipeclamp_identification.fitting.covariance import covariance_of
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
@@ -47,10 +48,6 @@ BEYOND_REASON = 1e100
 """Residuals in units of their standard errors that no arithmetic can square and sum."""
 ALIKE = 1e-3
 """Parameters whose shares of an undetermined direction differ by less are alike in it."""
-AT_BOUND = 1e-6
-"""A parameter is at a bound when no more than this share of the allowed range lies between,"""
-AT_LOWER_BOUND = 0.01
-"""and no more than this share of a lower bound above nought, where the range covers decades."""
 EQUALLY_GOOD = 1e-9
 """Starts whose costs differ by less than this share end in one valley: the last of them is taken, whatever rounding
 says."""
@@ -454,21 +451,19 @@ def _finish(
     equations = law.equations
     lower, upper = parameter_bounds(equations, scales)
     frozen = dict(reasons)
-    allowed = upper - lower
-    width = AT_BOUND * np.where(np.isfinite(allowed), allowed, np.maximum(np.abs(values), 1e-3))
-    above = np.where(lower > 0, np.minimum(width, AT_LOWER_BOUND * lower), width)
-    at_bound = {
-        name
-        for index, name in enumerate(equations.names)
-        if name not in frozen
-        and (values[index] - lower[index] <= above[index] or upper[index] - values[index] <= width[index])
-    }
-    free = np.array(
-        [index for index, name in enumerate(equations.names) if name not in frozen and name not in at_bound],
-        dtype=np.intp,
-    )
+    priors = priors_of(equations, scales)
+    fitted = np.array([name not in frozen for name in equations.names], dtype=bool)
+    held = fitted & close_to_a_bound(values, lower, upper, AT_BOUND)
+    close = np.flatnonzero(fitted & ~held & close_to_a_bound(values, lower, upper, CLOSE))
+    if len(close):
+        evaluator, prior = _Evaluator(law, values, close), priors.of(close)
+        residual = np.concatenate([evaluator.residual(values[close]), prior.residual(values[close])])
+        jacobian = np.concatenate([evaluator.jacobian(values[close]), np.diag(prior.root)])
+        held[close] = steps_over_a_bound(values[close], lower[close], upper[close], residual, jacobian)
+    at_bound = {equations.names[index] for index in np.flatnonzero(held)}
+    free = np.flatnonzero(fitted & ~held)
     spreads = spreads_of(equations, scales)
-    roots = priors_of(equations, scales).root
+    roots = priors.root
     while True:
         evaluator = _Evaluator(law, values, free)
         jacobian = evaluator.jacobian(values[free])

@@ -176,7 +176,7 @@ class _Planner:
         self.reversed: list[Mapped] = []
         self.own: dict[str, str] = {}
         self.known_as: dict[str, str] = {}
-        self.joined: dict[str, list[str]] = {}
+        self.alike: dict[str, list[str]] = {}
         self.above: dict[str, Above] = {}
         self.unused: dict[tuple[str, ...], tuple[Mapped, list[str]]] = {}
 
@@ -205,9 +205,10 @@ class _Planner:
             if self.options.rate and time:
                 self.note(f"--rate isn't used where {time!r} is the time; to use it instead: --columns time=none")
             for words in table.joined:
-                self.joined.setdefault(words, []).append(called)
+                self.alike.setdefault(words, []).append(called)
             if table.stated:
-                self.note(f"{called}: {listed(sorted(table.stated))} of its runs as its own properties state them")
+                words = f"{listed(sorted(table.stated))} taken from the file's own properties"
+                self.alike.setdefault(words, []).append(called)
             for unread in table.unread:
                 self.note(f"{called}: {unread.words()}; such cells count as blank")
             _, files = self.unused.setdefault(table.unused, (table.mapped, []))
@@ -331,7 +332,7 @@ class _Planner:
         stems = () if self.options.pattern or self.options.conditions else [self.own[run.name] for run in self.runs]
         guess = guessed_pattern(stems, self._contradicted)
         self._note_above(guess)
-        for words, files in self.joined.items():
+        for words, files in self.alike.items():
             self.note(f"{listed(list(dict.fromkeys(files)), most=1)}: {words}")
         for headings, (mapped, files) in self.unused.items():
             if headings:

@@ -88,7 +88,7 @@ def refuse_file(path: Path) -> None:
     """Refuse a path that no file can be written to, before the work that would fill it.
 
     Raises:
-        UserError: there is a folder of that name, or the file's folder doesn't exist.
+        UserError: there is a folder of that name, or the file's folder doesn't exist or can't be written to.
     """
     if "\0" in str(path):
         raise UserError(f"{path}: is no name that a file can have; expected the name of a file to write")
@@ -101,7 +101,7 @@ def refuse_folder(folder: Path) -> None:
     """Refuse a path that no new folder can be made at, before the work that would fill it.
 
     Raises:
-        UserError: there is something of that name, or its parent folder doesn't exist.
+        UserError: there is something of that name, or its parent folder doesn't exist or can't be written to.
     """
     if "\0" in str(folder):
         raise UserError(f"{folder}: is no name that a folder can have; expected one that is not there yet")
@@ -111,14 +111,21 @@ def refuse_folder(folder: Path) -> None:
 
 
 def refuse_parent(path: Path) -> None:
-    """Refuse a path in a folder that isn't there.
+    """Refuse a path in a folder that isn't there, or that can't be written to.
 
     Raises:
-        UserError: its parent is no folder, or doesn't exist.
+        UserError: its parent is no folder, doesn't exist, or can't be written to.
     """
     if not path.parent.is_dir():
         there = "is no folder" if path.parent.exists() else "doesn't exist"
         raise UserError(f"{path}: can't write there ({path.parent} {there}); expected an existing folder")
+    try:  # what a folder's mode says isn't all: a disk may be read-only, a server may have lists of its own
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise UserError(
+            f"{path}: can't write there ({error.strerror}); expected an existing folder that is writable"
+        ) from error
 
 
 def write_whole(path: Path, content: bytes | str) -> None:

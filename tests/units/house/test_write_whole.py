@@ -27,3 +27,16 @@ def test_it_is_tried_again_for_a_while(tmp_path, monkeypatch, refusals, written)
             files.write_whole(path, "new")
     assert path.read_text(encoding="utf-8") == written
     assert [each.name for each in tmp_path.iterdir()] == ["law.json"]
+
+
+@pytest.mark.parametrize("refuse", [files.refuse_file, files.refuse_folder])
+def test_what_cant_be_written_is_refused_before_the_work(tmp_path, monkeypatch, refuse):
+    refuse(tmp_path / "law.json")
+    assert list(tmp_path.iterdir()) == []
+
+    def read_only(dir):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(files.tempfile, "TemporaryFile", read_only)
+    with pytest.raises(UserError, match=r"law\.json: can't write there \(Read-only file system\); expected an"):
+        refuse(tmp_path / "law.json")

@@ -451,6 +451,15 @@ def test_properties_of_a_tdms_file_state_what_its_records_dont_show(tmp_path):
     assert [run.specimen for run in read] == ["0", "1"]
 
 
+def test_what_files_properties_state_alike_is_told_once(tmp_path):
+    for number, run in enumerate([loop(0.5), loop(0.3), loop(0.4)]):
+        channels = [("Zeit", "s", run.time), ("Weg", "mm", run.y), ("Kraft", "N", run.force)]
+        tdms_of(tmp_path / f"{number}.tdms", [("Data", {}, channels)], root={"Specimen": "mount 12"})
+    found = pc.import_files([tmp_path], tmp_path / "campaign")
+    told = [note for note in found.notes if "specimen" in note]
+    assert told == ["0.tdms and 2 more: specimen taken from the file's own properties"]
+
+
 def test_a_channel_of_texts_in_a_tdms_file_names_its_runs(tmp_path):
     runs = [loop(0.5), loop(0.3)]
     time = np.concatenate([runs[0].time, runs[1].time + runs[0].time[-1] + 1.0])
