@@ -99,6 +99,6 @@ EFFECT = Effect(
             update=sp.Piecewise((L, sp.Eq(y, y_previous)), (lacks, True)),
         ),
     ),
-    replaces={y: y - e, v: sp.Piecewise((v, sp.Abs(e) >= g_p), (0, True))},
+    replaces={y: y - e, v: v * (1 - sp.Max(0, sp.sign(g_p - sp.Abs(e))))},  # it stands where it is free
     passes=at_ends(sp.Max(F_path - L, 0), sp.Min(F_path - L, 0), e),
 )  # fmt: skip
