@@ -12,16 +12,9 @@ from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.clamp import SteadyClamp, samples_of_law
 
-JUMPING = {"series", "power+play"}
-"""Driven so, the one just breaks away from its friction, and the other has more harmonics than a cycle's samples tell;
-`tests/properties/test_three_ways.py` has a clearance that is found."""
-WITH_MEMORY = [
-    structure
-    for structure in STRUCTURES
-    if structure.equations_without_rig.composed.states and name_of(structure) not in JUMPING
-]
+WITH_MEMORY = [structure for structure in STRUCTURES if structure.equations_without_rig.composed.states]
 ACCELERATION, FREQUENCY = 20.0, 9.0
 
 
@@ -30,7 +23,8 @@ def test_a_steady_motion_grows_out_of_rest(structure: Structure) -> None:
     law = Law(structure, sound_values(structure), *SMOOTHING)
     named = conditions_of(structure.equations_without_rig)[len(CONDITIONS_FIRST) :]
     further = {name: FURTHER[name] for name in named}
-    clamp = SteadyClamp(law, 293.15, None, None, (0.01, 3.0), (1.0, 60.0), further)
+    samples = samples_of_law(law, {"T": 293.15, **further}, 3.0, 60.0)
+    clamp = SteadyClamp(law, 293.15, None, None, (0.01, 3.0), (1.0, 60.0), further, samples)
     pipe = reduce(parse_pipe(cantilever(ratio=0.01, up_to_Hz=200)))
     system = SteadySystem(pipe, [(0, clamp)], lambda frequency: ACCELERATION)
     unknowns = system.start(FREQUENCY)

@@ -156,7 +156,7 @@ def test_what_cannot_be_states_is_refused_by_name(law_with_memory, law_with_furt
         }
     )
     for law, told, words in (
-        (loose, {}, "memory s_p jumps at reversals"),
+        (loose, {}, "memory F_p, L_p jumps at reversals"),
         (law_with_further_conditions, {}, "firstCycle"),
         (law_with_memory, {"track": True}, "track A and f"),
     ):

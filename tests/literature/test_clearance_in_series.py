@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from pipeclamp_models.law.law import Structure
 from pipeclamp_models.realise.force import force_of_equations
@@ -54,6 +55,23 @@ def test_an_elastic_slip_element_behind_a_clearance():
     assert np.interp(
         engaged - SLIP / STIFF / 2, motion.y[0, downwards][::-1], force[0, downwards][::-1]
     ) == pytest.approx(-SLIP / 2, rel=0.02)
+
+
+def test_a_clamp_that_is_let_go_stays_where_its_force_fell_to_zero():
+    """A spring and a dashpot push on until k (A sin wt - g) + c A w cos wt = 0, between two samples mostly."""
+    n, w, c = 64, 4 * np.pi, 20.0
+    theta = 2 * np.pi * (np.arange(n) + np.arange(8)[:, None] / 8) / n
+    slow = {name: np.full((8, 1), value) for name, value in {"A": A, "f": 2.0, "T": 293.15}.items()}
+    y, v = A * np.sin(theta), A * w * np.cos(theta)
+    motion = Motion(y, v, -(w**2) * y, slow, np.full((8, 1), 2 * np.pi / (w * n)))
+    equations = Structure("power", ("play",)).equations
+    given = dict.fromkeys(equations.names, 0.0) | {"alpha0": 1.0, "k10": K, "c0": c, "g_p": G}
+    law_force = force_of_equations(equations, [given[name] for name in equations.names], (1e-6, 1e-6), motion)
+    place = law_force.states[0]
+    free = (np.abs(place) < G - 1e-6) & (v < 0)
+    let_go = brentq(lambda at: K * (A * np.sin(at) - G) + c * A * w * np.cos(at), np.pi / 2, np.pi)
+    assert np.all(free.any(axis=1))
+    np.testing.assert_allclose((y - place)[free], A * np.sin(let_go) - G, atol=1e-3 * A)
 
 
 def test_a_small_cycle_on_a_large_one_opens_the_clearance_again():

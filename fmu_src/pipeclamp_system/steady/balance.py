@@ -38,7 +38,7 @@ from pipeclamp_system.steady.harmonics import (
 )
 from pipeclamp_system.steady.receptance import Receptance
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
-from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, steps
+from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, Step, step_of
 from pipeclamp_system.steady.tangents import linearised, tangents
 
 NUDGE = 1e-5
@@ -47,6 +47,10 @@ NUDGE = 1e-5
 OVER_FREQUENCY = Steps(widest=0.05)
 """Of a path over frequency: a resonance damped by 1 % stands out twentyfold so far from its frequency, as a share: in
 a longer step one that is small beside others could begin and end unseen."""
+
+STICKING = 3
+"""Times the fewest harmonics, in which springs turn into clamps that rub: with fewer, what is balanced moves as far as
+a clamp that sticks lets go of, and the path was lost on one of two cantilevers."""
 
 STEEP = 100.0
 """Change of a motion over that of the frequency, both as shares, beyond which the path turns: what a motion is off by
@@ -88,11 +92,11 @@ class SteadySystem:
         self._refinement = Refinement(self._asked, self._in_so_many) if harmonics is None and clamps else None
 
     @cached_property
-    def _rubbing(self) -> list[SteadyClamp]:
-        """The clamps in cells, where one's force steps with the velocity; none where none does."""
+    def _rubbing(self) -> list[tuple[SteadyClamp, Step]]:
+        """The clamps in cells, and how their force steps with the velocity; none where none does."""
         # Of several clamps most of a cycle can be stuck: that takes minutes.
-        stepping = self.clamps == 1 and steps(self._clamps[0])
-        return [replace(clamp, samples=CELLS) for clamp in self._clamps] if stepping else []
+        step = step_of(self._clamps[0]) if self.clamps == 1 else None
+        return [(replace(clamp, samples=CELLS), step) for clamp in self._clamps] if step else []
 
     @property
     def clamps(self) -> int:
@@ -225,7 +229,8 @@ class SteadySystem:
     def _rubbed(self, motion: Complex, frequency: float, H: int) -> Rubbed:
         """Find the sides to which clamps slide on a motion (clamps, h) of which H harmonics are balanced."""
         responses = self.responses(np.array([frequency]), CELLS // 2)[0, : self.clamps, 1:]
-        found = Friction(self._rubbing, frequency, responses, H, motion).found(self._near)
+        clamps, each = zip(*self._rubbing, strict=True)
+        found = Friction(clamps, each, frequency, responses, H, motion).found(self._near)
         self._near = found.sides.velocity
         return found
 
@@ -391,7 +396,8 @@ class SteadySystem:
     def _turned_from_springs(self, frequency: float) -> Array | None:
         """Find the unknowns at a frequency by turning springs and dashpots into the clamps, under the whole drive."""
         at, drive = np.array([frequency]), np.array([self._excitation(frequency)])
-        responses = self.responses(at)
+        more = STICKING if self._rubbing and not self._stated else 1
+        responses = self.responses(at, min(more * self.harmonics, self._most))
         told = equivalent(self._forces, responses[0, : self.clamps], -1j * float(drive[0]), at)
         if told is None:
             return None
@@ -399,7 +405,7 @@ class SteadySystem:
         size = float(np.abs(guess).max())
 
         def equation(unknowns: Array, share: float) -> tuple[Array, Array, Array]:
-            whole, by_unknowns, _ = self._linearised(unknowns, at, drive, responses)
+            whole, by_unknowns, _ = self._linearised(unknowns, at, drive, responses, rubbing=True)
             rows = self.unpacked(np.vstack([np.zeros(unknowns.size), np.eye(unknowns.size)]))
             forces = stiffness[None, :, None] * rows
             forces[:, :, 0] = forces[:, :, 0].real
@@ -415,7 +421,7 @@ class SteadySystem:
         path = list(follow(turning, Solution(0.0, begin), 1.0, size, Steps(longest=0.2)))
         if path[-1].parameter != 1.0:
             return None
-        found = solve(self.over_level(frequency), path[-1].unknowns, 1.0, size)
+        found = solve(self.over_frequency(), path[-1].unknowns, frequency, size)
         return None if found is None else self.with_sides(found, frequency)
 
     def _grown_from_rest(self, frequency: float) -> Array | None:
@@ -432,12 +438,17 @@ class SteadySystem:
     def with_sides(self, unknowns: Array, frequency: float) -> Array | None:
         """Give a solution that `over_level` led to as `over_frequency` has it; None where it isn't found.
 
-        They differ where a force steps: the harmonics that it makes beyond H count over frequency only.
+        They differ where a force steps: the harmonics that it makes beyond H count over frequency only. So it is sought
+        in few, and in as many as were needed so far where that fails.
         """
         if not self._rubbing:
             return unknowns
-        guess = unknowns if self._stated else self._in_so_many(unknowns, self.size)
-        return solve(self.over_frequency(), guess, frequency, float(self.sizes(unknowns[None])[0]))
+        size = float(self.sizes(unknowns[None])[0])
+        for count in sorted({min(self.size, unknowns.size), unknowns.size}):
+            found = solve(self.over_frequency(), self._in_so_many(unknowns, count), frequency, size)
+            if found is not None:
+                return found
+        return None
 
     def curve(self, first: float, last: float) -> list[SteadyState]:
         """Give the frequency response from one frequency to another (Hz), round its turning points.

@@ -15,12 +15,17 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.law.law import Law
 from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
+from pipeclamp_models.realise.scalar_law import parts_of_law
 
 Complex = NDArray[np.complex128]
 Bounds = tuple[float, float]
 
 SAMPLES = 256
 """Of a cycle, at which the law is evaluated."""
+
+FINER = 4
+"""Times as many of a law whose memory jumps: its force sets in within a step, half of one late. Behind a clearance the
+motion errs by 1.2 % at 256 samples and by 0.2 % at 1024 (a stiff clamp on a cantilever at 6 Hz)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +127,19 @@ class SteadyClamp:
         values = self.law.vector(equations)
         force = force_of_equations(equations, values, (self.law.v_r, self.law.y_r), cycle).force
         return harmonics_of(force, motion.shape[1])
+
+
+def samples_of_law(law: Law, conditions: Mapping[str, float], A: float, f: float, samples: int = SAMPLES) -> int:
+    """Give the samples of a cycle that a law needs where one whose memory doesn't jump takes so many.
+
+    Args:
+        law: the law.
+        conditions: the slow signals that it follows, by name, but A and f.
+        A: largest amplitude in its range, mm.
+        f: frequency, Hz.
+        samples: of a law whose memory doesn't jump.
+    """
+    return samples * (FINER if parts_of_law(law, conditions, A, f) > 1 else 1)
 
 
 def harmonics_of(signals: Array, count: int) -> Complex:

@@ -16,7 +16,7 @@ from pipeclamp_system.cosim.building import law_in
 from pipeclamp_system.description.excitation import sine_amplitude
 from pipeclamp_system.description.system import ClampSource, ResponseTable, SystemDescription
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.clamp import SAMPLES, SteadyClamp, samples_of_law
 
 AROUND = 0.7
 """Of the excitation's frequency: where the response begins unless told, and the inverse of where it ends."""
@@ -39,8 +39,12 @@ def response_table(description: SystemDescription, where: str) -> ResponseTable:
     return ResponseTable(from_Hz=AROUND * low, to_Hz=high / AROUND)
 
 
-def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, where: str) -> SteadyClamp:
+def steady_clamp(
+    source: ClampSource, folder: Path, temperature: float | None, where: str, samples: int = SAMPLES
+) -> SteadyClamp:
     """Give a clamp of a system as harmonic balance needs it; a temperature in degC stands in for its own.
+
+    A cycle has so many samples, or more where its law asks for more.
 
     Raises:
         UserError: it is an FMU, whose equations can't be read, or is given a condition that its law doesn't follow.
@@ -62,14 +66,18 @@ def steady_clamp(source: ClampSource, folder: Path, temperature: float | None, w
             )
         further[name] = scales[name] * setting
     named = conditions_of(law.structure.equations_without_rig)[len(CONDITIONS_FIRST) :]
+    followed = dict(zip(named, further.values(), strict=True))
+    kelvin = (source.temperature_C if temperature is None else temperature) + CELSIUS
+    largest, fastest = (file.range[name].maximum for name in ("A", "f"))
     return SteadyClamp(
         law,
-        (source.temperature_C if temperature is None else temperature) + CELSIUS,
+        kelvin,
         source.amplitude_mm if given else None,
         source.frequency_Hz if given else None,
         (file.range["A"].minimum, file.range["A"].maximum),
         (file.range["f"].minimum, file.range["f"].maximum),
-        dict(zip(named, further.values(), strict=True)),
+        followed,
+        samples=samples_of_law(law, {"T": kelvin, **followed}, largest, fastest, samples),
         ranges={
             name: (interval.minimum, interval.maximum)
             for name, interval in ranges_of(file).items()
@@ -85,9 +93,10 @@ def ranges_of(file: LawFile) -> dict[str, Interval]:
 
 
 def steady_clamps(
-    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, where: str
-) -> list[tuple[int, SteadyClamp]]:
-    """Give the clamps of a system and which of the pipe's each is; arguments as of `steady_system`.
+    description: SystemDescription, pipe: ReducedPipe, folder: Path, temperature: float | None, where: str,
+    samples: int = SAMPLES,
+) -> list[tuple[int, SteadyClamp]]:  # fmt: skip
+    """Give the clamps of a system and which of the pipe's each is; arguments as of `steady_system` and `steady_clamp`.
 
     Raises:
         UserError: a clamp is at no place of the pipe, or is an FMU.
@@ -96,7 +105,7 @@ def steady_clamps(
     for source in description.clamps:
         if source.at not in pipe.clamp_names:
             raise UserError(f"{where}: clamps: {unknown(source.at, list(pipe.clamp_names), 'clamp')}")
-        clamps.append((pipe.clamp_names.index(source.at), steady_clamp(source, folder, temperature, where)))
+        clamps.append((pipe.clamp_names.index(source.at), steady_clamp(source, folder, temperature, where, samples)))
     return clamps
 
 

@@ -34,8 +34,15 @@ SLOW, FLAT = 1e-3, 10.0
 """Share of the largest velocity, and multiple of that within which a law smooths sgn v: below it a clamp's force lies
 between those of both sides there."""
 
+SLOWEST = 0.25
+"""Share of the largest velocity up to which a law's own rounding of a step may reach: one that is wider is smooth in
+the few harmonics of a motion."""
+
 ROUND = 3e-4
 """Share of the largest velocity within which the sign is rounded; at least as far as the law does."""
+
+A_DOUBLING, ALONG_ROUNDING = 2, 64
+"""Velocities within a doubling at which a step is looked for, and velocities at which its rounding is told."""
 
 JUMPS, GROWS = 0.01, 0.02
 """Share of the force's range from which on its change between both sides is a step, and by which share that change may
@@ -57,32 +64,100 @@ BALANCED = 1e-9
 Places = NDArray[np.intp]
 
 
-def steps(clamp: SteadyClamp) -> bool:
-    """Tell whether a clamp's force steps with the sign of the velocity, in the middle of its law's range.
+@dataclass(frozen=True, eq=False)
+class Sign:
+    """The side to which a law's force steps, over the velocity: straight between what is told, and 1 beyond.
 
-    What grows with a small power of the velocity is steep, but no step.
+    Attributes:
+        speeds: as multiples of a width, from 0, ascending, (k,).
+        sides: from 0 to 1, (k,). The area between them and 1 is half of the width: as of a straight one.
+    """
+
+    speeds: Array
+    sides: Array
+
+    @cached_property
+    def _slopes(self) -> Array:
+        return np.asarray(np.append(np.diff(self.sides) / np.diff(self.speeds), 0.0))
+
+    @cached_property
+    def _areas(self) -> Array:
+        means = (self.sides[1:] + self.sides[:-1]) / 2
+        return np.asarray(np.append(0.0, np.cumsum(means * np.diff(self.speeds))))
+
+    def at(self, speeds: Array) -> tuple[Array, Array, Array]:
+        """Give the side, its slope and its area from 0 on, at multiples of the width, of either sign."""
+        size = np.abs(speeds)
+        place = np.searchsorted(self.speeds, size, side="right") - 1
+        beyond, slope = size - self.speeds[place], self._slopes[place]
+        side = self.sides[place] + slope * beyond
+        return np.sign(speeds) * side, slope, self._areas[place] + (self.sides[place] + slope * beyond / 2) * beyond
+
+
+STRAIGHT = Sign(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """How a clamp's force steps with the velocity.
+
+    Attributes:
+        slow: velocity from which on the force is that of one side, mm/s.
+        width: velocity up to which the step is rounded, were it straight, mm/s.
+        sign: how it is rounded.
+    """
+
+    slow: float
+    width: float
+    sign: Sign
+
+
+def step_of(clamp: SteadyClamp) -> Step | None:
+    """Tell how a clamp's force steps with the velocity, in the middle of its law's range; None where it doesn't.
+
+    What grows with a small power of the velocity is steep, but no step; what grows up to a small velocity is one that
+    is rounded.
     """
     A = clamp.amplitude or float(np.mean(clamp.range_A))
     f = clamp.frequency or float(np.mean(clamp.range_f))
     cycle = clamp.cycle(np.array([[0.0, A]], dtype=np.complex128), np.array([f]))
-    slow, force = slow_speed(clamp, cycle), _force(clamp, cycle)
-    once, twice = (float(np.abs(_half_jumps(clamp, cycle, factor * slow)).max()) for factor in (1, 2))
-    return 2 * once > JUMPS * float(np.ptp(force)) and twice < (1 + GROWS) * once
+    largest = float(np.abs(cycle.v).max())
+    sharp = max(SLOW * largest, FLAT * clamp.law.v_r)
+    widest = max(sharp, SLOWEST * largest)
+    tried = np.geomspace(sharp, widest, 1 + int(np.ceil(A_DOUBLING * np.log2(widest / sharp))))
+    once, twice = np.split(np.abs(_half_jumps(clamp, cycle, np.append(tried, 2 * tried))), 2)
+    most = once.max(axis=1)
+    steps = (twice.max(axis=1) < (1 + GROWS) * most) & (2 * most > JUMPS * np.ptp(_force(clamp, cycle)))
+    if not steps.any():
+        return None
+    first = int(np.argmax(steps))
+    slow = float(tried[first])
+    if slow == sharp:
+        return Step(0.0, clamp.law.v_r, STRAIGHT)
+    speeds = np.linspace(0.0, slow, ALONG_ROUNDING)
+    where = int(np.argmax(once[first]))
+    sides = np.append(0.0, np.abs(_half_jumps(clamp, cycle, speeds[1:])[:, where]))
+    sides /= sides[-1]
+    width = 2 * float(np.sum(1 - (sides[1:] + sides[:-1]) / 2) * speeds[1])
+    return Step(slow, width, Sign(speeds / width, sides))
 
 
-def slow_speed(clamp: SteadyClamp, cycle: Motion) -> float:
+def slow_speed(clamp: SteadyClamp, cycle: Motion, step: Step) -> float:
     """Give the velocity below which a force lies between those of both sides, mm/s."""
-    return max(SLOW * float(np.abs(cycle.v).max()), FLAT * clamp.law.v_r)
+    return max(SLOW * float(np.abs(cycle.v).max()), FLAT * clamp.law.v_r, step.slow)
 
 
-def half_jumps(clamp: SteadyClamp, cycle: Motion) -> Array:
+def half_jumps(clamp: SteadyClamp, cycle: Motion, step: Step) -> Array:
     """Give half of what the force changes by from one side to the other, at rest, (n,)."""
-    return _half_jumps(clamp, cycle, slow_speed(clamp, cycle))
+    return np.asarray(_half_jumps(clamp, cycle, np.array([slow_speed(clamp, cycle, step)]))[0])
 
 
-def _half_jumps(clamp: SteadyClamp, cycle: Motion, slow: float) -> Array:
-    up, down = (_force(clamp, _told_speed(cycle, np.full_like(cycle.v, side * slow))) for side in (1, -1))
-    return np.asarray((up - down)[0] / 2)
+def _half_jumps(clamp: SteadyClamp, cycle: Motion, speeds: Array) -> Array:
+    """Give half of what the force changes by from a velocity to the opposite one, at rest, (velocities, n)."""
+    many = cycle.rows(np.zeros(2 * speeds.size, dtype=np.intp))
+    v = np.concatenate([speeds, -speeds])[:, None] * np.ones_like(cycle.v)
+    up, down = np.split(_force(clamp, _told_speed(many, v)), 2)
+    return np.asarray((up - down) / 2)
 
 
 def _force(clamp: SteadyClamp, cycle: Motion) -> Array:
@@ -114,27 +189,23 @@ class Sides:
     answers: Array
 
 
-def means_of_sign(v: Array, rounded: float) -> tuple[Array, Array]:
+def means_of_sign(v: Array, rounded: float, shape: Sign = STRAIGHT) -> tuple[Array, Array]:
     """Give the mean of sgn v over cells in which v is straight, and its derivatives by v at both edges.
 
     Args:
         v: at the edges, (..., n), periodic.
-        rounded: velocity up to which the sign is taken for straight.
+        rounded: velocity up to which the sign is taken for straight, or what stands for it in another shape.
+        shape: of the sign.
     """
     after = np.roll(v, -1, axis=-1)
     change = after - v
     same = np.abs(change) < 1e-9 * rounded
     size = np.where(same, 1.0, change)
-
-    def sign(x: Array) -> Array:
-        return np.clip(x / rounded, -1.0, 1.0)
-
-    def area(x: Array) -> Array:
-        return np.where(np.abs(x) < rounded, x**2 / (2 * rounded), np.abs(x) - rounded / 2)
-
-    mean = np.where(same, sign(v), (area(after) - area(v)) / size)
-    at_once = (np.abs(v) < rounded) / (2 * rounded)
-    slopes = [np.where(same, at_once, one / size) for one in (mean - sign(v), sign(after) - mean)]
+    side, slope, area = shape.at(v / rounded)
+    ahead, beyond = (np.roll(one, -1, axis=-1) for one in (side, area))
+    one_sided = np.abs(side + ahead) == 2.0  # exactly, so that no velocity counts where none does
+    mean = np.where(same | one_sided, side, rounded * (beyond - area) / size)
+    slopes = [np.where(same, slope / (2 * rounded), one / size) for one in (mean - side, ahead - mean)]
     return mean, np.stack(slopes)
 
 
@@ -147,26 +218,28 @@ class Friction:
     """The clamps of a pipe, at one frequency, with the harmonics beyond H that their steps of force make."""
 
     def __init__(
-        self, clamps: Sequence[SteadyClamp], frequency: float, responses: Complex, balanced: int, motion: Complex
-    ) -> None:
+        self, clamps: Sequence[SteadyClamp], steps: Sequence[Step], frequency: float, responses: Complex, balanced: int,
+        motion: Complex,
+    ) -> None:  # fmt: skip
         """Prepare what the pipe answers beyond H, with the clamps' own stiffness and damping about a motion.
 
         Args:
             clamps: with `CELLS` samples each.
+            steps: of their forces.
             frequency: Hz.
             responses: of the clamps to forces into each, mm/N, (clamps, clamps, CELLS/2 + 1).
             balanced: H.
             motion: harmonics of the clamps' motion, mm, (clamps, h); those beyond H are added to the steps' own.
         """
         order = np.arange(responses.shape[2])
-        self.clamps, self.frequency = clamps, frequency
+        self.clamps, self.steps, self.frequency = clamps, steps, frequency
         self._turn = 2j * pi * frequency * order
         self._to_edge = np.exp(-1j * pi * order / CELLS)
         self._given = resized(motion, order.size)
         cycles = [clamp.cycle(one[None], np.array([frequency])) for clamp, one in zip(clamps, motion, strict=True)]
-        pairs = list(zip(clamps, cycles, strict=True))
-        self._jumps = np.stack([half_jumps(clamp, cycle) for clamp, cycle in pairs])
-        self._slopes = np.stack([self._slope(clamp, cycle) for clamp, cycle in pairs])
+        each = list(zip(clamps, cycles, steps, strict=True))
+        self._jumps = np.stack([half_jumps(*one) for one in each])
+        self._slopes = np.stack([self._slope(*one) for one in each])
         # Of the highest harmonic a cycle's samples don't tell the phase.
         kept = responses * ((order > balanced) & (order < CELLS // 2))
         held = np.eye(len(clamps)) - np.einsum("ijh,jh->hij", kept, self._slopes)
@@ -185,9 +258,9 @@ class Friction:
         moved = self.moved(forces)
         return Rubbed(self, self._given + moved, forces + self._slopes * moved, self._jumps, sides)
 
-    def _slope(self, clamp: SteadyClamp, cycle: Motion) -> Complex:
+    def _slope(self, clamp: SteadyClamp, cycle: Motion, step: Step) -> Complex:
         """Give what a clamp's force, but for its step, answers to fast small motions, N/mm, (h,)."""
-        slow = slow_speed(clamp, cycle)
+        slow = slow_speed(clamp, cycle, step)
         v = np.where(cycle.v < 0, np.minimum(cycle.v, -slow), np.maximum(cycle.v, slow))
         law = along(clamp, _told_speed(cycle, v))
         return np.asarray(law.by_argument[0, Y].mean() + law.by_argument[0, V].mean() * self._turn)
@@ -212,27 +285,33 @@ class Friction:
         The sign is rounded as little as it is to be at once, or else less and less.
         """
         largest = float(np.abs(edges).max(initial=0.0)) or 1.0
-        least = max(ROUND * largest, *(clamp.law.v_r for clamp in self.clamps))
+        least = np.maximum(ROUND * largest, [step.width for step in self.steps])
         begin = edges + self._pushed(jumps * np.sign(edges))
         v, done = self._solved(edges, jumps, begin if near is None else near, least, BALANCED * largest)
         if not done:
             spread = float(np.abs(begin - edges).max())
             widest = float(np.sort(np.abs(begin), axis=None)[min(OPEN, begin.size - 1)])
-            v, rounded = begin, max(min(spread, widest), least)
+            v, rounded = begin, np.maximum(min(spread, widest), least)
             while True:
                 v, _ = self._solved(edges, jumps, v, rounded, BALANCED * largest)
-                if rounded == least:
+                if np.array_equal(rounded, least):
                     break
-                rounded = max(rounded / ROUNDER, least)
-        side, by_edge = means_of_sign(v, least)
+                rounded = np.maximum(rounded / ROUNDER, least)
+        side, by_edge = self._signs(v, least)
         where, slope = self._open(jumps, by_edge)
         return Sides(v, side, by_edge, where, np.asarray(np.linalg.inv(slope), dtype=np.float64))
 
-    def _solved(self, edges: Array, jumps: Array, v: Array, rounded: float, enough: float) -> tuple[Array, bool]:
+    def _signs(self, v: Array, rounded: Array) -> tuple[Array, Array]:
+        """Give what `means_of_sign` does of each clamp, (clamps, n) and (2, clamps, n), rounded each by its width."""
+        each = zip(v, rounded.tolist(), self.steps, strict=True)
+        sides, by_edge = zip(*(means_of_sign(one, width, step.sign) for one, width, step in each), strict=True)
+        return np.stack(sides), np.stack(by_edge, axis=1)
+
+    def _solved(self, edges: Array, jumps: Array, v: Array, rounded: Array, enough: float) -> tuple[Array, bool]:
         """Solve for the velocities at all edges, by Newton's method from a guess; tell whether they are found."""
 
         def missed(v: Array) -> tuple[Array, Array]:
-            side, by_edge = means_of_sign(v, rounded)
+            side, by_edge = self._signs(v, rounded)
             return v - edges - self._pushed(jumps * side), by_edge
 
         error, by_edge = missed(v)
@@ -297,7 +376,7 @@ class Rubbed:
         at, found = np.array([self.friction.frequency]), []
         for index, clamp in enumerate(self.friction.clamps):
             cycle = clamp.cycle(self.whole[index][None], at)
-            slow = slow_speed(clamp, cycle)
+            slow = slow_speed(clamp, cycle, self.friction.steps[index])
             side = self.sides.side[index]
             laws = []
             for sign, limited in ((1, np.maximum(cycle.v, slow)), (-1, np.minimum(cycle.v, -slow))):

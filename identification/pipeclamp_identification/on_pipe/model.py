@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
@@ -101,10 +101,7 @@ def read_model(
     system, pipe = _measured_pipe(path, description, drives)
     reduced = reduce(pipe)
     clamps = {
-        temperature: tuple(
-            (index, replace(clamp, samples=SAMPLES))
-            for index, clamp in steady_clamps(system, reduced, path.parent, temperature, str(path))
-        )
+        temperature: tuple(steady_clamps(system, reduced, path.parent, temperature, str(path), SAMPLES))
         for temperature in clamps_at
     }
     names = tuple(source.at for source in system.clamps)

@@ -6,9 +6,9 @@ from pipeclamp_models.equations.effect import Effect, Parameter, Stage, State
 from pipeclamp_models.equations.literature import NORDIN, WORDEN
 from pipeclamp_models.equations.symbols import A_typical, F_moved, F_path, v, y, y_previous
 
-g_p, e, s = sp.symbols("g_p e_p s_p", real=True)
-way, pushed, pulled, place = sp.symbols("way_p F_pushed F_pulled e_next", real=True)
-at_pushing, at_pulling = sp.symbols("s_pushed s_pulled", real=True)
+g_p, e, F, L = sp.symbols("g_p e_p F_p L_p", real=True)
+way, pushed, pulled, struck, place = sp.symbols("way_p F_pushed F_pulled F_struck e_next", real=True)
+at_pushing, at_pulling, let_go, lacks = sp.symbols("s_pushed s_pulled x_p L_next", real=True)
 stood = y_previous - e
 
 
@@ -18,8 +18,18 @@ def within(value: sp.Expr, most: sp.Expr) -> sp.Expr:
 
 
 def share_of(move: sp.Expr) -> sp.Expr:
-    """Give the share of the velocity at which the clamp makes a move of its own in a step."""
+    """Give the share of a step in which the clamp makes a move of its own; below 0 against the step's."""
     return sp.Max(-1, sp.Min(1, move / way))
+
+
+def fallen(before: sp.Expr, after: sp.Expr) -> sp.Expr:
+    """Give the share of a step after which a force that changes its sign in it, straight, is zero."""
+    return before / (before - after)
+
+
+def at_ends(one: sp.Expr, other: sp.Expr, at: sp.Expr) -> sp.Expr:
+    """Give what holds at the end that pushes, or the one that pulls; 0 between them."""
+    return sp.Piecewise((one, at >= g_p), (0, True)) + sp.Piecewise((other, at <= -g_p), (0, True))
 
 
 EFFECT = Effect(
@@ -43,26 +53,52 @@ EFFECT = Effect(
             way, "mm", "move of the step; 1 where there is none",
             sp.Piecewise((1, sp.Eq(y, y_previous)), (y - y_previous, True)),
         ),
-        Stage(at_pushing, "-", "share of the velocity that leads to the one end", share_of(y - g_p - stood)),
-        Stage(at_pulling, "-", "share of the velocity that leads to the other end", share_of(y + g_p - stood)),
-        Stage(pushed, "N", "force at the one end, which pushes where it is positive", F_moved(y - g_p, at_pushing)),
-        Stage(pulled, "N", "force at the other end, which pulls where it is negative", F_moved(y + g_p, at_pulling)),
+        Stage(at_pushing, "-", "share of the step in which the one end moves the clamp", share_of(y - g_p - stood)),
+        Stage(at_pulling, "-", "share of the step in which the other end does", share_of(y + g_p - stood)),
+        Stage(
+            pushed, "N", "force at the one end, which pushes where it is positive",
+            F_moved(y - g_p, sp.sign(at_pushing)),
+        ),
+        Stage(
+            pulled, "N", "force at the other end, which pulls where it is negative",
+            F_moved(y + g_p, sp.sign(at_pulling)),
+        ),
+        Stage(struck, "N", "force with which the clamp begins to move from where it stood", F_moved(stood, 1)),
+        Stage(
+            let_go, "mm", "where the clamp stays that is let go: its force falls straight to zero in the step",
+            stood
+            + sp.Piecewise(
+                (fallen(F, pushed) * (y - g_p - stood), sp.And(F > 0, pushed <= 0)),
+                (fallen(F, pulled) * (y + g_p - stood), sp.And(F < 0, pulled >= 0)),
+                (0, True),
+            ),
+        ),
         Stage(
             place, "mm", "place within the clearance after the step",
             sp.Piecewise(
                 (within(e, g_p), sp.Eq(y, y_previous)), (g_p, pushed > 0), (-g_p, pulled < 0),
-                (within(y - stood, g_p), True),
+                (within(y - let_go, g_p), True),
             ),
+        ),
+        Stage(
+            lacks, "N", "what the force lacks where it sets in within the step",
+            at_ends((1 - sp.Abs(at_pushing)) * sp.Max(struck, 0), (1 - sp.Abs(at_pulling)) * sp.Min(struck, 0), place),
         ),
     ),
     states=(
         State(e, "mm", "place within the clearance, from its middle", update=place),
         State(
-            s, "-", "share of the velocity at which the clamp moves",
-            update=sp.Piecewise((s, sp.Eq(y, y_previous)), (share_of(y - place - stood), True)), start=1.0,
+            F, "N", "force that comes through",
+            update=sp.Piecewise(
+                (F, sp.Eq(y, y_previous)),
+                (at_ends(sp.Max(pushed - lacks, 0), sp.Min(pulled - lacks, 0), place), True),
+            ),
+        ),
+        State(
+            L, "N", "what it lacks of the force of a step whose first part moved nothing",
+            update=sp.Piecewise((L, sp.Eq(y, y_previous)), (lacks, True)),
         ),
     ),
-    replaces={y: y - e, v: s * v},
-    passes=sp.Piecewise((sp.Max(F_path, 0), e >= g_p), (0, True))
-    + sp.Piecewise((sp.Min(F_path, 0), e <= -g_p), (0, True)),
+    replaces={y: y - e, v: v * (1 - sp.Max(0, sp.sign(g_p - sp.Abs(e))))},  # it stands where it is free
+    passes=at_ends(sp.Max(F_path - L, 0), sp.Min(F_path - L, 0), e),
 )  # fmt: skip
