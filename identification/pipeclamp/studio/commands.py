@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -135,13 +135,14 @@ def response_line(project: Project, law: str) -> str:
     return shell_line("response", project.shown(f"{law}.system.toml"), "-o", project.shown(f"{law}.response.csv"))
 
 
-def response_task(project: Project, law: str) -> Task:
-    """Give the task that finds the response of a pipe with a law's clamp."""
+def response_task(project: Project, law: str, temperatures_C: Sequence[float]) -> Task:
+    """Give the task that finds the response of a pipe with a law's clamp at temperatures; none where none is known."""
     given = {
         "law": str(project.path_of(law)), "system": project.shown(f"{law}.system.toml"),
         "output": project.shown(f"{law}.response.csv"), "shown": project.shown(f"{law}.response.json"),
+        "temperatures_C": list(temperatures_C),
     }  # fmt: skip
-    return Task("respond", f"The pipe with the clamp of {law}, cold and hot", response_line(project, law), given, law)
+    return Task("respond", f"The pipe with the clamp of {law}", response_line(project, law), given, law)
 
 
 def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_unusable: bool, dry_run: bool) -> Task:

@@ -16,7 +16,7 @@ from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
-from pipeclamp.studio.on_pipe import shown_on_pipe
+from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.errors import UserError
@@ -77,6 +77,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         steps=project.steps,
         parent=project.parent(name) if name else None,
         folder=project.folder,
+        temperatures=temperatures_of(bench.loops),
         on_pipe=shown_on_pipe(project.folder / f"{name}.response.json") if name else None,
         made={suffix for suffix in ("fmu", "html") if name and (project.folder / f"{name}.{suffix}").is_file()},
     )

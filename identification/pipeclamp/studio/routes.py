@@ -22,6 +22,7 @@ from pipeclamp.studio import commands, overview, uploads
 from pipeclamp.studio.bench import changed, with_candidate
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.loop_picture import run_picture
+from pipeclamp.studio.on_pipe import temperatures_of
 from pipeclamp.studio.rendering import campaign_page, page
 from pipeclamp.studio.security import TooLargeError
 from pipeclamp.studio.told import Told, ToldCandidate
@@ -198,7 +199,7 @@ class Pages:
         elif wanted == "report":
             task = commands.report_task(project, _text(asked, "law"))
         elif wanted == "respond":
-            task = commands.response_task(project, _text(asked, "law"))
+            task = commands.response_task(project, _text(asked, "law"), temperatures_of(opened.bench.loops))
         else:
             raise UserError(
                 f"kind: got {wanted!r}; expected identify, diagnose, add, discover, build, report or respond"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
 import shutil
 import signal
 import time
 import zipfile
+from dataclasses import replace
 
 import pytest
 
@@ -19,7 +21,7 @@ from studio_server import running
 
 import pipeclamp as pc
 from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
-from pipeclamp.studio.on_pipe import system_text
+from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_of
 from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
@@ -28,6 +30,10 @@ from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.beam import modes
+from pipeclamp_models.pipe.description import Springs, Support, parse_pipe
+from pipeclamp_models.pipe.modes import finite_elements
+from pipeclamp_models.pipe.section import beam_of
 from pipeclamp_system.description.system import SystemDescription
 
 PLAN = rig.TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
@@ -215,14 +221,60 @@ def test_the_page_of_a_law_is_written(studio, home):
     assert b"RMS error" in content
 
 
-def test_the_pipe_is_described_at_the_ends_of_the_laws_temperatures(home):
-    file = pc.open_law(home / "law1.json").file
-    system = parse_table(system_text(file, "law1.json"), SystemDescription, "studio")
+def test_the_pipe_is_described_at_the_ends_of_the_tests_temperatures(studio, home):
+    T = temperatures_of(studio.desk.open("virtual").bench.loops)
+    known = studio.desk.open("virtual").bench.loops.temperature_K - CELSIUS
+    assert pytest.approx((known.min(), known.max()), abs=0.1) == T
+    system = system_of(read_pipe_text(), home, T)
     (clamp,) = system.clamps
     assert clamp.law == "law1.json"
-    T, data = system.response.temperatures_C, file.range["T"]
-    assert data.minimum <= T[0] + CELSIUS < T[-1] + CELSIUS <= data.maximum
-    assert T[-1] - T[0] == pytest.approx(data.maximum - data.minimum, abs=0.2)
+    assert system.response.temperatures_C == T
+
+
+def test_tests_of_one_temperature_show_the_pipe_there_alone(studio):
+    loops = studio.desk.open("virtual").bench.loops
+    first = loops.temperature_K[0]
+    alike = replace(loops, rows=tuple(row for row in loops.rows if abs(row.temperature_K - first) < 1))
+    assert temperatures_of(alike) == (pytest.approx(first - CELSIUS, abs=0.1),)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e6])  # N/mm
+def test_the_response_holds_the_pipes_resonance_whatever_its_clamps_are(home, stiffness):
+    """With clamps of any number and name, on another pipe than the example's, shaken by a force."""
+    text = read_pipe_text().replace("length_m = 10.0", "length_m = 4.0").replace("position_m = 5.5", "position_m = 2.2")
+    text = text.replace('kind = "base"', 'kind = "force"\nposition_m = 2.0')
+    text = text.replace('name = "clamp1"\n', 'name = "left"\n') + CLAMP_RIGHT
+    system = system_of(text, home, ())
+    assert [clamp.at for clamp in system.clamps] == ["left", "right"]
+    assert system.excitation.force_N and not system.response.temperatures_C
+    pipe = parse_pipe(text)
+    spring = Springs(stiffness_N_mm=stiffness, rotational_stiffness_Nm_rad=0.0)
+    springs = tuple(Support(position_m=clamp.position_m, condition=spring) for clamp in pipe.clamps)
+    sprung = pipe.model_copy(update={"supports": springs, "clamps": ()})
+    first = modes(beam_of(sprung), finite_elements(sprung))[0][0] / (2 * math.pi)
+    assert 1.05 * system.response.from_Hz < first < system.response.to_Hz / 1.05
+
+
+def test_a_pipe_without_clamps_is_refused(home):
+    text = read_pipe_text()
+    with pytest.raises(pc.UserError, match="the pipe has no clamp; expected"):
+        system_of(text[: text.index("[[clamps]]")] + text[text.index("[[probes]]") :], home, ())
+
+
+CLAMP_RIGHT = """
+[[clamps]]
+name = "right"
+position_m = 2.9
+"""
+
+
+def read_pipe_text():
+    return _example(PIPE)
+
+
+def system_of(pipe, home, temperatures):
+    file = pc.open_law(home / "law1.json").file
+    return parse_table(system_text(parse_pipe(pipe), file, "law1.json", temperatures), SystemDescription, "studio")
 
 
 def test_a_studio_that_was_killed_finds_all_again(studio, campaign, home, tmp_path):
