@@ -19,6 +19,7 @@ from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.base.errors import UserError
 
 
@@ -119,5 +120,6 @@ def _environment() -> jinja2.Environment:
     environment = templates_of("pipeclamp.studio")
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
     environment.filters["sentence"] = sentence
+    environment.filters["one_digit"] = one_digit
     environment.filters["named"] = commands.named
     return environment

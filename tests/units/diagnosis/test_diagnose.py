@@ -158,6 +158,8 @@ def test_two_that_help_only_together_are_a_part_and_are_added_together(campaign,
     pair = replace(found.diagnosis.law, effects=("bouc_wen", "slip_speed"))
     idle = replace(found.diagnosis, found=replace(found.diagnosis.found, pair=pair))
     assert all("slip_speed" not in rung.label for rung in promised(idle)), "two that do nothing are no step"
+    alone = replace(idle, found=replace(idle.found, effects=(), named=None), candidates=(pair,))
+    assert len(promised(alone)) == 1, "nor is one"
     assert told.offered == (",".join(found.together),)
     (candidate,) = (each for each in told.candidates if each.name in told.offered)
     assert candidate.heldout_nrmse == told.promised[0].heldout_nrmse
