@@ -51,10 +51,10 @@ def add_line(project: Project, of: str, effect: str, kind: Kind | None, law: str
 
 def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple[Task, str]:
     """Give the task that adds an effect to a law, and the name of the law with it."""
-    law = project.reserve()
+    path, law = str(project.path_of(of)), project.reserve()
     command = add_line(project, of, effect, kind, law)
     given = {
-        "campaign": project.campaign, "of": str(project.path_of(of)), "effect": effect, "kind": kind,
+        "campaign": project.campaign, "of": path, "effect": effect, "kind": kind,
         "law": project.shown(f"{law}.json"), "command": _last_parts(command),
     }  # fmt: skip
     return Task("add", f"Add {named(effect)} and fit everything again", command, given, of), law
@@ -94,10 +94,10 @@ def discover_line(project: Project, of: str, law: str) -> str:
 
 def discover_task(project: Project, of: str) -> tuple[Task, str]:
     """Give the task that searches a term for a law, and the name of the law with it, if one is found."""
-    law = project.reserve()
+    path, law = str(project.path_of(of)), project.reserve()
     command = discover_line(project, of, law)
     given = {
-        "campaign": project.campaign, "of": str(project.path_of(of)), "law": project.shown(f"{law}.json"),
+        "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"),
         "term": project.shown(f"{of}.term.toml"), "answer": project.shown(f"{of}.discovery.json"),
         "told": project.shown(f"{of}.discovery_told.json"), "command": _last_parts(command),
     }  # fmt: skip

@@ -20,6 +20,7 @@ pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 from studio_server import running
 
 import pipeclamp as pc
+from pipeclamp.studio.desk import Desk
 from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
 from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_of
 from pipeclamp.studio.project import Project, _precedes
@@ -138,6 +139,17 @@ def test_a_job_that_is_cancelled_leaves_nothing_and_keeps_nobody_waiting(studio,
     ended = studio.done(job)
     assert ended["state"] == "cancelled"
     assert sorted(path.name for path in home.iterdir()) == before
+
+
+def test_a_law_that_comes_to_nothing_leaves_its_name_to_the_next(studio, home):
+    project = studio.desk.open("virtual").project
+    before = project.upcoming
+    job = studio.json(JOBS, {"kind": "identify", "base": "series"})
+    assert f"{before}.json" in job["command"]
+    assert project.upcoming != before, "nobody else is given it"
+    studio.json(f"{JOBS}/{job['number']}/cancel", {})
+    assert studio.done(job)["state"] == "cancelled"
+    assert project.upcoming == before
 
 
 def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, home):
@@ -311,3 +323,17 @@ def test_files_become_a_campaign_once_they_are_confirmed(studio, campaign, home)
     assert asked(False)["state"] == "done"
     assert "8 runs" in studio.ask(f"/c/{name}/")[2].decode()
     assert name in studio.ask("/campaigns")[2].decode()
+    assert not (home / "uploads" / batch).exists(), "the campaign holds what was in them"
+    gone = studio.json("/import/jobs", {"batch": batch, "name": name, "dry_run": True})
+    assert "drop them again" in gone["error"]
+
+
+def test_files_that_were_dropped_long_ago_are_cleared(tmp_path):
+    old, new, foreign = (tmp_path / "uploads" / name for name in ("00112233aabbccdd", "ffeeddccbbaa9988", "mine"))
+    for folder in (old, new, foreign):
+        folder.mkdir(parents=True)
+        (folder / "a.csv").write_text("1")
+    for folder in (old, foreign):
+        os.utime(folder, (time.time() - 2 * 86400,) * 2)
+    Desk(tmp_path)
+    assert [folder.exists() for folder in (old, new, foreign)] == [False, True, True]
