@@ -211,6 +211,24 @@ def test_what_a_file_leaves_open_is_stated_with_a_click(page, url, violations):
     assert "0.5\t3\t" in page.inner_text("#found table:last-of-type >> nth=-1")
 
 
+def test_what_files_names_state_is_taken_over_with_a_click(page, url):
+    """A look says that names state settings, and one click takes them."""
+    folder = DATA / "campaigns" / "clamp_a_heldout" / "runs"
+    page.goto(url)
+    page.click(".brand")
+    page.set_input_files("#files", [
+        {"name": path.name.replace("p", "."), "mimeType": "text/csv", "buffer": path.read_bytes()}
+        for path in sorted(folder.iterdir())[:4]
+    ])  # fmt: skip
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    page.click("#proposed-pattern")
+    assert page.input_value("#pattern") == "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"
+    page.click("text=Look into them")
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    assert "--pattern" in page.inner_text("#line")
+    assert page.is_hidden("#proposed-pattern")
+
+
 def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path):
     folder = DATA / "campaigns" / "clamp_a_heldout" / "runs"
     page.goto(url)

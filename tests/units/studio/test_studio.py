@@ -12,6 +12,7 @@ import time
 import zipfile
 from dataclasses import replace
 
+import polars as pl
 import pytest
 
 pytest.importorskip("starlette", reason="needs the extra 'studio'")
@@ -20,10 +21,12 @@ pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 from studio_server import running
 
 import pipeclamp as pc
-from pipeclamp.studio.desk import Desk
+from pipeclamp.studio.bench import read_bench
+from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
 from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_of
 from pipeclamp.studio.project import Project, _precedes
+from pipeclamp.studio.rendering import campaign_page
 from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -66,6 +69,18 @@ def test_a_law_is_the_one_that_its_command_makes(studio, campaign, home):
     assert law.file.command == "pipeclamp identify virtual -o law1.json"
     session = json.loads((home / "session.json").read_text())
     assert session["steps"][0]["command"] == f"pipeclamp identify {campaign} -o {home / 'law1.json'}"
+
+
+def test_most_of_the_force_may_be_a_constant_load(campaign, tmp_path):
+    """A share of it looks small: the page says what the law errs of the rest too, as `compare` does."""
+    loaded = tmp_path / "loaded"
+    shutil.copytree(campaign, loaded)
+    for path in (loaded / "runs").iterdir():
+        pl.read_csv(path).with_columns(pl.col("force_N") - 9e4).write_csv(path)
+    project = Project(str(loaded), tmp_path / "laws")
+    pc.identify(loaded, effects=["offset"]).save(project.folder / "law1.json")
+    page = campaign_page(Opened("loaded", project, read_bench(str(loaded))), None, by="", beside="")
+    assert "Most of the force is a constant load; of the rms of the rest the error is" in page
 
 
 def test_a_run_errs_as_compare_says(studio, campaign, home):

@@ -8,7 +8,6 @@ const input = document.getElementById("files");
 const form = document.getElementById("import");
 const write = document.getElementById("write");
 const look = form.querySelector("[value=look]");
-const proposed = document.getElementById("proposed");
 const WIDE = 900; // px, from which on loops stand beside each other
 const batch = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 let taken = 0;
@@ -43,15 +42,19 @@ function right(known) {
   look.classList.toggle("primary", !known);
 }
 
-// A refusal ends with the option that would tell the channels: one click takes it over.
-function propose(says) {
-  const option = says.match(/--columns "([^"]+)"/);
-  proposed.hidden = !option;
-  proposed.onclick = () => {
-    document.getElementById("columns").value = option[1];
-    proposed.hidden = true;
-    right(false);
-  };
+// A refusal ends with the option that would tell the channels, a look with the pattern of the files' names: one click takes it over.
+const PROPOSED = { columns: /--columns "([^"]+)"/, pattern: /with the pattern "([^"]+)"/ };
+function propose(said) {
+  for (const [id, words] of Object.entries(PROPOSED)) {
+    const button = document.getElementById(`proposed-${id}`);
+    const option = said.match(words);
+    button.hidden = !option;
+    button.onclick = () => {
+      document.getElementById(id).value = option[1];
+      button.hidden = true;
+      right(false);
+    };
+  }
 }
 
 form.addEventListener("input", () => right(false));
@@ -69,7 +72,7 @@ form.addEventListener("submit", async (event) => {
 });
 
 function ended(job) {
-  propose(job.state === "refused" ? job.says : "");
+  propose(job.state === "done" ? job.result.lines.join("\n") : job.says);
   if (job.state !== "done") { document.getElementById("found").replaceChildren(); return; }
   if (job.kind === "import") { location.assign(`/c/${encodeURIComponent(value("name"))}/`); return; }
   const found = job.result.lines.map((line) => textOf("p", line));
