@@ -72,6 +72,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         edges=EDGES,
         worst=worst.runs[0] if worst else "",
         told=told,
+        runs=len(bench.loops.run),
         lines=lines,
         discovery=discovery_in(project, name, project.law(name)) if name else None,
         bases=commands.BASES,

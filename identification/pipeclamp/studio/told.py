@@ -55,6 +55,7 @@ class Told(AnswerModel):
     promised: tuple[ToldRung, ...] = Field((), description="the steps that the page of the diagnosis promises")
     next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
     drive: bool = Field(description="whether there is a drive signal for it")
+    runs: int | None = Field(None, description="of the tests that it rests on; not known of diagnoses kept long ago")
 
     @property
     def offered(self) -> tuple[str, ...]:
@@ -95,6 +96,7 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         ),
         next_test=found.proposal.words() if found.proposal else found.no_test,
         drive=found.proposal is not None,
+        runs=len(found.comparison.runs),
     )
 
 

@@ -185,6 +185,11 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
     page = studio.ask("/c/virtual/laws/law1")[2].decode()
     assert '<button class="primary" type="button" data-start="add" data-effect="viscous,asymmetry">Add' in page
     assert "pipeclamp add" in page and "viscous,asymmetry" in page and "--as part" in page
+    assert "Tests have joined since" not in page
+    fewer = told.model_copy(update={"runs": 5})
+    (home / "law1.told.json").write_text(fewer.json_text(), encoding="utf-8")
+    page = studio.ask("/c/virtual/laws/law1")[2].decode()
+    assert "what follows rests on 5 runs, and there are 8 now" in page, "the verdict is that of the tests then"
     before = set(home.glob("law*.json"))
     done = studio.done(studio.json(JOBS, {"kind": "add", "law": "law1", "effect": "viscous,asymmetry"}))
     assert done["title"] == "Add viscous and asymmetry and fit everything again"
