@@ -141,6 +141,29 @@ def test_the_whole_job(page, url, violations, home):
     assert no_wider_than_the_window(page)
 
 
+def test_what_is_refused_stays_in_view_beside_the_jobs(page, url):
+    """A running job tells often what it does: neither it nor why another was refused is lost by that."""
+    page.goto(url)
+    page.goto(re.sub(r"/\?.*", "/c/clamp_a_heldout/", url))
+    page.wait_for_selector(LOOP)
+    page.evaluate("""async () => {
+        const { complain, start } = await import("/static/ask.js");
+        await start("/c/clamp_a_heldout/jobs", { kind: "identify", base: "power" }, "clamp_a_heldout", () => {});
+        complain("2 jobs are running");
+    }""")
+    page.wait_for_selector(".job.running .says:not(:text('starting'))", timeout=A_JOB_ms)
+    assert page.is_visible(".job.refused:has-text('2 jobs are running')")
+    page.wait_for_selector(".job.running", state="detached", timeout=A_JOB_ms)
+    page.click(".job.refused >> text=Close")
+    assert page.locator(".job").count() == 0
+    told = page.evaluate("""async () => {
+        const { ask } = await import("/static/ask.js");
+        window.fetch = () => Promise.reject(new TypeError("Failed to fetch"));
+        return ask("/").catch((error) => error.message);
+    }""")
+    assert told.startswith("The studio doesn't answer."), "it was killed"
+
+
 def test_two_effects_are_added_at_once(page, violations, tmp_path):
     """Their names, and what they would do, stay in view in a wide window and in a narrow one."""
     home, both = tmp_path / "home", ("memory", "damping_temperature")
