@@ -55,6 +55,11 @@ def test_steps_of_amplitude_and_frequency_part_runs():
     assert len(cut.runs) == 4
 
 
+def test_a_ramp_of_one_cycle_is_no_rest():
+    cut = parts(sine(0.0, 4, 1, 0.5), sine(0.5, 4, 6))
+    assert [part.why for part in cut.left] == ["ramp or change of level"]
+
+
 @pytest.mark.parametrize("order", [7, 12])
 @pytest.mark.parametrize("rests", [False, True])
 def test_cycles_that_ride_on_a_large_one_are_one_motion(order, rests):
