@@ -234,6 +234,21 @@ def test_what_a_file_leaves_open_is_stated_with_a_click(page, url, violations):
     assert "0.5\t3\t" in page.inner_text("#found table:last-of-type >> nth=-1")
 
 
+def test_a_file_that_is_not_taken_is_told_until_the_next(page, url):
+    """Also where a look at the others goes well."""
+    path = next(iter((DATA / "campaigns" / "clamp_a_heldout" / "runs").iterdir()))
+    file = {"name": path.name, "mimeType": "text/csv", "buffer": path.read_bytes()}
+    page.goto(url)
+    other = page.context.new_page()  # whose console may tell of the refusal
+    other.goto(re.sub(r"/\?.*", "/campaigns", url))
+    other.set_input_files("#files", [file])
+    other.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    other.set_input_files("#files", [file])
+    other.wait_for_selector("#taken:has-text('is there already')")
+    other.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    assert "is there already" in other.inner_text("#taken")
+
+
 def test_what_files_names_state_is_taken_over_with_a_click(page, url):
     """A look says that names state settings, and one click takes them."""
     folder = DATA / "campaigns" / "clamp_a_heldout" / "runs"
@@ -278,7 +293,12 @@ def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path
     page.fill("#name", "clamp_7")
     page.click("text=Look into them")
     page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
-    page.click("#write")
+    other = page.context.new_page()
+    other.goto(re.sub(r"/\?.*", "/campaigns", url))
+    with page.expect_response("**/import/jobs"):
+        page.click("#write")
+    other.reload()  # a page that didn't start it says where it is, and stays
     page.wait_for_selector(LOOP, timeout=A_JOB_ms)
     assert page.inner_text("h1") == "clamp_7"
+    assert other.get_attribute(".job >> text=Open it", "href") == "/c/clamp_7/"
     assert (home / "clamp_7" / "campaign.toml").is_file()

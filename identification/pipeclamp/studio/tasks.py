@@ -102,6 +102,7 @@ def _imported(tell: Progress, files: list[str], folder: str, **stated: Any) -> d
         "tables": tables,
         "loops": first_look(found.found),
         "written": found.written,
+        "name": Path(folder).name,
     }
 
 

@@ -11,26 +11,37 @@ export async function ask(path, body) {
 }
 
 const place = () => document.getElementById("jobs");
-let complaint = null; // stays beside the jobs until it is closed, or something is started
+let said = null; // stays beside the jobs until it is closed, or something is started
 
 function show(boxes) {
-  place().replaceChildren(...(complaint ? [complaint] : []), ...boxes);
+  place().replaceChildren(...(said ? [said] : []), ...boxes);
 }
 
 function withdraw() {
-  complaint?.remove();
-  complaint = null;
+  said?.remove();
+  said = null;
 }
 
-export function complain(message) {
+function say(name, ...content) {
   withdraw();
   const close = textOf("button", "Close");
   close.type = "button";
   close.addEventListener("click", withdraw);
-  complaint = document.createElement("div");
-  complaint.className = "job refused";
-  complaint.append(textOf("b", "This doesn't work."), textOf("span", message, "says"), close);
-  place().prepend(complaint);
+  said = document.createElement("div");
+  said.className = name;
+  said.append(...content, close);
+  place().prepend(said);
+}
+
+export function complain(message) {
+  say("job refused", textOf("b", "This doesn't work."), textOf("span", message, "says"));
+}
+
+// Something that is there now, and where.
+export function tell(message, words, address) {
+  const link = textOf("a", words);
+  link.href = address;
+  say("job", textOf("span", message, "says"), link);
 }
 
 export function textOf(tag, text, name = "") {
