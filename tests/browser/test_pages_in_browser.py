@@ -75,6 +75,11 @@ def test_it_prints_in_the_light_look(pages, page, tmp_path):
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.evaluate("document.querySelector('.chosen').layout.paper_bgcolor") == "#161b22"
     assert len(page.pdf()) > 50_000
+    page.emulate_media(media="print")
+    short = "[...document.querySelectorAll('.maps table, .table:not(.long)')]"
+    assert set(page.evaluate(f"{short}.map(each => getComputedStyle(each).breakInside)")) == {"avoid"}, (
+        "no page's end cuts a map or a short table"
+    )
 
 
 def test_in_a_narrow_window_the_falling_error_is_whole_and_what_goes_on_fades(pages, page):

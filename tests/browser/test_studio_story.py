@@ -141,6 +141,29 @@ def test_the_whole_job(page, url, violations, home):
     assert no_wider_than_the_window(page)
 
 
+def test_what_is_refused_stays_in_view_beside_the_jobs(page, url):
+    """A running job tells often what it does: neither it nor why another was refused is lost by that."""
+    page.goto(url)
+    page.goto(re.sub(r"/\?.*", "/c/clamp_a_heldout/", url))
+    page.wait_for_selector(LOOP)
+    page.evaluate("""async () => {
+        const { complain, start } = await import("/static/ask.js");
+        await start("/c/clamp_a_heldout/jobs", { kind: "identify", base: "power" }, "clamp_a_heldout", () => {});
+        complain("2 jobs are running");
+    }""")
+    page.wait_for_selector(".job.running .says:not(:text('starting'))", timeout=A_JOB_ms)
+    assert page.is_visible(".job.refused:has-text('2 jobs are running')")
+    page.wait_for_selector(".job.running", state="detached", timeout=A_JOB_ms)
+    page.click(".job.refused >> text=Close")
+    assert page.locator(".job").count() == 0
+    told = page.evaluate("""async () => {
+        const { ask } = await import("/static/ask.js");
+        window.fetch = () => Promise.reject(new TypeError("Failed to fetch"));
+        return ask("/").catch((error) => error.message);
+    }""")
+    assert told.startswith("The studio doesn't answer."), "it was killed"
+
+
 def test_two_effects_are_added_at_once(page, violations, tmp_path):
     """Their names, and what they would do, stay in view in a wide window and in a narrow one."""
     home, both = tmp_path / "home", ("memory", "damping_temperature")
@@ -211,6 +234,39 @@ def test_what_a_file_leaves_open_is_stated_with_a_click(page, url, violations):
     assert "0.5\t3\t" in page.inner_text("#found table:last-of-type >> nth=-1")
 
 
+def test_a_file_that_is_not_taken_is_told_until_the_next(page, url):
+    """Also where a look at the others goes well."""
+    path = next(iter((DATA / "campaigns" / "clamp_a_heldout" / "runs").iterdir()))
+    file = {"name": path.name, "mimeType": "text/csv", "buffer": path.read_bytes()}
+    page.goto(url)
+    other = page.context.new_page()  # whose console may tell of the refusal
+    other.goto(re.sub(r"/\?.*", "/campaigns", url))
+    other.set_input_files("#files", [file])
+    other.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    other.set_input_files("#files", [file])
+    other.wait_for_selector("#taken:has-text('is there already')")
+    other.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    assert "is there already" in other.inner_text("#taken")
+
+
+def test_what_files_names_state_is_taken_over_with_a_click(page, url):
+    """A look says that names state settings, and one click takes them."""
+    folder = DATA / "campaigns" / "clamp_a_heldout" / "runs"
+    page.goto(url)
+    page.click(".brand")
+    page.set_input_files("#files", [
+        {"name": path.name.replace("p", "."), "mimeType": "text/csv", "buffer": path.read_bytes()}
+        for path in sorted(folder.iterdir())[:4]
+    ])  # fmt: skip
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    page.click("#proposed-pattern")
+    assert page.input_value("#pattern") == "A{amplitude_mm}_f{frequency_Hz}_T{temperature_C}"
+    page.click("text=Look into them")
+    page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
+    assert "--pattern" in page.inner_text("#line")
+    assert page.is_hidden("#proposed-pattern")
+
+
 def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path):
     folder = DATA / "campaigns" / "clamp_a_heldout" / "runs"
     page.goto(url)
@@ -237,7 +293,12 @@ def test_files_are_dropped_and_looked_into(page, url, violations, home, tmp_path
     page.fill("#name", "clamp_7")
     page.click("text=Look into them")
     page.wait_for_selector("#write:enabled", timeout=A_JOB_ms)
-    page.click("#write")
+    other = page.context.new_page()
+    other.goto(re.sub(r"/\?.*", "/campaigns", url))
+    with page.expect_response("**/import/jobs"):
+        page.click("#write")
+    other.reload()  # a page that didn't start it says where it is, and stays
     page.wait_for_selector(LOOP, timeout=A_JOB_ms)
     assert page.inner_text("h1") == "clamp_7"
+    assert other.get_attribute(".job >> text=Open it", "href") == "/c/clamp_7/"
     assert (home / "clamp_7" / "campaign.toml").is_file()

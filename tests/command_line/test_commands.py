@@ -164,6 +164,7 @@ def test_an_effect_is_shown_whole(pipeclamp, tmp_path):
     ):
         assert words in text
     assert max(map(len, text.splitlines())) <= 80
+    assert "40 to 1000" in pipeclamp("effects", "relaxation_temperature").stdout, "plain figures"
     assert "1/[column]" in pipeclamp("effects", "condition").stdout
     assert "z2" in pipeclamp("effects", "memory:2").stdout
     assert "did you mean 'memory'" in pipeclamp("effects", "memroy", status=1).stderr

@@ -80,7 +80,7 @@ class Tests(Shown):
         spans = [
             _span("A", "mm", [run.amplitude_mm for run in runs]),
             _span("f", "Hz", [run.frequency_Hz for run in runs]),
-            _span("T", "°C", [run.temperature_C for run in runs if run.temperature_C is not None]),
+            _span("T", "°C", [round(run.temperature_C, 1) for run in runs if run.temperature_C is not None]),
         ]
         words = f"{self.name}: {', '.join([self._count(), *filter(None, spans)])}"
         return "\n".join([words, *self.left_out, *self.remarks])

@@ -27,6 +27,7 @@ from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import HeldLaw
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.loops.scatter import PHASE_BINS
+from pipeclamp_models.base.digits import one_digit
 
 EVEN = (
     "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "
@@ -138,7 +139,7 @@ def _cycles_section(comparison: Comparison) -> Section:
         words.append(
             "From a record's first cycle to its last the measured force drifts against the law by "
             f"{100 * drift.in_phase:+.2g} % in phase and {100 * drift.in_quadrature:+.2g} % in quadrature of its first "
-            f"harmonic, standard error {100 * drift.standard_error:.1g} %."
+            f"harmonic, standard error {one_digit(100 * drift.standard_error)} %."
         )
     bars = bars_of("all runs, share of the rms force", cycles.by, cycles, short=True)
     measured, computed = breakdown.amplitude_along_cycles(comparison.sums, comparison.loops)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import plotly.graph_objects as go
 
 from pipeclamp.pages.page import Card, Section
@@ -39,16 +41,15 @@ def diagnosis_answer(answer: Diagnosed) -> Section:
 def promised(diagnosis: Diagnosis) -> list[Rung]:
     """Give the law as it is, and what the effects that the answer names, or the best one, would make of it.
 
-    Of two that help only together neither is promised anything alone: they are added at once. Two that do nothing are
+    Of two that help only together neither is promised anything alone: they are added at once. What does nothing is
     not drawn.
     """
     named = [judged for judged in diagnosis.candidates if effect_id(judged.effects[0]) in diagnosis.effects]
     # what runs at the same stated conditions differ by is promised to no effect
-    best = [] if diagnosis.found.unstated or diagnosis.found.bent else diagnosis.candidates[:1]
+    best = [] if diagnosis.found.unstated or diagnosis.found.bent else _that_help(diagnosis.candidates[:1], diagnosis)
     both = diagnosis.found.named is not None and len(diagnosis.found.named.effects) > 1
     alone = [] if both else named or best
-    pair = diagnosis.pair
-    together = [pair] if pair and explained_share(pair, diagnosis.law) >= LEAST_HELP else []
+    together = _that_help([diagnosis.pair] if diagnosis.pair else [], diagnosis)
     return [
         Rung("law as it is", {ESTIMATED: diagnosis.law.heldout_nrmse}),
         *(
@@ -61,6 +62,10 @@ def promised(diagnosis: Diagnosis) -> list[Rung]:
             for place, judged in enumerate([*alone, *together])
         ),
     ]
+
+
+def _that_help(candidates: Sequence[Judged], diagnosis: Diagnosis) -> list[Judged]:
+    return [judged for judged in candidates if explained_share(judged, diagnosis.law) >= LEAST_HELP]
 
 
 def evidence_sections(answer: Diagnosed) -> list[Section]:

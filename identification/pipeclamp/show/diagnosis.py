@@ -98,10 +98,10 @@ def next_test_lines(found: AnyDiagnosed, drive: Path | None) -> list[str]:
 
 
 def verdict_lines(found: AnyDiagnosed, next_command: str, drive: Path | None) -> list[str]:
-    """Give the verdict, why, the test that would tell with the file of its drive signal, and what to run next."""
+    """Give the verdict, why, the test that would tell with the file of its drive signal, and what may be run next."""
     return [
         found.headline(),
         *(f"  {word}" for word in found.words()),
         *next_test_lines(found, drive),
-        f"Next: {next_command}",
+        *([f"Next: {next_command}"] if next_command else []),
     ]

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from pipeclamp.show.table import Table
+from pipeclamp_models.base.digits import plain
 from pipeclamp_models.equations.effect import Effect, Parameter
 from pipeclamp_models.law.outline import Sizes
 from pipeclamp_models.realise.reading.text import effect_statements, symbols_of
@@ -43,8 +44,8 @@ def _bounds(parameter: Parameter, sizes: Sizes) -> str:
     if math.isinf(lower) and math.isinf(upper):
         return "none"
     if math.isinf(upper):
-        return f"at least {lower:.3g}"
-    return f"at most {upper:.3g}" if math.isinf(lower) else f"{lower:.3g} to {upper:.3g}"
+        return f"at least {plain(lower, 3)}"
+    return f"at most {plain(upper, 3)}" if math.isinf(lower) else f"{plain(lower, 3)} to {plain(upper, 3)}"
 
 
 def symbol_table(effect: Effect) -> Table:

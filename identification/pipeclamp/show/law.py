@@ -9,6 +9,7 @@ from pipeclamp.show.sentences import about_mean
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
+from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 
@@ -139,7 +140,7 @@ def stages_table(file: LawFile) -> Table | None:
 def _shown(entry: CoefficientEntry | None, outline: ParameterOutline | None) -> str | None:
     if entry is None:
         return None
-    error = "" if entry.standard_error is None else f" ± {entry.standard_error:.1g}"
+    error = "" if entry.standard_error is None else f" ± {one_digit(entry.standard_error)}"
     return f"{cell(value_shown(entry, outline))}{error}"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -51,10 +51,10 @@ def add_line(project: Project, of: str, effect: str, kind: Kind | None, law: str
 
 def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple[Task, str]:
     """Give the task that adds an effect to a law, and the name of the law with it."""
-    law = project.reserve()
+    path, law = str(project.path_of(of)), project.reserve()
     command = add_line(project, of, effect, kind, law)
     given = {
-        "campaign": project.campaign, "of": str(project.path_of(of)), "effect": effect, "kind": kind,
+        "campaign": project.campaign, "of": path, "effect": effect, "kind": kind,
         "law": project.shown(f"{law}.json"), "command": _last_parts(command),
     }  # fmt: skip
     return Task("add", f"Add {named(effect)} and fit everything again", command, given, of), law
@@ -94,10 +94,10 @@ def discover_line(project: Project, of: str, law: str) -> str:
 
 def discover_task(project: Project, of: str) -> tuple[Task, str]:
     """Give the task that searches a term for a law, and the name of the law with it, if one is found."""
-    law = project.reserve()
+    path, law = str(project.path_of(of)), project.reserve()
     command = discover_line(project, of, law)
     given = {
-        "campaign": project.campaign, "of": str(project.path_of(of)), "law": project.shown(f"{law}.json"),
+        "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"),
         "term": project.shown(f"{of}.term.toml"), "answer": project.shown(f"{of}.discovery.json"),
         "told": project.shown(f"{of}.discovery_told.json"), "command": _last_parts(command),
     }  # fmt: skip
@@ -135,13 +135,14 @@ def response_line(project: Project, law: str) -> str:
     return shell_line("response", project.shown(f"{law}.system.toml"), "-o", project.shown(f"{law}.response.csv"))
 
 
-def response_task(project: Project, law: str) -> Task:
-    """Give the task that finds the response of a pipe with a law's clamp."""
+def response_task(project: Project, law: str, temperatures_C: Sequence[float]) -> Task:
+    """Give the task that finds the response of a pipe with a law's clamp at temperatures; none where none is known."""
     given = {
         "law": str(project.path_of(law)), "system": project.shown(f"{law}.system.toml"),
         "output": project.shown(f"{law}.response.csv"), "shown": project.shown(f"{law}.response.json"),
+        "temperatures_C": list(temperatures_C),
     }  # fmt: skip
-    return Task("respond", f"The pipe with the clamp of {law}, cold and hot", response_line(project, law), given, law)
+    return Task("respond", f"The pipe with the clamp of {law}", response_line(project, law), given, law)
 
 
 def import_task(files: Path, folder: Path, stated: Mapping[str, str], *, skip_unusable: bool, dry_run: bool) -> Task:

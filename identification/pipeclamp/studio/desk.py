@@ -7,6 +7,7 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeclamp.studio import uploads
 from pipeclamp.studio.bench import Bench, read_bench
 from pipeclamp.studio.jobs import Job, Jobs
 from pipeclamp.studio.project import Project
@@ -50,6 +51,7 @@ class Desk:
             UserError: it can't be read, or the folder can't be made or holds the laws of another campaign.
         """
         self.home = home
+        uploads.clear_abandoned(home)
         self.jobs = Jobs()
         self._opened: dict[str, Opened] = {}
         self._lock = threading.Lock()
@@ -99,7 +101,11 @@ class Desk:
             made = law if job.result.get("law") else None
             opened.project.note(Step(command=task.command, law=made, of=task.law))
 
-        return self.jobs.start(opened.key, task, noted)
+        def over() -> None:
+            if law:
+                opened.project.release(law)
+
+        return self.jobs.start(opened.key, task, noted, over)
 
 
 def key_of(campaign: str) -> str:

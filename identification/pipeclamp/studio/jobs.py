@@ -74,19 +74,23 @@ class Jobs:
         self._lock = threading.Lock()
         self._listeners: set[tuple[asyncio.AbstractEventLoop, asyncio.Event]] = set()
 
-    def start(self, project: str, task: Task, when_done: Callable[[Job], None]) -> Job:
+    def start(
+        self, project: str, task: Task, when_done: Callable[[Job], None], when_over: Callable[[], None] = lambda: None
+    ) -> Job:
         """Start a task.
 
         Args:
             project: key of the campaign that it belongs to.
             task: what to do.
             when_done: is called with a job that has been done, before anybody is told so.
+            when_over: is called after it, and where the job came to nothing or wasn't begun.
 
         Raises:
             UserError: as many as may run at once are running.
         """
         with self._lock:
             if len(self._processes) >= MOST_RUNNING:
+                when_over()
                 raise UserError(f"{MOST_RUNNING} jobs are running; wait for one, or cancel it")
             job = Job(next(self._numbers), project, task)
             receiving, sending = multiprocessing.get_context("spawn").Pipe(duplex=False)
@@ -98,11 +102,18 @@ class Jobs:
             for old in list(self._jobs)[:-MOST_REMEMBERED]:
                 if old not in self._processes:
                     del self._jobs[old]
-        threading.Thread(target=self._follow, args=(job, process, receiving, when_done), daemon=True).start()
+        threading.Thread(target=self._follow, args=(job, process, receiving, when_done, when_over), daemon=True).start()
         self._tell()
         return job
 
-    def _follow(self, job: Job, process: BaseProcess, receiving: Connection, when_done: Callable[[Job], None]) -> None:
+    def _follow(
+        self,
+        job: Job,
+        process: BaseProcess,
+        receiving: Connection,
+        when_done: Callable[[Job], None],
+        when_over: Callable[[], None],
+    ) -> None:
         state, says = "failed", "the process ended before it was done; was it stopped, or out of memory?"
         result: Mapping[str, Any] = {}
         while state == "failed":
@@ -126,6 +137,7 @@ class Jobs:
                 when_done(job)
             except UserError as error:
                 state, job.says = "refused", str(error)
+        when_over()
         with self._lock:
             job.state = state
             del self._processes[job.number]

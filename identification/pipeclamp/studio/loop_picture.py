@@ -84,7 +84,7 @@ def _conditions(run: OneRun) -> dict[str, Any]:
     known = {
         "A / mm": loop.amplitude_mm,
         "f / Hz": loop.frequency_Hz,
-        "T / °C": loop.temperature_K - CELSIUS,
+        "T / °C": round(loop.temperature_K - CELSIUS, 1),
         "density / g/cm³": loop.density_g_cm3,
         **loop.conditions,
     }

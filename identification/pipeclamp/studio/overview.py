@@ -55,7 +55,7 @@ class LawShown:
         name: law1, law2, ...
         title: its base and effects.
         error, scatter: percent of the rms force.
-        words: how much it errs.
+        words: what is to know of that, as of tests of which most is a constant load.
         waterfall: its history.
         map, before: of the error; that of the law before it, where there is one on the same tests.
         told: what a diagnosis said of it, where one was made.
@@ -97,7 +97,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
         title=title_of(file),
         error=100 * held.nrmse,
         scatter=None if scatter is None else 100 * scatter,
-        words=tuple(how_much(held)),
+        words=tuple(how_much(held)[1:]),
         waterfall=waterfall_of(file, told),
         map=shown,
         before=law_map(project, bench, parent, shown.by) if parent else None,

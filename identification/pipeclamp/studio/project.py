@@ -45,7 +45,7 @@ class Project:
         except OSError as error:
             raise UserError(f"{folder}: can't be made ({error.strerror}); expected a folder for laws") from error
         self._session = self._read()
-        self._reserved = max((int(name[3:]) for name in self.laws()), default=0)
+        self._reserved: set[str] = set()
 
     def _read(self) -> Session:
         path = self.folder / SESSION
@@ -103,13 +103,19 @@ class Project:
     @property
     def upcoming(self) -> str:
         """The name that the next law will have, where nobody else makes one before."""
-        return f"law{self._reserved + 1}"
+        return f"law{max((int(name[3:]) for name in (*self.laws(), *self._reserved)), default=0) + 1}"
 
     def reserve(self) -> str:
-        """Give the name of the next law; nobody else is given it."""
+        """Give the name of the next law; nobody else is given it until it is released."""
         with self._lock:
-            self._reserved = max(self._reserved, *(int(name[3:]) for name in self.laws()), 0) + 1
-            return f"law{self._reserved}"
+            name = self.upcoming
+            self._reserved.add(name)
+            return name
+
+    def release(self, name: str) -> None:
+        """Take back a name that was reserved: the law is there, or won't be made."""
+        with self._lock:
+            self._reserved.discard(name)
 
     def shown(self, name: str) -> str:
         """Give a file of the folder as a command line names it."""

@@ -16,9 +16,10 @@ from pipeclamp.studio import commands, overview
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
-from pipeclamp.studio.on_pipe import shown_on_pipe
+from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
 from pipeclamp_identification.workflow.on_records import RecordTests
+from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.base.errors import UserError
 
 
@@ -71,12 +72,14 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         edges=EDGES,
         worst=worst.runs[0] if worst else "",
         told=told,
+        runs=len(bench.loops.run),
         lines=lines,
         discovery=discovery_in(project, name, project.law(name)) if name else None,
         bases=commands.BASES,
         steps=project.steps,
         parent=project.parent(name) if name else None,
         folder=project.folder,
+        temperatures=temperatures_of(bench.loops),
         on_pipe=shown_on_pipe(project.folder / f"{name}.response.json") if name else None,
         made={suffix for suffix in ("fmu", "html") if name and (project.folder / f"{name}.{suffix}").is_file()},
     )
@@ -118,5 +121,6 @@ def _environment() -> jinja2.Environment:
     environment = templates_of("pipeclamp.studio")
     environment.filters["percent"] = lambda value: f"{value:.2f} %" if value >= 0.995 else f"{value:.2g} %"
     environment.filters["sentence"] = sentence
+    environment.filters["one_digit"] = one_digit
     environment.filters["named"] = commands.named
     return environment

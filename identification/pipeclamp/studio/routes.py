@@ -21,7 +21,9 @@ from pipeclamp.pages.page import asset
 from pipeclamp.studio import commands, overview, uploads
 from pipeclamp.studio.bench import changed, with_candidate
 from pipeclamp.studio.desk import Desk, Opened
+from pipeclamp.studio.jobs import Job
 from pipeclamp.studio.loop_picture import run_picture
+from pipeclamp.studio.on_pipe import temperatures_of
 from pipeclamp.studio.rendering import campaign_page, page
 from pipeclamp.studio.security import TooLargeError
 from pipeclamp.studio.told import Told, ToldCandidate
@@ -198,7 +200,7 @@ class Pages:
         elif wanted == "report":
             task = commands.report_task(project, _text(asked, "law"))
         elif wanted == "respond":
-            task = commands.response_task(project, _text(asked, "law"))
+            task = commands.response_task(project, _text(asked, "law"), temperatures_of(opened.bench.loops))
         else:
             raise UserError(
                 f"kind: got {wanted!r}; expected identify, diagnose, add, discover, build, report or respond"
@@ -209,12 +211,19 @@ class Pages:
         """Start an import of uploaded files, or a look into them."""
         asked = await _asked(request)
         name = uploads.safe_campaign(_text(asked, "name"))
-        files = uploads.batch_folder(self.desk.home, _text(asked, "batch"))
+        batch, dry_run = _text(asked, "batch"), bool(asked.get("dry_run", True))
         task = commands.import_task(
-            files, self.desk.home / name, {option: _text(asked, option) for option in STATED if option in asked},
-            skip_unusable=bool(asked.get("skip_unusable", False)), dry_run=bool(asked.get("dry_run", True)),
+            uploads.taken(self.desk.home, batch), self.desk.home / name,
+            {option: _text(asked, option) for option in STATED if option in asked},
+            skip_unusable=bool(asked.get("skip_unusable", False)), dry_run=dry_run,
         )  # fmt: skip
-        job = self.desk.jobs.start("", task, lambda job: self.desk.forget(name))
+
+        def made(job: Job) -> None:
+            self.desk.forget(name)
+            if not dry_run:
+                uploads.clear(self.desk.home, batch)
+
+        job = self.desk.jobs.start("", task, made)
         return JSONResponse(job.to_dict())
 
     async def cancel(self, request: Request) -> Response:

@@ -50,12 +50,11 @@ def diagnose(
     found = tests.diagnose(file, limits=reach, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
     assert isinstance(found, Diagnosed)
     tell("next test")
-    following = next_command(found, law, campaign)
-    view = diagnosis_view(found, (), following)
+    view = diagnosis_view(found, (), next_command(found, law, campaign))
     if found.proposal:
         write_whole(Path(drive), drive_content(found.proposal.plan.signal(), Path(drive)))
     write_whole(Path(answer), view.answer.json_text())
-    write_whole(Path(told), told_of(found, file, following).json_text())
+    write_whole(Path(told), told_of(found, file).json_text())
     return {"verdict": found.verdict}
 
 
@@ -103,6 +102,7 @@ def _imported(tell: Progress, files: list[str], folder: str, **stated: Any) -> d
         "tables": tables,
         "loops": first_look(found.found),
         "written": found.written,
+        "name": Path(folder).name,
     }
 
 

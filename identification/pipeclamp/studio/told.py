@@ -49,12 +49,13 @@ class Told(AnswerModel):
     headline: str
     words: tuple[str, ...]
     rung: tuple[str, ...]
-    lines: tuple[str, ...] = Field(description="as the command prints them")
+    lines: tuple[str, ...] = Field(description="as the command prints them, without the next command")
     heldout_nrmse: float = Field(description="of the law as it is")
     candidates: tuple[ToldCandidate, ...]
     promised: tuple[ToldRung, ...] = Field((), description="the steps that the page of the diagnosis promises")
     next_test: str = Field(description="which test would tell, or why none is proposed; empty where none is needed")
     drive: bool = Field(description="whether there is a drive signal for it")
+    runs: int | None = Field(None, description="of the tests that it rests on; not known of diagnoses kept long ago")
 
     @property
     def offered(self) -> tuple[str, ...]:
@@ -66,7 +67,7 @@ class Told(AnswerModel):
         return self.kind if effect in (*self.effects, *self.offered) else None
 
 
-def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
+def told_of(found: Diagnosed, file: LawFile) -> Told:
     """Give a diagnosis as it is shown."""
     # the server, which only shows what was told, does without
     from pipeclamp.pages.diagnosis import promised
@@ -83,7 +84,7 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         headline=found.headline(),
         words=tuple(found.words()),
         rung=_rung(found),
-        lines=tuple(verdict_lines(found, next_command, None)),
+        lines=tuple(verdict_lines(found, "", None)),  # what comes next are the page's buttons, with their commands
         heldout_nrmse=diagnosis.law.heldout_nrmse,
         candidates=tuple(
             _candidate(each, diagnosis) for each in (*both, *diagnosis.candidates) if _is_finite(each.result.law.values)
@@ -95,6 +96,7 @@ def told_of(found: Diagnosed, file: LawFile, next_command: str) -> Told:
         ),
         next_test=found.proposal.words() if found.proposal else found.no_test,
         drive=found.proposal is not None,
+        runs=len(found.comparison.runs),
     )
 
 

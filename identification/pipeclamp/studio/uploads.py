@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import time
 import unicodedata
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -15,6 +17,8 @@ MOST_FILES = 500
 MOST_TOTAL_BYTES = 4 * 2**30
 """Of all files in the studio's folder."""
 LONGEST_NAME = 120
+ABANDONED_s = 86400.0
+"""After a day without another file nobody has the page open any more on which files were dropped."""
 BATCH = re.compile(r"[0-9a-f]{16}")
 RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 """Names that are devices on Windows."""
@@ -57,6 +61,37 @@ def batch_folder(home: Path, batch: str) -> Path:
     if not BATCH.fullmatch(batch):
         raise UserError("got no batch of files; drop the files again")
     return home / "uploads" / batch
+
+
+def taken(home: Path, batch: str) -> Path:
+    """Give the folder of files that were dropped together and are still there.
+
+    Raises:
+        UserError: they aren't, or that is no name of a batch.
+    """
+    folder = batch_folder(home, batch)
+    if not folder.is_dir():
+        raise UserError("the files that were dropped are no longer here: a campaign was made of them; drop them again")
+    return folder
+
+
+def clear(home: Path, batch: str) -> None:
+    """Remove files that were dropped together: a campaign holds what was in them."""
+    shutil.rmtree(batch_folder(home, batch), ignore_errors=True)
+
+
+def clear_abandoned(home: Path) -> None:
+    """Remove files that were dropped long ago; newer ones may be those of another studio in the same folder."""
+    for folder in (home / "uploads").glob("*"):
+        if BATCH.fullmatch(folder.name) and not folder.is_symlink() and _age_s(folder) > ABANDONED_s:
+            clear(home, folder.name)
+
+
+def _age_s(folder: Path) -> float:
+    try:
+        return time.time() - folder.stat().st_mtime
+    except FileNotFoundError:  # another studio has just removed it
+        return 0.0
 
 
 async def take(home: Path, batch: str, given: str, content: AsyncIterator[bytes]) -> str:

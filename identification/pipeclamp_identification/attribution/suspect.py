@@ -8,6 +8,7 @@ from math import exp
 from typing import Literal
 
 from pipeclamp_identification.on_pipe.model import CoupledModel
+from pipeclamp_models.base.digits import one_digit
 
 Side = Literal["pipe", "clamp", "measurement"]
 Values = tuple[float, ...]
@@ -76,10 +77,10 @@ def factor_words(whose: str, size: float, unit: str, values: Values, errors: Val
     """Say a factor: as such, or as the size that it makes of a stated one."""
     factor = exp(values[0])
     if unit:
-        return f"{factor * size:.4g} ± {factor * size * errors[0]:.1g} {unit} instead of {size:.4g} {unit}"
+        return f"{factor * size:.4g} ± {one_digit(factor * size * errors[0])} {unit} instead of {size:.4g} {unit}"
     return f"{factor:.3g} ± {factor * errors[0]:.1g} times {whose}"
 
 
 def amount_words(size: float, unit: str, instead: str, values: Values, errors: Values) -> str:
     """Say an amount of what isn't there as stated."""
-    return f"{size * values[0]:.3g} ± {size * errors[0]:.1g} {unit} {instead}"
+    return f"{size * values[0]:.3g} ± {one_digit(size * errors[0])} {unit} {instead}"

@@ -22,6 +22,7 @@ from pipeclamp_identification.attribution.suspect import (
 )
 from pipeclamp_identification.on_pipe.measurement import MeasurementDescription
 from pipeclamp_identification.on_pipe.model import CoupledModel
+from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.effects.cubic_stiffness import k3
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.law import Law
@@ -230,7 +231,7 @@ def _compliance_words(size: float, unit: str, values: Values, errors: Values) ->
 
 
 def _share_words(size: float, unit: str, values: Values, errors: Values) -> str:
-    return f"{size * (1 + values[0]):.4g} ± {size * errors[0]:.1g} {unit} instead of {size:.4g} {unit}"
+    return f"{size * (1 + values[0]):.4g} ± {one_digit(size * errors[0])} {unit} instead of {size:.4g} {unit}"
 
 
 def _damping(pipe: PipeDescription) -> Suspect:
@@ -282,9 +283,9 @@ def _masses(pipe: PipeDescription) -> Iterator[Suspect]:
         return replace(model, pipe=model.pipe.model_copy(update={"masses": (*model.pipe.masses, mass)}))
 
     def told(values: Values, errors: Values) -> str:
-        mass = f"{moving * values[0]:+.3g} ± {moving * errors[0]:.1g} kg"
+        mass = f"{moving * values[0]:+.3g} ± {one_digit(moving * errors[0])} kg"
         # of no mass the place says nothing
-        return f"{mass} at {length * values[1]:.3g} ± {length * errors[1]:.1g} m" if values[0] else mass
+        return f"{mass} at {length * values[1]:.3g} ± {one_digit(length * errors[1])} m" if values[0] else mass
 
     yield Suspect(
         id="mass_per_length",

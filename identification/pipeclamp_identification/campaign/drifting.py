@@ -22,6 +22,7 @@ from pipeclamp_identification.campaign.records import Record
 from pipeclamp_identification.signals.between_cycles import between_cycles
 from pipeclamp_identification.signals.orthonormal import orthonormal
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import one_digit
 
 FALSE_ALARM_CHANCE = 1e-3
 """A campaign without faults raises an alarm of a kind less often than this by scatter alone."""
@@ -337,7 +338,8 @@ def _fault(
     size, error = sizes[worst]
     others = "" if len(drifts) == 1 else f"; {len(drifts)} of {len(runs)} runs do ({named(list(drifts))})"
     where = f"in run {worst}, from its first cycle to its last{others}"
-    shown = f"by {size:+.3g} {unit} ({abs(drifts[worst].size):.1%} of the amplitude, standard error {error:.1g} {unit})"
+    share = f"{abs(drifts[worst].size):.1%} of the amplitude"
+    shown = f"by {size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"
     if kind == "zero_drift" and done == "kept":
         words = (
             f"the zero of the displacement channel drifts, or the mean position does: {shown} {where}; the force "

@@ -22,6 +22,7 @@ from pipeclamp_identification.campaign.drifting import (
 )
 from pipeclamp_identification.campaign.faults import Channel, Done, FaultKind, FaultyRun, SensorFault
 from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.base.digits import one_digit
 
 FEWEST_FREE_RUNS = 6
 """Runs that must be free of the conditions to show a trend from run to run."""
@@ -99,7 +100,8 @@ def _over_runs(
     size, error = change.size * scale, change.error * scale
     if kind == "zero_drift":
         unit = "N" if channel == "force" else "mm"
-        shown = f"{size:+.3g} {unit} ({abs(change.size):.1%} of the amplitude, standard error {error:.1g} {unit})"
+        share = f"{abs(change.size):.1%} of the amplitude"
+        shown = f"{size:+.3g} {unit} ({share}, standard error {one_digit(error)} {unit})"
         words = (
             f"the zero of the {channel} channel drifts from run to run: by {shown} from the first run to the last "
             f"{order}, at alike conditions; the drift is taken off, the mean of all runs is kept; to do: set the zero "

@@ -21,6 +21,9 @@ SAME_SHARE, SAME_KELVIN = 0.05, 5.0
 """Conditions closer than this share of each other, and temperatures closer than this, count as the same where tests are
 counted or grouped by them: drives never hit their set points."""
 
+RESOLVED = 0.02
+"""Share of the step within which values are at one set point, to which it is told: 0.1 °C of 5, no -0.076."""
+
 VARIES = {"A": 0.05}
 VARIES_OTHERWISE = 0.02
 """A condition counts as varied when its values spread by more than this share of the largest: drives miss an amplitude
@@ -57,6 +60,7 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         relative, absolute: neighbouring values that differ by no more than this share, and by no more than this,
             belong to one set point.
     """
+    told = RESOLVED * absolute if math.isfinite(absolute) else 0.0
     known = np.flatnonzero(np.isfinite(values))
     order = known[np.argsort(values[known], kind="stable")]
     rising = values[order]
@@ -70,13 +74,13 @@ def number_levels(values: Array, *, relative: float | None = None, absolute: flo
         groups = np.split(np.arange(len(order)), np.searchsorted(rising, edges))
         groups = [group for group in groups if len(group)]
         ends = np.array([(rising[group[0]], rising[group[-1]]) for group in groups])
-        texts = distinct(ends.ravel())
+        texts = distinct(_rounded(ends.ravel(), told))
         found = [
             Level(low if low == high else f"{low} to {high}", low, high, order[group])
             for group, low, high in zip(groups, texts[::2], texts[1::2], strict=True)
         ]
     else:
-        texts = distinct(np.array([np.mean(rising[group]) for group in groups]))
+        texts = distinct(_rounded(np.array([np.mean(rising[group]) for group in groups]), told))
         found = [Level(text, text, text, order[group]) for group, text in zip(groups, texts, strict=True)]
     return (*found, *_unknown(np.flatnonzero(~np.isfinite(values))))
 
@@ -110,6 +114,10 @@ def distinct(values: Array) -> list[str]:
         if len(set(texts)) >= different:
             break
     return texts
+
+
+def _rounded(values: Array, step: float) -> Array:
+    return np.round(values / step) * step + 0.0 if step else values  # + 0.0: no -0
 
 
 def varies(signal: str, values: Array) -> bool:

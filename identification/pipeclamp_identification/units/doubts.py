@@ -154,7 +154,9 @@ def _unlikely_temperatures(levels: Array) -> tuple[str, ...]:
     """Say that temperatures are likely in K or °F: set points are round numbers in the unit in which they were set."""
     if not len(levels) or _round(levels):
         return ()
-    if len(levels) < FEWEST and not ROOM[0] <= levels[0] <= ROOM[1]:
+    # one set point that is round in another unit is round by chance: 23 °C is -5 °C in °F
+    set_points = 1 + np.count_nonzero(np.diff(levels) > ROUND / 2)
+    if set_points < FEWEST and not ROOM[0] <= levels[0] <= ROOM[1]:
         return ()
     words = f"temperature_C in runs.csv, {_span(levels)}, is likely in"
     if ROOM[0] <= levels[0] <= ROOM[1] or _round(levels - CELSIUS):

@@ -11,7 +11,7 @@ F_o = sp.Symbol("F_o", real=True)
 EFFECT = Effect(
     id="offset",
     part="rig",
-    does="a constant error of the force sensor",
+    does="a constant force: an error of the force sensor, or a load that is always there",
     source=f"{DOEBELIN}, on zero drift",
     looks_like="a mean force, the same in every run",
     imitated_by=("asymmetry", "directional_slip"),

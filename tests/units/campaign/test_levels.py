@@ -56,3 +56,8 @@ def test_names():
     levels = name_levels(["S2", None, "S1", "S2"])
     assert labels(levels) == ["S1", "S2", "not known"]
     assert [list(level.rows) for level in levels] == [[2], [0, 3], [1]]
+
+
+def test_a_set_point_near_zero_is_told_no_finer_than_others():
+    assert labels(number_levels(np.array([-0.166, 0.014, 40.1]), absolute=5.0)) == ["-0.1", "40"]
+    assert labels(number_levels(np.array([-0.03, 0.01, 40.1]), absolute=5.0)) == ["0", "40"]

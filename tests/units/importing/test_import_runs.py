@@ -9,7 +9,9 @@ import pytest
 from exports import RATE, Loop, loop, text
 
 import pipeclamp as pc
+from pipeclamp_identification.campaign.drive import DrivePlan, Profile
 from pipeclamp_identification.campaign.records import Record, UnusableRecord
+from pipeclamp_identification.diagnosis.further_test.outlook import PROFILES, RIDDEN
 from pipeclamp_identification.importing import taking
 from pipeclamp_identification.importing.conditions import Pattern, guessed_pattern
 from pipeclamp_identification.importing.samples.blanks import without_blanks
@@ -51,6 +53,32 @@ def test_rests_and_ramps_are_told_from_steady_parts():
 def test_steps_of_amplitude_and_frequency_part_runs():
     cut = parts(sine(0.2, 1, 8), sine(0.5, 1, 8), sine(0.5, 4, 12), sine(1, 4, 12))
     assert len(cut.runs) == 4
+
+
+def test_a_ramp_of_one_cycle_is_no_rest():
+    cut = parts(sine(0.0, 4, 1, 0.5), sine(0.5, 4, 6))
+    assert [part.why for part in cut.left] == ["ramp or change of level"]
+
+
+@pytest.mark.parametrize("order", [7, 12])
+@pytest.mark.parametrize("rests", [False, True])
+def test_cycles_that_ride_on_a_large_one_are_one_motion(order, rests):
+    """As of the test that a diagnosis asks for: it stays whole, each repeat for itself, rests beside it or not."""
+    drive = DrivePlan(Profile("riding", ((1, 1.0), (order, 0.25))), 0.5, 1.0).signal()
+    time = np.arange(int(drive.time_s[-1] * RATE)) / RATE
+    once = np.interp(time, drive.time_s, drive.displacement_mm)
+    rest = np.zeros(round(3 * RATE))
+    cut = parts(rest, once, rest, once, rest) if rests else parts(once)
+    assert len(cut.runs) == (2 if rests else 1)
+    assert all(part.last - part.first >= len(once) for part in cut.runs)
+
+
+def test_a_test_that_was_asked_for_is_imported_as_it_was_driven(tmp_path):
+    drive = DrivePlan(PROFILES[RIDDEN], 0.5, 2.0).signal()
+    force = 300 * drive.displacement_mm + 20 * np.sign(np.gradient(drive.displacement_mm))
+    (tmp_path / "next.csv").write_text(text(Loop("next", 0.5, 2.0, 20.0, drive.time_s, drive.displacement_mm, force)))
+    (run,) = pc.import_files([tmp_path / "next.csv"], tmp_path / "c").to_dict()["runs"]
+    assert (run["amplitude_mm"], run["frequency_Hz"]) == (pytest.approx(0.5, rel=1e-3), pytest.approx(2.0, rel=1e-3))
 
 
 def test_a_segment_channel_parts_runs_and_a_counter_of_cycles_does_not():

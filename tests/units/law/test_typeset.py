@@ -72,6 +72,14 @@ def test_what_stands_twice_is_named_with_either_sign():
     assert state.latex == rf"\begin{{split}}z \leftarrow & {whole} \\ u = & {move}\end{{split}}"
 
 
+def test_fractions_in_a_fraction_are_no_exponent():
+    """Raised, they would be a third as large as the rest; one fraction is read there."""
+    (state,) = effect_statements(find_effect("relaxation_temperature"))
+    assert r"e^{u}" in state.latex and r"u = & \frac" in state.latex
+    assert latex(sp.exp(-a / (b + 1 / n))) == r"\exp{\left(- \frac{a}{b + \frac{1}{n}} \right)}"
+    assert latex(sp.exp(-a / b)) == r"e^{- \frac{a}{b}}"
+
+
 def test_a_sum_is_broken_between_its_terms():
     terms = [sp.Symbol(f"stiffness_{letter}") * sp.Symbol(f"way_{letter}") for letter in "abcdefg"]
     text = equation("F =", sp.Add(*terms))

@@ -6,6 +6,7 @@ import pytest
 
 from pipeclamp.pages.sections import comparison_page
 from pipeclamp.pages.waterfall import ESTIMATED, LEFT_OUT, USED, Rung, rungs_of, waterfall_picture, with_promised
+from pipeclamp.show.law import parameters_table
 from pipeclamp.show.views import comparison_view, laws_view
 from pipeclamp_identification.campaign.bundled import bundled_campaign
 from pipeclamp_identification.campaign.reading import read_campaign
@@ -92,3 +93,12 @@ def test_names_of_many_rungs_stand_beside_each_other_without_overlapping():
     assert max(len(line) for label in labels for line in label.split("<br>")) <= (1100 - 130) / 7 / len(names) + 1
     assert labels[3].replace("<br>", "").startswith("+\N{NO-BREAK SPACE}exponential_stiffening")
     assert waterfall_picture([Rung(names[3], {LEFT_OUT: 0.1})], None, "").data[0].x[0].count("<br>") == 1
+
+
+def test_a_standard_error_is_told_in_plain_figures(climbed):
+    """A stiffness of 297 ± 200 N/mm, not ± 2e+02."""
+    _, base, *_ = climbed
+    k10 = base.coefficients["k10"].model_copy(update={"value": 297.4, "standard_error": 187.0})
+    file = base.model_copy(update={"coefficients": {**base.coefficients, "k10": k10}})
+    rows = {row[0]: row[2] for row in parameters_table([file]).rows}
+    assert rows["k10"] == "297.4 ± 200"

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
 import shutil
 import signal
 import time
 import zipfile
+from dataclasses import replace
 
+import polars as pl
 import pytest
 
 pytest.importorskip("starlette", reason="needs the extra 'studio'")
@@ -18,9 +21,12 @@ pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 from studio_server import running
 
 import pipeclamp as pc
+from pipeclamp.studio.bench import read_bench
+from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
-from pipeclamp.studio.on_pipe import system_text
+from pipeclamp.studio.on_pipe import PIPE, _example, system_text, temperatures_of
 from pipeclamp.studio.project import Project, _precedes
+from pipeclamp.studio.rendering import campaign_page
 from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.writing import write_campaign
@@ -28,6 +34,10 @@ from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.pipe.beam import modes
+from pipeclamp_models.pipe.description import Springs, Support, parse_pipe
+from pipeclamp_models.pipe.modes import finite_elements
+from pipeclamp_models.pipe.section import beam_of
 from pipeclamp_system.description.system import SystemDescription
 
 PLAN = rig.TestPlan(amplitudes=(0.3, 0.9), frequencies=(1.0, 4.0), temperatures=(20.0, 250.0), rate=300.0)
@@ -59,6 +69,18 @@ def test_a_law_is_the_one_that_its_command_makes(studio, campaign, home):
     assert law.file.command == "pipeclamp identify virtual -o law1.json"
     session = json.loads((home / "session.json").read_text())
     assert session["steps"][0]["command"] == f"pipeclamp identify {campaign} -o {home / 'law1.json'}"
+
+
+def test_most_of_the_force_may_be_a_constant_load(campaign, tmp_path):
+    """A share of it looks small: the page says what the law errs of the rest too, as `compare` does."""
+    loaded = tmp_path / "loaded"
+    shutil.copytree(campaign, loaded)
+    for path in (loaded / "runs").iterdir():
+        pl.read_csv(path).with_columns(pl.col("force_N") - 9e4).write_csv(path)
+    project = Project(str(loaded), tmp_path / "laws")
+    pc.identify(loaded, effects=["offset"]).save(project.folder / "law1.json")
+    page = campaign_page(Opened("loaded", project, read_bench(str(loaded))), None, by="", beside="")
+    assert "Most of the force is a constant load; of the rms of the rest the error is" in page
 
 
 def test_a_run_errs_as_compare_says(studio, campaign, home):
@@ -134,6 +156,17 @@ def test_a_job_that_is_cancelled_leaves_nothing_and_keeps_nobody_waiting(studio,
     assert sorted(path.name for path in home.iterdir()) == before
 
 
+def test_a_law_that_comes_to_nothing_leaves_its_name_to_the_next(studio, home):
+    project = studio.desk.open("virtual").project
+    before = project.upcoming
+    job = studio.json(JOBS, {"kind": "identify", "base": "series"})
+    assert f"{before}.json" in job["command"]
+    assert project.upcoming != before, "nobody else is given it"
+    studio.json(f"{JOBS}/{job['number']}/cancel", {})
+    assert studio.done(job)["state"] == "cancelled"
+    assert project.upcoming == before
+
+
 def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, home):
     """Each is a step of its own in the law's history, and remembered as a part, as on the command line."""
     law, both = read_law(home / "law1.json"), ("viscous", "asymmetry")
@@ -152,6 +185,11 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
     page = studio.ask("/c/virtual/laws/law1")[2].decode()
     assert '<button class="primary" type="button" data-start="add" data-effect="viscous,asymmetry">Add' in page
     assert "pipeclamp add" in page and "viscous,asymmetry" in page and "--as part" in page
+    assert "Tests have joined since" not in page
+    fewer = told.model_copy(update={"runs": 5})
+    (home / "law1.told.json").write_text(fewer.json_text(), encoding="utf-8")
+    page = studio.ask("/c/virtual/laws/law1")[2].decode()
+    assert "what follows rests on 5 runs, and there are 8 now" in page, "the verdict is that of the tests then"
     before = set(home.glob("law*.json"))
     done = studio.done(studio.json(JOBS, {"kind": "add", "law": "law1", "effect": "viscous,asymmetry"}))
     assert done["title"] == "Add viscous and asymmetry and fit everything again"
@@ -215,14 +253,60 @@ def test_the_page_of_a_law_is_written(studio, home):
     assert b"RMS error" in content
 
 
-def test_the_pipe_is_described_at_the_ends_of_the_laws_temperatures(home):
-    file = pc.open_law(home / "law1.json").file
-    system = parse_table(system_text(file, "law1.json"), SystemDescription, "studio")
+def test_the_pipe_is_described_at_the_ends_of_the_tests_temperatures(studio, home):
+    T = temperatures_of(studio.desk.open("virtual").bench.loops)
+    known = studio.desk.open("virtual").bench.loops.temperature_K - CELSIUS
+    assert pytest.approx((known.min(), known.max()), abs=0.1) == T
+    system = system_of(read_pipe_text(), home, T)
     (clamp,) = system.clamps
     assert clamp.law == "law1.json"
-    T, data = system.response.temperatures_C, file.range["T"]
-    assert data.minimum <= T[0] + CELSIUS < T[-1] + CELSIUS <= data.maximum
-    assert T[-1] - T[0] == pytest.approx(data.maximum - data.minimum, abs=0.2)
+    assert system.response.temperatures_C == T
+
+
+def test_tests_of_one_temperature_show_the_pipe_there_alone(studio):
+    loops = studio.desk.open("virtual").bench.loops
+    first = loops.temperature_K[0]
+    alike = replace(loops, rows=tuple(row for row in loops.rows if abs(row.temperature_K - first) < 1))
+    assert temperatures_of(alike) == (pytest.approx(first - CELSIUS, abs=0.1),)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e6])  # N/mm
+def test_the_response_holds_the_pipes_resonance_whatever_its_clamps_are(home, stiffness):
+    """With clamps of any number and name, on another pipe than the example's, shaken by a force."""
+    text = read_pipe_text().replace("length_m = 10.0", "length_m = 4.0").replace("position_m = 5.5", "position_m = 2.2")
+    text = text.replace('kind = "base"', 'kind = "force"\nposition_m = 2.0')
+    text = text.replace('name = "clamp1"\n', 'name = "left"\n') + CLAMP_RIGHT
+    system = system_of(text, home, ())
+    assert [clamp.at for clamp in system.clamps] == ["left", "right"]
+    assert system.excitation.force_N and not system.response.temperatures_C
+    pipe = parse_pipe(text)
+    spring = Springs(stiffness_N_mm=stiffness, rotational_stiffness_Nm_rad=0.0)
+    springs = tuple(Support(position_m=clamp.position_m, condition=spring) for clamp in pipe.clamps)
+    sprung = pipe.model_copy(update={"supports": springs, "clamps": ()})
+    first = modes(beam_of(sprung), finite_elements(sprung))[0][0] / (2 * math.pi)
+    assert 1.05 * system.response.from_Hz < first < system.response.to_Hz / 1.05
+
+
+def test_a_pipe_without_clamps_is_refused(home):
+    text = read_pipe_text()
+    with pytest.raises(pc.UserError, match="the pipe has no clamp; expected"):
+        system_of(text[: text.index("[[clamps]]")] + text[text.index("[[probes]]") :], home, ())
+
+
+CLAMP_RIGHT = """
+[[clamps]]
+name = "right"
+position_m = 2.9
+"""
+
+
+def read_pipe_text():
+    return _example(PIPE)
+
+
+def system_of(pipe, home, temperatures):
+    file = pc.open_law(home / "law1.json").file
+    return parse_table(system_text(parse_pipe(pipe), file, "law1.json", temperatures), SystemDescription, "studio")
 
 
 def test_a_studio_that_was_killed_finds_all_again(studio, campaign, home, tmp_path):
@@ -259,3 +343,17 @@ def test_files_become_a_campaign_once_they_are_confirmed(studio, campaign, home)
     assert asked(False)["state"] == "done"
     assert "8 runs" in studio.ask(f"/c/{name}/")[2].decode()
     assert name in studio.ask("/campaigns")[2].decode()
+    assert not (home / "uploads" / batch).exists(), "the campaign holds what was in them"
+    gone = studio.json("/import/jobs", {"batch": batch, "name": name, "dry_run": True})
+    assert "drop them again" in gone["error"]
+
+
+def test_files_that_were_dropped_long_ago_are_cleared(tmp_path):
+    old, new, foreign = (tmp_path / "uploads" / name for name in ("00112233aabbccdd", "ffeeddccbbaa9988", "mine"))
+    for folder in (old, new, foreign):
+        folder.mkdir(parents=True)
+        (folder / "a.csv").write_text("1")
+    for folder in (old, foreign):
+        os.utime(folder, (time.time() - 2 * 86400,) * 2)
+    Desk(tmp_path)
+    assert [folder.exists() for folder in (old, new, foreign)] == [False, True, True]

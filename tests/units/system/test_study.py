@@ -259,7 +259,8 @@ def test_a_law_used_beyond_its_data_is_said(write) -> None:
     assert not frame["c1.inRange"][1]
     said = study_sections(study, frame)[0].paragraphs
     outside = (~frame["c1.inRange"]).sum()
-    assert f"c1: its law is used beyond the range of its data in {outside} of 2 cases" in said
+    assert f"c1: its law is used beyond the range of its data in {outside} of 2 cases." in said
+    assert said[0].startswith("c1 moves least"), "what came out comes first"
 
 
 def test_a_dask_cluster_takes_the_same_study(write, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import plotly.graph_objects as go
 from pipeclamp.pages.page import Section, doubted
 from pipeclamp.pages.pictures import cells_picture, curves_picture
 from pipeclamp.pages.system.bands import FAINT, add_area
+from pipeclamp.show.sentences import sentence
 from pipeclamp.show.table import Table
 from pipeclamp_identification.workflow.next_step import NextStep
 from pipeclamp_models.base.tables import pl
@@ -64,7 +65,9 @@ def study_sections(study: Study, frame: pl.DataFrame, following: NextStep | None
     tables = [Table(("case", *axes, "error"), rows, "cases without a result (the first 20)")] if rows else []
     note = "Over the first two of what is varied; the largest over the rest." if len(axes) > 1 else ""
     first, line = (following.before(), following.line) if following else ([], "")
-    answer = Section("What came out", [*lines, *first], command=line)
+    how, *what = lines
+    # what came out stands before how; names of places that begin a line stay as they are
+    answer = Section("What came out", [*(f"{each}." for each in what), sentence(how), *first], command=line)
     return [answer, Section("Vibration level", (note,) if note else (), tables, figures)]
 
 

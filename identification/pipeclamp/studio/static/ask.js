@@ -1,20 +1,47 @@
 // What is asked of the server, and jobs that are followed until they end.
 
+const GONE = "The studio doesn't answer. What was shown as saved is saved; start it again, and open the address that it prints.";
+
 export async function ask(path, body) {
   const how = body === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
-  const answer = await fetch(path, how);
+  const answer = await fetch(path, how).catch(() => { throw new Error(GONE); });
   const content = await answer.json().catch(() => ({ error: `the studio answered ${answer.status}` }));
   if (!answer.ok) throw new Error(content.error || `the studio answered ${answer.status}`);
   return content;
 }
 
 const place = () => document.getElementById("jobs");
+let said = null; // stays beside the jobs until it is closed, or something is started
+
+function show(boxes) {
+  place().replaceChildren(...(said ? [said] : []), ...boxes);
+}
+
+function withdraw() {
+  said?.remove();
+  said = null;
+}
+
+function say(name, ...content) {
+  withdraw();
+  const close = textOf("button", "Close");
+  close.type = "button";
+  close.addEventListener("click", withdraw);
+  said = document.createElement("div");
+  said.className = name;
+  said.append(...content, close);
+  place().prepend(said);
+}
 
 export function complain(message) {
-  const box = document.createElement("div");
-  box.className = "job refused";
-  box.append(textOf("b", "This doesn't work."), textOf("span", message, "says"));
-  place().replaceChildren(box);
+  say("job refused", textOf("b", "This doesn't work."), textOf("span", message, "says"));
+}
+
+// Something that is there now, and where.
+export function tell(message, words, address) {
+  const link = textOf("a", words);
+  link.href = address;
+  say("job", textOf("span", message, "says"), link);
 }
 
 export function textOf(tag, text, name = "") {
@@ -63,7 +90,7 @@ export function follow(key, ended) {
     for (const job of jobs) if (job.state === "running") seen.add(job.number);
     const over = jobs.filter((job) => seen.has(job.number) && job.state !== "running");
     const told = jobs.filter((job) => job.state === "running" || (seen.has(job.number) && job.state !== "done"));
-    place().replaceChildren(...told.map((job) => drawn(job, key)));
+    show(told.map((job) => drawn(job, key)));
     if (!jobs.some((job) => job.state === "running")) following.close();
     for (const job of over) {
       seen.delete(job.number);
@@ -76,13 +103,15 @@ export function follow(key, ended) {
     failures += 1; // the browser asks again by itself
     if (failures < 2 && following.readyState !== EventSource.CLOSED) return;
     following.close();
-    complain("The studio doesn't answer. What was shown as saved is saved; start it again, and open the address that it prints.");
+    show([]);
+    complain(GONE);
   };
 }
 
 export async function start(path, body, key, ended) {
   try {
     const job = await ask(path, body);
+    withdraw();
     if (job.state === "running") follow(key, ended);
     return job;
   } catch (error) {

@@ -1,5 +1,5 @@
 // Files dropped on the page: taken, looked into, and made a campaign once that is confirmed.
-import { complain, start, textOf } from "./ask.js";
+import { follow, start, tell, textOf } from "./ask.js";
 
 /* global drawIn, onLookChanged */
 
@@ -8,24 +8,25 @@ const input = document.getElementById("files");
 const form = document.getElementById("import");
 const write = document.getElementById("write");
 const look = form.querySelector("[value=look]");
-const proposed = document.getElementById("proposed");
 const WIDE = 900; // px, from which on loops stand beside each other
 const batch = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+const mine = new Set(); // numbers of the jobs that this page started
 let taken = 0;
 
 async function take(files) {
   const told = document.getElementById("taken");
+  const refused = [];
   for (const file of files) {
     told.textContent = `taking ${file.name} ...`;
     const answer = await fetch(`/uploads/${batch}/${encodeURIComponent(file.name)}`, { method: "PUT", body: file });
     if (!answer.ok) {
       const content = await answer.json().catch(() => ({}));
-      complain(`${file.name}: ${content.error || answer.status}`);
+      refused.push(content.error || `${file.name}: the studio answered ${answer.status}`);
       continue;
     }
     taken += 1;
   }
-  told.textContent = `${taken} file${taken === 1 ? "" : "s"} taken`;
+  told.textContent = [`${taken} file${taken === 1 ? "" : "s"} taken`, ...refused].join("\n");
   if (taken) { form.hidden = false; right(false); form.requestSubmit(look); }
 }
 
@@ -43,15 +44,19 @@ function right(known) {
   look.classList.toggle("primary", !known);
 }
 
-// A refusal ends with the option that would tell the channels: one click takes it over.
-function propose(says) {
-  const option = says.match(/--columns "([^"]+)"/);
-  proposed.hidden = !option;
-  proposed.onclick = () => {
-    document.getElementById("columns").value = option[1];
-    proposed.hidden = true;
-    right(false);
-  };
+// A refusal ends with the option that would tell the channels, a look with the pattern of the files' names: one click takes it over.
+const PROPOSED = { columns: /--columns "([^"]+)"/, pattern: /with the pattern "([^"]+)"/ };
+function propose(said) {
+  for (const [id, words] of Object.entries(PROPOSED)) {
+    const button = document.getElementById(`proposed-${id}`);
+    const option = said.match(words);
+    button.hidden = !option;
+    button.onclick = () => {
+      document.getElementById(id).value = option[1];
+      button.hidden = true;
+      right(false);
+    };
+  }
 }
 
 form.addEventListener("input", () => right(false));
@@ -60,6 +65,7 @@ form.addEventListener("submit", async (event) => {
   const dry = event.submitter?.value !== "write";
   const job = await start("/import/jobs", { batch, name: value("name"), columns: value("columns"), rate: value("rate").replace(",", "."), pattern: value("pattern"), skip_unusable: document.getElementById("skip").checked, dry_run: dry }, "-", ended);
   if (job) {
+    mine.add(job.number);
     const line = document.createElement("pre");
     line.className = "scroll";
     line.tabIndex = 0;
@@ -69,9 +75,14 @@ form.addEventListener("submit", async (event) => {
 });
 
 function ended(job) {
-  propose(job.state === "refused" ? job.says : "");
+  const at = job.kind === "import" && job.state === "done" ? `/c/${encodeURIComponent(job.result.name)}/` : "";
+  if (!mine.has(job.number)) { // another page's, or this one's before it was loaded anew
+    if (at) tell(`${job.result.name} is imported.`, "Open it", at);
+    return;
+  }
+  propose(job.state === "done" ? job.result.lines.join("\n") : job.says);
   if (job.state !== "done") { document.getElementById("found").replaceChildren(); return; }
-  if (job.kind === "import") { location.assign(`/c/${encodeURIComponent(value("name"))}/`); return; }
+  if (at) { location.assign(at); return; }
   const found = job.result.lines.map((line) => textOf("p", line));
   const { loops } = job.result;
   if (loops) found.push(pictured(loops));
@@ -113,5 +124,6 @@ function drawLoops(loops) {
   if (place?.closest("details").open) drawIn(place, JSON.parse(loops.specification));
 }
 
+follow("-", ended);
 // They may have been chosen before this ran: the page shows before its pictures' library has come.
 if (input.files.length) take([...input.files]);

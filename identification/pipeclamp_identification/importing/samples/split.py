@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 
 import numpy as np
@@ -29,12 +29,21 @@ AT_EDGE = 0.75
 """Cycles at the end of a piece that belong to the level beside them: a record may begin anywhere in a cycle."""
 MOSTLY_STEADY = 0.5
 """A piece of which less stands at levels isn't cut by them: its motion is of another kind."""
+FEWEST_TURNS = 6
+"""Turns of a motion that is looked at."""
+STANDING = 10.0
+"""Times as long as nearly all ways from turn to turn a motion stands still on which cycles ride: those of the large one
+are 7 times as long as those of cycles with 7 times its frequency."""
 AT_REST = 0.1
 """Share of the neighbouring amplitude within which the machine rests."""
 RESTING = 2.0
 """Cycles without a turn that make a rest."""
 LOOKED_AT = 1_000_000
 """Steps of time, evenly chosen, that tell the usual one."""
+RIDING = 0.1
+"""Share of the amplitude by which the middle of cycles that ride on a larger motion moves from one to the next.
+That of the cycles which a next test asks for, a quarter of the large one's amplitude at 7 times its frequency, moves by
+1.5 times it and more."""
 CREEPS = 0.5
 """Levels that change by more than this share of `SAME_LEVEL` from end to end creep; most of them do in a sweep."""
 
@@ -120,7 +129,7 @@ def levels(time: Array, y: Array) -> Cut:
     """
     whole = Cut((Part(0, len(y)),), ())
     turns = turns_of(y)
-    if len(turns) < 6:
+    if len(turns) < FEWEST_TURNS:
         return whole
     ranges = np.abs(np.diff(y[turns]))
     middles = _crossings(time, y, turns)
@@ -128,7 +137,11 @@ def levels(time: Array, y: Array) -> Cut:
     period = middles[2:] - middles[:-2]
     stretches = _stretches(np.log(np.maximum(amplitude, 1e-300)), np.log(np.maximum(period, 1e-300)))
     # window k goes from turn k to turn k + 3: three half cycles
-    kept = [(begin, end) for begin, end in stretches if (end - begin + 2) / 2 >= FEWEST_CYCLES]
+    about = (y[turns[:-1]] + y[turns[1:]]) / 2
+    long = [(begin, end) for begin, end in stretches if (end - begin + 2) / 2 >= FEWEST_CYCLES]
+    kept = [(begin, end) for begin, end in long if not _rides(about[begin : end + 2], amplitude[begin:end])]
+    if not kept and long:
+        return _at_rests(turns, time, y)
     covered = sum(int(turns[end + 2] - turns[begin]) for begin, end in kept)
     if covered < MOSTLY_STEADY * _moving(turns, ranges) or not kept or _sweeps(amplitude, period, kept):
         return whole
@@ -148,6 +161,23 @@ class _Level:
     first: int
     last: int
     period: float
+
+
+def _rides(about: Array, amplitude: Array) -> bool:
+    """Tell whether cycles ride on a larger motion: what they go about moves with each of them."""
+    return float(np.median(np.abs(about[2:] - about[:-2]))) > RIDING * float(np.median(amplitude))
+
+
+def _at_rests(turns: IntArray, time: Array, y: Array) -> Cut:
+    """Cut a motion whose cycles are no levels in the middle of its rests; a part without motion is left."""
+    waits = np.diff(time[turns])
+    rests = np.flatnonzero(waits > STANDING * np.quantile(waits, 0.9))
+    edges = [0, *((turns[rests] + turns[rests + 1]) // 2).tolist(), len(y)]
+    parts = [Part(first, last) for first, last in itertools.pairwise(edges)]
+    moving = [int(np.count_nonzero((turns > part.first) & (turns < part.last))) >= FEWEST_TURNS for part in parts]
+    runs = tuple(part for part, moves in zip(parts, moving, strict=True) if moves)
+    left = tuple(replace(part, why="rest") for part, moves in zip(parts, moving, strict=True) if not moves)
+    return Cut(runs, left)
 
 
 def _sweeps(amplitude: Array, period: Array, stretches: Sequence[tuple[int, int]]) -> bool:
@@ -237,7 +267,8 @@ def _what(begin: int, end: int, beside: Part, period: float, turns: IntArray, ti
     """Say what a part between runs is."""
     inner = turns[(turns > begin) & (turns < end)]
     # at either end it holds a part of the cycles beside it
-    if np.ptp(y[inner] if len(inner) else y[begin:end]) < AT_REST * np.ptp(y[beside.first : beside.last]):
+    within = np.ptp(y[inner] if len(inner) > 1 else np.quantile(y[begin:end], (0.1, 0.9)))
+    if within < AT_REST * np.ptp(y[beside.first : beside.last]):
         return "rest"
     inside = np.concatenate([[begin], inner, [end - 1]])
     rests = float(np.max(np.diff(time[inside]))) > RESTING * period

@@ -69,6 +69,13 @@ class _Formulas(PlusFirst, LatexPrinter):  # type: ignore[misc]
         known = str(super()._print_Symbol(sp.Symbol(text)))
         return rf"\mathrm{{{text}}}" if re.fullmatch(r"[A-Za-z]{3,}", known) else known
 
+    def _print_ExpBase(self, expression: sp.Expr, exp: str | None = None) -> str:
+        """Write an exponent with fractions in a fraction beside exp: raised, they are too small to be read."""
+        argument = str(self._print(expression.args[0]))
+        if exp is None and argument.count(r"\frac") > 1:
+            return rf"\exp{{\left({argument} \right)}}"
+        return str(super()._print_ExpBase(expression, exp=exp))
+
     def _print_sign(self, expression: sp.Expr) -> str:
         return rf"\operatorname{{sgn}}{{\left({self._print(expression.args[0])} \right)}}"
 
@@ -151,7 +158,15 @@ def width(formula: str) -> float:
     return total
 
 
-FUNCTIONS = {r"\max": 4.0, r"\min": 4.0, r"\log": 3.0, r"\operatorname": 0.5, r"\tanh": 4.5, r"\sqrt": 1.5}
+FUNCTIONS = {
+    r"\max": 4.0,
+    r"\min": 4.0,
+    r"\log": 3.0,
+    r"\exp": 3.5,
+    r"\operatorname": 0.5,
+    r"\tanh": 4.5,
+    r"\sqrt": 1.5,
+}
 SPACED = (r"\leftarrow", r"\times", r"\leq", r"\geq", r"\neq", "=", "+", "-", "<", ">")
 NOTHING = (r"\left", r"\right", r"\mathrm", r"\text", r"\limits", r"\Bigl", r"\Bigr", "{", "}")
 BELOW = 0.7
