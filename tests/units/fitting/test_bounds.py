@@ -42,3 +42,8 @@ def test_how_close_is_meant_of_the_allowed_range_or_of_the_value_where_there_is_
     upper = np.array([10.0, 10.0, np.inf, np.inf])
     assert close_to_a_bound(values, lower, upper, 1e-3).tolist() == [True, False, False, False]
     assert close_to_a_bound(np.array([1e-7]), lower[:1], upper[2:3], 1e-3).tolist() == [True]
+
+
+def test_a_range_over_decades_has_no_wide_strip_at_its_lower_end():
+    values, lower, upper = np.array([2.6e-5, 1.601e-7]), np.full(2, 1.6e-7), np.full(2, 1e3)
+    assert close_to_a_bound(values, lower, upper, 1e-6).tolist() == [False, True]
