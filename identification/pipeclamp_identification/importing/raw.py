@@ -55,7 +55,7 @@ class Unread:
         name, unit: of the column, as of a channel.
         count: of such cells.
         row: of the file that holds the first one.
-        text: that stands there.
+        text: that stands there; "" where all cells are blank.
         is_whole: whether the column holds no number at all, and is no channel.
     """
 
@@ -73,6 +73,8 @@ class Unread:
 
     def words(self) -> str:
         """Say what stands where."""
+        if not self.text:
+            return f"column {self.channel.heading!r} holds no number in any row"
         what = "no numbers" if self.is_whole else f"text for a number in {self.count} cells"
         if self.count == 1 and not self.is_whole:
             what = "text for a number"

@@ -338,3 +338,12 @@ def test_thousands_beside_decimal_commas_are_no_decimals(tmp_path):
     kept = np.isfinite(force)
     np.testing.assert_allclose(force[kept], np.round(run.force[kept]))
     assert 0 < np.count_nonzero(~kept) == table.unread[0].count
+
+
+@pytest.mark.parametrize("cell", ["NaN", ""])
+def test_a_channel_without_any_number_is_called_so(tmp_path, cell):
+    rows = [f"{0.01 * place:.2f};{np.sin(0.3 * place):.4f};{cell};{20 + 0.01 * place:.2f}" for place in range(200)]
+    text = "Zeit [s];Weg [mm];Kraft [kN];Temperatur [°C]\n" + "\n".join(rows) + "\n"
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(pc.UserError, match=r"column 'Kraft \[kN\]' holds no number in any row, so there is no force"):
+        pc.import_files([tmp_path / "a.csv"], tmp_path / "campaign")

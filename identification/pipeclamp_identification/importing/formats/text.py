@@ -238,14 +238,19 @@ class _Columns:
             # rows whose time the header states
             numeric = [0, *numeric]
             values[0] = np.arange(self.length, dtype=np.float64) * layout.step
-        unread = tuple(
-            Unread(layout.names[place], units[place], one.count, one.row, one.text, is_whole=place not in numeric)
-            for place, one in self._texts.items()
-        )
-        labels = [
-            column
+        labels = {
+            place: column
             for place, one in self._labels.items()
             if place not in numeric and (column := one.column(layout.names[place], units[place], self.length))
+        }
+        unread = [
+            Unread(layout.names[place], units[place], one.count, one.row, one.text, is_whole=place not in numeric)
+            for place, one in self._texts.items()
+        ]
+        blank = set(range(layout.width)) - {*numeric, *self._texts, *labels}
+        unread += [
+            Unread(layout.names[place], units[place], self.length, layout.first + 1, "", is_whole=True)
+            for place in sorted(blank)
         ]
         above = self._above(blocks)
         return [
@@ -254,8 +259,8 @@ class _Columns:
                 tuple(Channel(layout.names[place], units[place], values[place][first:last]) for place in numeric),
                 layout.first + first + 1,
                 (told,),
-                unread,
-                tuple(replace(column, values=column.values[first:last]) for column in labels),
+                tuple(unread),
+                tuple(replace(column, values=column.values[first:last]) for column in labels.values()),
                 tuple(layout.titles[place] for place in numeric),
                 above=own,
             )
