@@ -122,10 +122,10 @@ def test_force_with_memory_follows_the_motion_from_rest(tests):
 
 
 @pytest.mark.parametrize(
-    ("effect", "values", "straight"), [("memory", {"k_s": 700.0, "z_s": 120.0}, 5e-3), ("play", {"g_p": 0.05}, 5e-3)]
+    ("effect", "values", "straight"), [("memory", {"k_s": 700.0, "z_s": 120.0}, 5e-3), ("play", {"g_p": 0.05}, 0.0)]
 )
 def test_force_at_coarse_samples_unloads_where_the_motion_turned(effect, values, straight, tmp_path, write_law):
-    """Some twelve samples a cycle, against 400 between each two of them."""
+    """Some twelve samples a cycle, against 400 between each two of them. Play lets go right in straight moves too."""
     write_law(
         tmp_path / "law.json", {"k10": 900.0, "k30": 40.0, "c0": 2.0, "alpha0": 1.0, **values}, "power", (effect,)
     )

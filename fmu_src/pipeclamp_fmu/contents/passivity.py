@@ -35,6 +35,9 @@ FINER = 4
 RESOLVED = 1e-5
 """Share of the energy moved below which the fine quadrature can't tell dissipation from none: kinks cost it 1e-6."""
 
+ROUNDING = 1e-25
+"""N mm: what 1e6 N/mm take up over the rounding of a millimetre. Less moves where a clearance is just touched."""
+
 
 @dataclass(frozen=True)
 class Cycle:
@@ -111,7 +114,7 @@ class Balance:
     @property
     def share(self) -> float:
         """Dissipated over moved energy."""
-        return self.dissipated / self.moved if self.moved else 0.0
+        return self.dissipated / self.moved if self.moved > ROUNDING else 0.0
 
 
 def balance(law: ScalarLaw, cycle: Motion, where: Sequence[float], samples: int) -> Balance:
