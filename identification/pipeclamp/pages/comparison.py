@@ -27,7 +27,7 @@ from pipeclamp_identification.comparison.compare import Comparison
 from pipeclamp_identification.comparison.laws import HeldLaw
 from pipeclamp_identification.fitting.misfit import DRAWN_SAMPLES, force_of_rows, loop_of_run
 from pipeclamp_identification.loops.scatter import PHASE_BINS
-from pipeclamp_models.base.digits import one_digit
+from pipeclamp_identification.signals.digits import one_digit
 
 EVEN = (
     "Beside the share of the squared error that a part holds stands the share that it would hold if every run erred by "

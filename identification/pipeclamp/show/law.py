@@ -9,7 +9,7 @@ from pipeclamp.show.sentences import about_mean
 from pipeclamp.show.table import SINGLE_CYCLES, Table, cell
 from pipeclamp_identification.comparison.names import labels_of
 from pipeclamp_identification.fitting.groups_answer import per_group_words
-from pipeclamp_models.base.digits import one_digit
+from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_models.law.file import CoefficientEntry, FitQuality, LawFile, structure_of
 from pipeclamp_models.law.outline import ParameterOutline, bound_at
 

@@ -18,8 +18,8 @@ from pipeclamp.studio.discovering import discovery_in
 from pipeclamp.studio.error_map import EDGES
 from pipeclamp.studio.on_pipe import shown_on_pipe, temperatures_of
 from pipeclamp.studio.project import Project
+from pipeclamp_identification.signals.digits import one_digit
 from pipeclamp_identification.workflow.on_records import RecordTests
-from pipeclamp_models.base.digits import one_digit
 from pipeclamp_models.base.errors import UserError
 
 
