@@ -11,11 +11,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from pipeclamp_identification.fitting.bounds import AT_BOUND, CLOSE, close_to_a_bound, steps_over_a_bound
+from pipeclamp_identification.fitting.beforehand import (
+    AT_BOUND,
+    CLOSE,
+    close_to_a_bound,
+    parameter_bounds,
+    priors_of,
+    spreads_of,
+    steps_over_a_bound,
+)
 from pipeclamp_identification.fitting.covariance import covariance_of
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.fitting.observations import Observations, data_scales
-from pipeclamp_identification.fitting.priors import priors_of, spreads_of
 from pipeclamp_identification.fitting.starts import (
     SINGULAR,
     Linearised,
@@ -371,13 +378,6 @@ def unfitted(structure: Structure, observations: Observations, values: Mapping[s
 
 def _neutral(parameter: ParameterOutline, scales: Sizes) -> float:
     return parameter.neutral if parameter.neutral is not None else number_in(parameter.starts[0], scales)
-
-
-def parameter_bounds(equations: Equations, scales: Sizes) -> tuple[Array, Array]:
-    """Give the lower and the upper bound of each parameter of a law, for data of these scales."""
-    lower = np.array([number_in(parameter.lower, scales) for parameter in equations.parameters])
-    upper = np.array([number_in(parameter.upper, scales) for parameter in equations.parameters])
-    return lower, upper
 
 
 def _minimise(

@@ -14,7 +14,8 @@ from pipeclamp_identification.campaign.drive import Profile, tones_motion
 from pipeclamp_identification.diagnosis.problem import Judged
 from pipeclamp_identification.diagnosis.thresholds import FORM_SHARE
 from pipeclamp_identification.diagnosis.verdict import Diagnosis
-from pipeclamp_identification.fitting.least_squares import HELD, WISHED, parameter_bounds
+from pipeclamp_identification.fitting.beforehand import parameter_bounds
+from pipeclamp_identification.fitting.least_squares import HELD, WISHED
 from pipeclamp_identification.fitting.observations import SAMPLES, Rows, data_scales, harmonic_slopes, harmonics_of
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.force import LawForce, force_of_equations
