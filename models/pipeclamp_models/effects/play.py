@@ -82,7 +82,11 @@ EFFECT = Effect(
         ),
         Stage(
             lacks, "N", "what the force lacks where it sets in within the step",
-            at_ends((1 - sp.Abs(at_pushing)) * sp.Max(struck, 0), (1 - sp.Abs(at_pulling)) * sp.Min(struck, 0), place),
+            at_ends(
+                sp.Piecewise((0, e >= g_p), ((1 - sp.Abs(at_pushing)) * sp.Max(struck, 0), True)),
+                sp.Piecewise((0, e <= -g_p), ((1 - sp.Abs(at_pulling)) * sp.Min(struck, 0), True)),
+                place,
+            ),
         ),
     ),
     states=(
