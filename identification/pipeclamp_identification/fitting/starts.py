@@ -118,8 +118,8 @@ def starts_of_effects(equations: Equations, given: Values, scales: Sizes) -> lis
 
 
 def kept(point: Values, given: Values) -> set[str]:
-    """Give the names of the values that a start has of those given."""
-    return {name for name, value in given.items() if point[name] == value}
+    """Give the names of the values that a start has of those given, which may be of a law with other effects too."""
+    return {name for name, value in given.items() if point.get(name) == value}
 
 
 def combined(choices: Sequence[Sequence[Values]]) -> list[dict[str, float]]:

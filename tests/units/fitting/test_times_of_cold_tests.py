@@ -70,4 +70,4 @@ def test_times_reach_further_where_the_temperature_brings_them_into_view():
 
 
 def test_what_a_start_keeps_of_given_values():
-    assert kept({"k": 1.0, "tau": 2.0}, {"k": 1.0, "tau": 3.0}) == {"k"}
+    assert kept({"k": 1.0, "tau": 2.0}, {"k": 1.0, "tau": 3.0, "of_another_effect": 4.0}) == {"k"}
