@@ -149,6 +149,7 @@ def pairs(
     problem: Problem,
     law: Judged,
     sound: Sequence[Judged],
+    usable: Sequence[Judged],
     promises: Sequence[Promise],
     jobs: int,
     tell: Callable[[str], None],
@@ -156,12 +157,20 @@ def pairs(
     """Fit the best candidates together with the second effects that promise most; give the sound pairs, best first.
 
     Of all candidates those that promise most with what scales only them are tried, too: by itself such an effect may
-    take nothing, as relaxation that each temperature moves elsewhere.
+    take nothing, or end at a bound, as relaxation that each temperature moves elsewhere.
+
+    Args:
+        structure, problem, law: what they join.
+        sound: candidates that may be the cause, best first.
+        usable: candidates that nothing physical speaks against, best first; the former among them.
+        promises: what each effect promises by itself.
+        jobs: processes.
+        tell: is told what is being done.
     """
     contenders: list[Contender] = []
     seen: set[frozenset[str]] = set()
-    firsts = best_of_each(sound)
-    for first in firsts[:MOST_PAIRED]:
+    firsts = best_of_each(sound)[:MOST_PAIRED]
+    for first in firsts:
         larger = with_effect(structure, first.effects[0])
         contenders += [each for _, each in _with_modifiers(structure, first, problem)]
         seconds = [
@@ -177,12 +186,13 @@ def pairs(
             tried.add(second.name)
             contenders.append(Contender((first.effects[0], second.name), with_effect(larger, second.name), [start]))
         seen |= {frozenset((effect_id(first.effects[0]), effect_id(name))) for name in tried}
-    further = [pair for first in firsts[MOST_PAIRED:] for pair in _with_modifiers(structure, first, problem)]
+    others = [one for one in best_of_each(usable) if not any(one is first for first in firsts)]
+    further = [pair for first in others for pair in _with_modifiers(structure, first, problem)]
     contenders += [each for _, each in sorted(further, key=lambda pair: pair[0])[:MOST_PAIRED]]
-    usable = ranked(
+    found = ranked(
         pair for pair in judge_each(_best_roughly(contenders, problem, tell), problem, jobs, tell) if pair.may_be_cause
     )
-    return [larger_as_asked(pair, structure, problem, tell) for pair in usable[:1]] + usable[1:]
+    return [larger_as_asked(pair, structure, problem, tell) for pair in found[:1]] + found[1:]
 
 
 def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> list[tuple[float, Contender]]:

@@ -76,7 +76,8 @@ def _weighed(scales: Scales, causes: bool) -> Weighed:
         weighed = None
         if sound and causes:
             scales.tell("two effects together")
-            found = pairs(structure, problem, law, sound, promises if in_pairs else (), scales.jobs, scales.tell)
+            seconds = promises if in_pairs else ()
+            found = pairs(structure, problem, law, sound, usable, seconds, scales.jobs, scales.tell)
             pair = found[0] if found else None
             weighed = cause_of_two(found, sound, scales)
             if weighed is None and outdoes(pair, able, scales):
