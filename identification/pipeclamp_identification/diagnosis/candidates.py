@@ -23,7 +23,7 @@ from pipeclamp_identification.diagnosis.thresholds import (
     WORTH_CLOSELY_SHARE,
     WORTH_FITTING_SHARE,
 )
-from pipeclamp_identification.fitting.least_squares import Fit, linearised, sized_start, starting_points
+from pipeclamp_identification.fitting.least_squares import Fit, sized_and_linearised, starting_points
 from pipeclamp_identification.fitting.refinement import refined_starts
 from pipeclamp_identification.fitting.starts import kept
 from pipeclamp_models.law.catalogue import effect_id
@@ -206,15 +206,15 @@ def _with_modifiers(structure: Structure, first: Judged, problem: Problem) -> li
         if fits(structure, name) or not fits_beside(larger, name):
             continue
         both, stated = with_effect(larger, name), first.result.law.values
-        points = [
-            sized_start(both, problem.coarse, point, kept(point, stated))
+        started = [
+            sized_and_linearised(both, problem.coarse, point, kept(point, stated))
             for point in starting_points(both, problem.coarse, stated)
         ]
-        promised = [linearised(both, problem.coarse, point).cost_after_one_step() for point in points]
-        order = sorted(range(len(points)), key=lambda place: promised[place])
-        going_on = next(place for place in order if kept(points[place], stated) == set(stated))
-        starts = [points[place] for place in (going_on, *(one for one in order if one != going_on))]
-        contenders.append((promised[order[0]], Contender((first.effects[0], name), both, starts)))
+        promising = sorted(((there.cost_after_one_step(), start) for start, there in started), key=lambda one: one[0])
+        starts = [start for _, start in promising]
+        going_on = next(start for start in starts if kept(start, stated) == set(stated))
+        in_order = [going_on, *(start for start in starts if start is not going_on)]
+        contenders.append((promising[0][0], Contender((first.effects[0], name), both, in_order)))
     return contenders
 
 

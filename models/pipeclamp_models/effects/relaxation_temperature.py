@@ -11,8 +11,6 @@ from pipeclamp_models.equations.relaxation_times import ABOVE_STILL, COLDEST, HO
 from pipeclamp_models.equations.symbols import T_0, T, T_lowest
 
 r_T1, w_T = sp.symbols("r_T1 w_T", real=True)
-STILL = sp.Rational(1, 10)
-"""Share of w_T above that end at which times are held: within it they would pass all bounds."""
 
 EFFECT = Effect(
     id="relaxation_temperature",
@@ -34,6 +32,6 @@ EFFECT = Effect(
             known_within=50.0,
         ),
     ),
-    scales={"relaxation": sp.exp(log_factor(T - T_0, r_T1, w_T, STILL))},
+    scales={"relaxation": sp.exp(log_factor(T - T_0, r_T1, w_T))},
     brings_into_view=(COLDEST, HOTTEST),
 )  # fmt: skip

@@ -93,8 +93,8 @@ def outdoes(pair: Judged | None, able: Sequence[Judged], scales: Scales) -> bool
     """Tell whether an effect with what scales only it takes half, or more, of what the best one alone would leave."""
     if pair is None or not able or all(fits(scales.structure, name) for name in pair.effects):
         return False
-    left = 1 - explained_share(able[0], scales.law)
-    return explained_share(pair, scales.law) - explained_share(able[0], scales.law) >= HALF_TAKEN_SHARE * left
+    alone, together = (explained_share(each, scales.law) for each in (able[0], pair))
+    return together - alone >= HALF_TAKEN_SHARE * (1 - alone)
 
 
 def _of_what_is_missing(judged: Judged, law: Judged) -> str:
