@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from pipeclamp.cli.terminal import print_next
 from pipeclamp_identification.workflow.auto import add_until_settled
+from pipeclamp_identification.workflow.so_far import SoFar
 from pipeclamp_models.base.errors import InterruptError
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.shell import shell_line
 from pipeclamp_models.law.file import LawFile, law_text
 
 if TYPE_CHECKING:
-    from pipeclamp_identification.workflow.climb import Rung, Settled
+    from pipeclamp_identification.workflow.climb import Settled
     from pipeclamp_identification.workflow.tests import Tests
 
 
@@ -34,27 +35,15 @@ def climbed(
     Raises:
         InterruptError: the user stopped it. The best law so far is in `output`, where there is one.
     """
-    so_far: list[tuple[LawFile, tuple[Rung, ...]]] = []
-
-    def shown(what: str) -> None:
-        tell(f"{_error(so_far[-1][1])}; {what}" if so_far else what)
-
-    def come(law: LawFile, ladder: tuple[Rung, ...]) -> None:
-        so_far.append((law, ladder))
-
+    so_far = SoFar(tell)
     try:
-        return add_until_settled(file, tests, progress=shown, climbed=come, **how)
+        return add_until_settled(file, tests, progress=so_far.doing, climbed=so_far.come, **how)
     except KeyboardInterrupt as stop:
-        if not so_far:
+        law = so_far.best
+        if law is None:
             raise
-        law, ladder = min(so_far, key=lambda there: there[1][-1].change.heldout[1])
         write_whole(output, law_text(law))
         print_next(shell_line("diagnose", str(output), str(campaign), "--auto", str(output)))
         raise InterruptError(
-            f"{output} holds the law so far, with {', '.join(law.effects)}: {_error(ladder)}"
+            f"{output} holds the law so far, with {', '.join(law.effects)}: {so_far.words()}"
         ) from stop
-
-
-def _error(ladder: tuple[Rung, ...]) -> str:
-    """Say what the error on left-out conditions is, and what it was."""
-    return f"{ladder[0].change.heldout[0]:.2%} -> {ladder[-1].change.heldout[1]:.2%} on left-out conditions"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeclamp.studio.project import Project
+from pipeclamp.studio.project import DIAGNOSIS, DRIVE, Project
 from pipeclamp.studio.work import Task
 from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
 from pipeclamp_models.base.errors import UserError
@@ -62,10 +62,13 @@ def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple
 
 def diagnose_line(project: Project, law: str, limits: str = "") -> str:
     """Give the line that diagnoses a law; `limits` say what the rig can do."""
-    return shell_line(
-        "diagnose", project.shown(f"{law}.json"), project.campaign, "--json", project.shown(f"{law}.diagnosis.json"),
-        "--drive", project.shown(f"{law}.next_test.csv"), *(("--limits", limits) if limits else ()),
-    )  # fmt: skip
+    return shell_line("diagnose", project.shown(f"{law}.json"), project.campaign, *_kept(project, law, limits))
+
+
+def _kept(project: Project, law: str, limits: str) -> list[str]:
+    """Give the options by which a diagnosis is kept beside a law."""
+    answer, drive = project.shown(f"{law}{DIAGNOSIS}"), project.shown(f"{law}{DRIVE}")
+    return ["--json", answer, "--drive", drive, *(("--limits", limits) if limits else ())]
 
 
 def diagnose_task(project: Project, law: str, limits: str) -> Task:
@@ -76,12 +79,31 @@ def diagnose_task(project: Project, law: str, limits: str) -> Task:
     """
     if limits:
         parse_limits(limits)
-    given = {
-        "campaign": project.campaign, "law": str(project.path_of(law)),
-        "answer": project.shown(f"{law}.diagnosis.json"), "told": project.shown(f"{law}.told.json"),
-        "drive": project.shown(f"{law}.next_test.csv"), "limits": limits,
-    }  # fmt: skip
+    given = {"campaign": project.campaign, "law": str(project.path_of(law)), "limits": limits}
     return Task("diagnose", f"Find what {law} lacks", diagnose_line(project, law, limits), given, law)
+
+
+def climb_line(project: Project, of: str, law: str, limits: str = "") -> str:
+    """Give the line that adds what a law lacks, again and again."""
+    climbed = project.shown(f"{of}.json"), project.campaign, "--auto", project.shown(f"{law}.json")
+    return shell_line("diagnose", *climbed, *_kept(project, law, limits))
+
+
+def climb_task(project: Project, of: str, limits: str) -> tuple[Task, str]:
+    """Give the task that adds what a law lacks, again and again, and the name of the law that comes of it.
+
+    Raises:
+        UserError: there is no such law, or the limits can't be understood.
+    """
+    if limits:
+        parse_limits(limits)
+    path, law = str(project.path_of(of)), project.reserve()
+    command = climb_line(project, of, law, limits)
+    given = {
+        "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"), "limits": limits,
+        "command": _last_parts(command),
+    }  # fmt: skip
+    return Task("climb", f"Add what {of} lacks, until nothing helps", command, given, of), law
 
 
 def discover_line(project: Project, of: str, law: str) -> str:

@@ -101,9 +101,13 @@ class Desk:
             made = law if job.result.get("law") else None
             opened.project.note(Step(command=task.command, law=made, of=task.law))
 
-        def over() -> None:
-            if law:
-                opened.project.release(law)
+        def over(job: Job | None) -> None:
+            if law is None:
+                return
+            opened.project.release(law)
+            if job and job.stopped and law in opened.project.laws():  # what a ladder had come to
+                opened.project.note(Step(command=task.command, law=law, of=task.law))
+                job.says, job.result = f"stopped; {law} holds what was added until then", {"law": law}
 
         return self.jobs.start(opened.key, task, noted, over)
 

@@ -75,7 +75,11 @@ class Jobs:
         self._listeners: set[tuple[asyncio.AbstractEventLoop, asyncio.Event]] = set()
 
     def start(
-        self, project: str, task: Task, when_done: Callable[[Job], None], when_over: Callable[[], None] = lambda: None
+        self,
+        project: str,
+        task: Task,
+        when_done: Callable[[Job], None],
+        when_over: Callable[[Job | None], None] = lambda _: None,
     ) -> Job:
         """Start a task.
 
@@ -83,14 +87,14 @@ class Jobs:
             project: key of the campaign that it belongs to.
             task: what to do.
             when_done: is called with a job that has been done, before anybody is told so.
-            when_over: is called after it, and where the job came to nothing or wasn't begun.
+            when_over: is called after it with the job, whatever came of it; with None where it wasn't begun.
 
         Raises:
             UserError: as many as may run at once are running.
         """
         with self._lock:
             if len(self._processes) >= MOST_RUNNING:
-                when_over()
+                when_over(None)
                 raise UserError(f"{MOST_RUNNING} jobs are running; wait for one, or cancel it")
             job = Job(next(self._numbers), project, task)
             receiving, sending = multiprocessing.get_context("spawn").Pipe(duplex=False)
@@ -112,7 +116,7 @@ class Jobs:
         process: BaseProcess,
         receiving: Connection,
         when_done: Callable[[Job], None],
-        when_over: Callable[[], None],
+        when_over: Callable[[Job | None], None],
     ) -> None:
         state, says = "failed", "the process ended before it was done; was it stopped, or out of memory?"
         result: Mapping[str, Any] = {}
@@ -137,7 +141,7 @@ class Jobs:
                 when_done(job)
             except UserError as error:
                 state, job.says = "refused", str(error)
-        when_over()
+        when_over(job)
         with self._lock:
             job.state = state
             del self._processes[job.number]

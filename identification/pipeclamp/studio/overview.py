@@ -17,7 +17,7 @@ from pipeclamp.show.law import parameters_table
 from pipeclamp.show.table import cell
 from pipeclamp.studio.bench import Bench
 from pipeclamp.studio.error_map import ErrorMap, error_map
-from pipeclamp.studio.project import Project
+from pipeclamp.studio.project import TOLD, Project
 from pipeclamp.studio.sliders import Slider, candidate_sliders, sliders_of
 from pipeclamp.studio.told import Told, stamp
 from pipeclamp_identification.comparison.breakdown import conditions_of
@@ -167,7 +167,7 @@ def waterfall_of(file: LawFile, told: Told | None) -> Picture:
 
 def told_in(project: Project, name: str, file: LawFile) -> Told | None:
     """Give what was told of a law; None where it wasn't diagnosed, or another law of that name was."""
-    path = project.folder / f"{name}.told.json"
+    path = project.folder / f"{name}{TOLD}"
     try:
         told = Told.model_validate_json(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValidationError, UnicodeDecodeError):

@@ -193,6 +193,8 @@ class Pages:
             task, law = commands.add_task(project, of, effect, told.meant(effect))
         elif wanted == "diagnose":
             task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
+        elif wanted == "climb":
+            task, law = commands.climb_task(project, _text(asked, "law"), str(asked.get("limits", "")))
         elif wanted == "discover":
             task, law = commands.discover_task(project, _text(asked, "law"))
         elif wanted == "build":
@@ -203,7 +205,7 @@ class Pages:
             task = commands.response_task(project, _text(asked, "law"), temperatures_of(opened.bench.loops))
         else:
             raise UserError(
-                f"kind: got {wanted!r}; expected identify, diagnose, add, discover, build, report or respond"
+                f"kind: got {wanted!r}; expected identify, diagnose, add, climb, discover, build, report or respond"
             )
         return JSONResponse(self.desk.start(opened, task, law).to_dict())
 

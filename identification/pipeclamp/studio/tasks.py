@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from pipeclamp.studio.project import DIAGNOSIS, DRIVE, TOLD
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.files import write_whole
@@ -33,29 +34,65 @@ def add(
     return _written(steps[-1].after, law)
 
 
-def diagnose(
-    tell: Progress, *, campaign: str, law: str, answer: str, told: str, drive: str, limits: str
-) -> dict[str, Any]:
-    """Find what a law lacks; write the answer, what the studio shows of it, and the next test's drive signal."""
+def diagnose(tell: Progress, *, campaign: str, law: str, limits: str) -> dict[str, Any]:
+    """Find what a law lacks, and write it beside the law."""
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+
+    tests, file = _tests(tell, campaign), read_law(Path(law))
+    reach = parse_limits(limits) if limits else None
+    found = tests.diagnose(file, limits=reach, jobs=_jobs(), progress=tell)
+    tell("next test")
+    _write_diagnosis(found, file, campaign, law, ())
+    return {"verdict": found.verdict}
+
+
+def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, command: str) -> dict[str, Any]:
+    """Add what a law lacks, again and again; the best law so far is always on disk, for whoever stops it.
+
+    Where nothing is added the diagnosis is written beside the law as it is.
+    """
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+    from pipeclamp_identification.workflow.auto import add_until_settled
+    from pipeclamp_identification.workflow.so_far import SoFar
+
+    tests, file, so_far = _tests(tell, campaign), read_law(Path(of)), SoFar(tell)
+
+    def come(file: LawFile, ladder: tuple[Any, ...]) -> None:
+        so_far.come(file, ladder)
+        if so_far.best is file:
+            write_whole(Path(law), law_text(file))
+
+    settled = add_until_settled(
+        file, tests, command=command, limits=parse_limits(limits) if limits else None, jobs=_jobs(),
+        progress=so_far.doing, climbed=come,
+    )  # fmt: skip
+    if not settled.ladder:
+        _write_diagnosis(settled.found, file, campaign, of, ())
+        return {"verdict": settled.found.verdict}
+    ended = settled.told(tests.name).model_copy(update={"date": now()})
+    _write_diagnosis(settled.found, ended, campaign, law, settled.ladder)
+    return _written(ended, law)
+
+
+def _jobs() -> int:
+    """Give as many processes as leave one core to the studio."""
+    return max(1, (os.cpu_count() or 1) - 1)
+
+
+def _write_diagnosis(found: Any, file: LawFile, campaign: str, law: str, ladder: tuple[Any, ...]) -> None:
+    """Write, beside a law, the answer, what the studio shows of it, and the next test's drive signal."""
     from pipeclamp.show.diagnosis_views import diagnosis_view
     from pipeclamp.studio.told import told_of
     from pipeclamp_identification.campaign.drive import drive_content
     from pipeclamp_identification.diagnosis.diagnosed import Diagnosed
-    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.next_command import next_command
 
-    tests, file = _tests(tell, campaign), read_law(Path(law))
-    # one core stays for the studio
-    reach = parse_limits(limits) if limits else None
-    found = tests.diagnose(file, limits=reach, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
     assert isinstance(found, Diagnosed)
-    tell("next test")
-    view = diagnosis_view(found, (), next_command(found, law, campaign))
+    answer, told, drive = (Path(law).with_suffix(suffix) for suffix in (DIAGNOSIS, TOLD, DRIVE))
     if found.proposal:
-        write_whole(Path(drive), drive_content(found.proposal.plan.signal(), Path(drive)))
-    write_whole(Path(answer), view.answer.json_text())
-    write_whole(Path(told), told_of(found, file).json_text())
-    return {"verdict": found.verdict}
+        write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
+    write_whole(answer, diagnosis_view(found, ladder, next_command(found, law, campaign)).answer.json_text())
+    write_whole(told, told_of(found, file).json_text())
 
 
 def build(tell: Progress, *, law: str, fmu: str, kind: str) -> dict[str, Any]:

@@ -11,6 +11,7 @@ import signal
 import time
 import zipfile
 from dataclasses import replace
+from pathlib import Path
 
 import polars as pl
 import pytest
@@ -21,6 +22,7 @@ pytest.importorskip("uvicorn", reason="needs the extra 'studio'")
 from studio_server import running
 
 import pipeclamp as pc
+from pipeclamp.studio import tasks
 from pipeclamp.studio.bench import read_bench
 from pipeclamp.studio.desk import Desk, Opened
 from pipeclamp.studio.discovering import ToldDiscovery, discovery_in
@@ -29,11 +31,15 @@ from pipeclamp.studio.project import Project, _precedes
 from pipeclamp.studio.rendering import campaign_page
 from pipeclamp.studio.told import Told, ToldCandidate, ToldRung, stamp
 from pipeclamp_identification.campaign import rig
+from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
+from pipeclamp_identification.workflow.auto import add_until_settled
+from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.bundled import open_law
 from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.law.law import with_effect
 from pipeclamp_models.pipe.beam import modes
 from pipeclamp_models.pipe.description import Springs, Support, parse_pipe
 from pipeclamp_models.pipe.modes import finite_elements
@@ -154,6 +160,64 @@ def test_a_job_that_is_cancelled_leaves_nothing_and_keeps_nobody_waiting(studio,
     ended = studio.done(job)
     assert ended["state"] == "cancelled"
     assert sorted(path.name for path in home.iterdir()) == before
+
+
+def power_law(campaign, **effects):
+    """The base law as it is fitted to a campaign, with effects of stated parameters."""
+    law = law_of(pc.identify(campaign).file)
+    for name, values in effects.items():
+        law = replace(law, structure=with_effect(law.structure, name), values={**law.values, **values})
+    return law
+
+
+@pytest.fixture(scope="module")
+def hiding(campaign, tmp_path_factory):
+    """A campaign of a clamp whose two halves are pressed unequally."""
+    folder = tmp_path_factory.mktemp("hiding") / "hiding"
+    write_campaign(
+        folder, rig.virtual_runs(power_law(campaign, asymmetry={"k2": 200.0}), PLAN), name="hiding", notes=""
+    )
+    return folder
+
+
+def test_what_is_missing_is_added_until_nothing_helps(hiding, tmp_path):
+    """At the end stand the law that the function makes, and the diagnosis that it ended with."""
+    said, (first, last) = [], (str(tmp_path / f"law{number}.json") for number in (1, 2))
+    law = pc.identify(hiding)
+    law.save(first)
+    given = {"campaign": str(hiding), "limits": "", "command": "pipeclamp diagnose"}
+    assert tasks.climb(said.append, of=first, law=last, **given) == {"law": "law2"}
+    climbed, same = read_law(Path(last)), add_until_settled(law.file, RecordTests(read_campaign(hiding)), command="")
+    assert climbed.effects == ("asymmetry",)
+    assert law_of(climbed).values == law_of(same.file).values
+    told = Told.model_validate_json((tmp_path / "law2.told.json").read_text())
+    assert (told.verdict, told.law_command) == ("complete", stamp(climbed))
+    assert any("on left-out conditions; " in words for words in said)
+
+
+def test_a_ladder_that_adds_nothing_leaves_the_diagnosis_of_the_law(campaign, tmp_path):
+    tests = tmp_path / "plain"
+    write_campaign(tests, rig.virtual_runs(power_law(campaign), PLAN), name="plain", notes="")
+    first, last = (tmp_path / f"law{number}.json" for number in (1, 2))
+    pc.identify(tests).save(first)
+    given = {"campaign": str(tests), "limits": "", "command": "pipeclamp diagnose"}
+    assert tasks.climb(lambda _: None, of=str(first), law=str(last), **given) == {"verdict": "complete"}
+    assert (tmp_path / "law1.told.json").exists()
+    assert not last.exists()
+
+
+def test_a_ladder_that_is_stopped_leaves_the_law_so_far(hiding, tmp_path):
+    with running(tmp_path / "home", str(hiding)) as studio:
+        studio.done(studio.json("/c/hiding/jobs", {"kind": "identify", "base": "power"}))
+        job = studio.json("/c/hiding/jobs", {"kind": "climb", "law": "law1"})
+        while not (tmp_path / "home" / "law2.json").exists() and studio.desk.jobs.running("hiding"):
+            time.sleep(0.02)
+        studio.json(f"/c/hiding/jobs/{job['number']}/cancel", {})
+        ended = studio.done(job)
+        assert (ended["state"], ended["result"]) == ("cancelled", {"law": "law2"})
+        assert ended["says"] == "stopped; law2 holds what was added until then"
+        assert read_law(tmp_path / "home" / "law2.json").effects
+        assert studio.desk.open("hiding").project.parent("law2") == "law1"
 
 
 def test_a_law_that_comes_to_nothing_leaves_its_name_to_the_next(studio, home):

@@ -169,7 +169,7 @@ async function move() {
 
 // A law that has just been made is opened; what else has ended is on this page when it is loaded anew.
 function ended(job) {
-  if (job.state !== "done") return;
+  if (job.state !== "done" && !job.result.law) return;
   const address = new URL(location.href);
   if (job.result.law) { address.pathname = `${base}/laws/${job.result.law}`; address.searchParams.delete("with"); }
   else if (job.law && job.law !== law) return;

@@ -1,0 +1,45 @@
+"""How far a ladder has come: what is told while it is climbed, and the law that stays where it is stopped."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pipeclamp_models.base.progress import Progress
+from pipeclamp_models.law.file import LawFile
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.workflow.climb import Rung
+
+
+class SoFar:
+    """The laws that a ladder has come to."""
+
+    def __init__(self, tell: Progress) -> None:
+        """Begin at the foot; `tell` is told what is being done."""
+        self._tell = tell
+        self._laws: list[tuple[LawFile, tuple[Rung, ...]]] = []
+
+    def come(self, law: LawFile, ladder: tuple[Rung, ...]) -> None:
+        """Note a law that a rung has come to, with what was done on the way."""
+        self._laws.append((law, ladder))
+
+    def doing(self, what: str) -> None:
+        """Tell what is being done, and how far the ladder has come."""
+        self._tell(f"{_fall(self._laws[-1][1])}; {what}" if self._laws else what)
+
+    @property
+    def best(self) -> LawFile | None:
+        """The law with the least error on left-out conditions; None where no rung was climbed."""
+        return min(self._laws, key=_error)[0] if self._laws else None
+
+    def words(self) -> str:
+        """Say what the best law did to the error on left-out conditions."""
+        return _fall(min(self._laws, key=_error)[1])
+
+
+def _error(law: tuple[LawFile, tuple[Rung, ...]]) -> float:
+    return law[1][-1].change.heldout[1]
+
+
+def _fall(ladder: tuple[Rung, ...]) -> str:
+    return f"{ladder[0].change.heldout[0]:.2%} -> {ladder[-1].change.heldout[1]:.2%} on left-out conditions"
