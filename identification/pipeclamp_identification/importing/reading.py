@@ -70,11 +70,10 @@ def files_in(given: Sequence[Path]) -> tuple[Path, ...]:
     Raises:
         UserError: there is no such file, it is none that holds data, or it is named twice.
     """
-    endings = {ending for one in known_formats() for ending in one.suffixes}
     found: list[Path] = []
     for path in given:
         if path.is_dir():
-            inside = sorted(one for one in path.iterdir() if one.suffix.lower() in endings and one.is_file())
+            inside = sorted(one for one in path.iterdir() if _of_known_ending(one))
             if not inside:
                 first = next((one.name for one in sorted(path.iterdir()) if one.is_file()), "")
                 raise UserError(
@@ -93,6 +92,16 @@ def files_in(given: Sequence[Path]) -> tuple[Path, ...]:
         if (other := seen.setdefault(path.resolve(), path)) is not path:
             raise UserError(f"{path}: is named twice (as {other}); expected each file once")
     return tuple(found)
+
+
+def passed_over_in(given: Sequence[Path]) -> list[str]:
+    """Give the names of the files in folders that `files_in` doesn't give; those that a system hides aside."""
+    inside = (one for path in given if path.is_dir() for one in sorted(path.iterdir()))
+    return [one.name for one in inside if one.is_file() and not _of_known_ending(one) and not one.name.startswith(".")]
+
+
+def _of_known_ending(path: Path) -> bool:
+    return path.is_file() and any(path.suffix.lower() in one.suffixes for one in known_formats())
 
 
 def digest_of(path: Path) -> str:

@@ -21,10 +21,12 @@ from pipeclamp_identification.campaign.runs_table import RunRow, read_runs_table
 from pipeclamp_identification.campaign.seen import LeftOut, SeenFree, SeenRecord
 from pipeclamp_identification.campaign.writing import Format
 from pipeclamp_identification.importing.answer import Found
+from pipeclamp_identification.importing.columns import listed
 from pipeclamp_identification.importing.importer import plan_import
 from pipeclamp_identification.importing.looked_at import looked_at
 from pipeclamp_identification.importing.plan import Plan
-from pipeclamp_identification.importing.reading import files_in
+from pipeclamp_identification.importing.raw import without_controls
+from pipeclamp_identification.importing.reading import files_in, passed_over_in
 from pipeclamp_identification.importing.stated import Options
 from pipeclamp_identification.importing.texts.decoding import file_name
 from pipeclamp_identification.importing.writing import (
@@ -89,8 +91,7 @@ def import_whole(
             files, options, drafts, format=format, known=existing.known if existing else {}, left_out=before.left_out,
             taken=taken, progress=tell,
         )  # fmt: skip
-        if back:
-            plan = replace(plan, notes=(RESTORED, *plan.notes))
+        plan = replace(plan, notes=(*([RESTORED] if back else []), *plan.notes, *_passed_over_words(paths)))
         if not plan.files and existing is None:
             raise UserError("no file was named; expected test machines' files")
         if existing and not plan.files and not is_left_out_anew(plan, existing):
@@ -109,6 +110,12 @@ def import_whole(
             raise UserError("nothing was written: the import wasn't confirmed")
         replace_folder(work, folder)
     return found
+
+
+def _passed_over_words(paths: Sequence[Path]) -> list[str]:
+    """Say which files of folders aren't read, for no format has their ending."""
+    names = list(map(without_controls, passed_over_in(paths)))
+    return [f"not read, for no known format has such an ending: {listed(names)}"] if names else []
 
 
 def _found(

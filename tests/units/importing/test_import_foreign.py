@@ -266,7 +266,13 @@ def test_a_response_without_name_and_unit_has_those_of_its_number_and_system(tmp
 
 def test_a_folder_of_other_endings_names_one(tmp_path):
     (tmp_path / "a.tra").write_text(named("Time [s];Weg [mm];Kraft [N]"))
-    assert len(pc.import_files(tmp_path, tmp_path / "c", dry_run=True).to_frame()) == 1
+    for name in ("photo.png", "setup.docx", ".hidden"):
+        (tmp_path / name).write_bytes(b"\x89PNG")
+    found = pc.import_files(tmp_path, tmp_path / "c", dry_run=True)
+    assert len(found.to_frame()) == 1
+    assert found.notes == ("not read, for no known format has such an ending: photo.png, setup.docx",)
+    for name in ("photo.png", "setup.docx", ".hidden"):
+        (tmp_path / name).unlink()
     (tmp_path / "a.tra").rename(tmp_path / "a.foo")
     with pytest.raises(pc.UserError, match=r"\(but 'a.foo'\); .*or the files themselves named"):
         pc.import_files(tmp_path, tmp_path / "c", dry_run=True)
