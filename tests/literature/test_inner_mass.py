@@ -31,6 +31,16 @@ def test_it_is_an_oscillator_where_it_is_linear():
     np.testing.assert_allclose(found, expected, rtol=2e-4, atol=2e-4 * K)
 
 
+def test_a_thinner_fluid_loses_less_but_where_it_flows_turbulently():
+    """`damping_temperature` scales the losses that go with the viscosity, as it does those of an oil damper."""
+    equations = Structure("power", ("inner_mass", "damping_temperature")).equations
+    given = dict.fromkeys(equations.names, 0.0) | {"alpha0": 1.0} | LINEAR | {"b_i": 0.5, "c_T1": -1.2}
+    motion = sinusoids(0.8, np.array([4.0, 8.0, 16.0]), 293.15 + 50, 512)
+    found = force_of_equations(equations, [given[name] for name in equations.names], SMOOTHING, motion).force
+    thinner = LINEAR | {"b_i": 0.5, "zeta_i": LOSSES * np.exp(-0.6)}
+    np.testing.assert_allclose(found, force_on(thinner, motion).force, rtol=1e-9)
+
+
 @pytest.mark.parametrize(("f", "turbulence"), [(4.0, 0.5), (8.0, 0.5), (8.0, 5.0), (16.0, 2.0)])
 def test_turbulent_losses_are_those_of_small_steps(f, turbulence):
     w, A, samples = 2 * np.pi * f, 0.8, 512

@@ -75,3 +75,13 @@ def test_a_parameter_that_one_run_alone_determines_keeps_its_stated_error():
     covariance = fitted(jacobian, force)[1]
     assert np.all(np.isfinite(covariance))
     assert 0 < covariance[-1, -1] < 100 / np.sum(jacobian[0, :, -1] ** 2)
+
+
+def test_a_parameter_that_hardly_moves_the_force_has_a_standard_error_that_is_a_number():
+    jacobian = jacobian_of(8).reshape(-1, PARAMETERS)
+    norms = np.linalg.norm(jacobian, axis=0) * np.resize([1.0, 1e-200], PARAMETERS)
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        covariance = covariance_of(
+            jacobian / np.linalg.norm(jacobian, axis=0), norms, np.ones((8, VALUES)), 8 * VALUES, np.zeros(PARAMETERS)
+        )
+    assert np.all(np.isfinite(covariance))

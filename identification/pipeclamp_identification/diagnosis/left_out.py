@@ -162,7 +162,9 @@ class LeftOut:
         while share > SHORTEST:
             moved = share * step
             there = self._law_force(moved)
-            if self._cost_of_others(there, moved, own) <= most + DISAGREE_LIKELIHOOD:
+            with np.errstate(over="ignore", invalid="ignore"):  # of a force beyond all numbers, with which none agrees
+                agreed = self._cost_of_others(there, moved, own) <= most + DISAGREE_LIKELIHOOD
+            if agreed:
                 break
             share /= 2
         change = self._residual(there, moved) - self._residual(here, np.zeros_like(step))

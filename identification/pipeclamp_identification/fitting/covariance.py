@@ -9,6 +9,9 @@ from pipeclamp_models.base.arrays import Array
 ALONE = 1e-6
 """A direction of the parameters that the other runs determine to less than this share: nothing is seen without it."""
 
+LARGEST = 1e150
+"""Standard errors, in a parameter's own unit, are this at most: their squares still are numbers."""
+
 
 def covariance_of(scaled: Array, norms: Array, residual: Array, compared: int, precision: Array) -> Array:
     """Give the covariance of P parameters that were fitted to R runs, (P, P).
@@ -28,10 +31,10 @@ def covariance_of(scaled: Array, norms: Array, residual: Array, compared: int, p
     if count == 0:
         return np.zeros((0, 0))
     spread = max(1.0, float(np.sum(residual**2)) / max(compared - count, 1))
-    inverse = np.linalg.pinv(scaled.T @ scaled + spread * np.diag(precision / norms**2), hermitian=True)
+    inverse = np.linalg.pinv(scaled.T @ scaled + spread * np.diag((np.sqrt(precision) / norms) ** 2), hermitian=True)
     stated = inverse * spread
     moved = moved_by_runs(scaled.reshape(runs, -1, count), inverse, residual)
-    widened = np.sqrt(np.maximum(moved / np.diag(stated), 1.0)) / norms
+    widened = np.minimum(np.sqrt(np.maximum(moved / np.diag(stated), 1.0)) / norms, LARGEST)
     return np.asarray(stated * np.outer(widened, widened))
 
 

@@ -1,6 +1,7 @@
 """A mass inside, driven through a spring: q = k_i (y - x), m_i dx'/dt = q - losses; fluid in an inertia track is one.
 
-The mass is k_i/(2 pi f_i)^2; its losses are 2 zeta_i of critical damping, and b_i m_i |x'| x' of turbulent flow. A step
+The mass is k_i/(2 pi f_i)^2; its losses are 2 zeta_i of critical damping, and b_i m_i |x'| x' of turbulent flow. What
+thins the fluid, as warmth does, lessens the former, and leaves the latter as they are. A step
 takes the spring's force and the mass's velocity at their means over it (implicit midpoint), where the quadratic has one
 root. What the step dissipates is then exactly what the losses take at the mean velocity, however long it is; its error
 falls with the square of h.
@@ -8,7 +9,7 @@ falls with the square of h.
 
 import sympy as sp
 
-from pipeclamp_models.equations.effect import Effect, Parameter, Stage, State
+from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, Stage, State
 from pipeclamp_models.equations.literature import SINGH
 from pipeclamp_models.equations.symbols import (
     A_typical,
@@ -23,12 +24,13 @@ from pipeclamp_models.equations.symbols import (
 )
 
 k_i, f_i, zeta_i, b_i = sp.symbols("k_i f_i zeta_i b_i", real=True)
+thickness = sp.Symbol("mu_i", positive=True)
 q_i, s_i, mean = sp.symbols("q_i s_i s_i_mean", real=True)
 turn = 2 * sp.pi * f_i
 move = y - y_previous
 
 pushed = 2 * s_i + h * turn**2 * (q_i * compliance(k_i) + move / 2)
-linear = 2 + 2 * h * zeta_i * turn + (h * turn) ** 2 / 2
+linear = 2 + 2 * h * thickness * zeta_i * turn + (h * turn) ** 2 / 2
 frequencies = (f_highest, 2 * f_highest, sp.sqrt(f_typical * f_highest), f_typical)
 
 EFFECT = Effect(
@@ -57,6 +59,7 @@ EFFECT = Effect(
             upper=100.0 / A_typical, neutral=0.0,
         ),
     ),
+    coefficients=(Coefficient(thickness, "-", "damping", sp.Integer(1)),),
     force=q_i,
     stages=(
         Stage(
