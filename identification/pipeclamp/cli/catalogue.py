@@ -1,7 +1,8 @@
-"""The command line's part for the catalogue of effects; nothing is computed here."""
+"""The command line's part for what the program knows by itself: effects and schemas; nothing is computed here."""
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
@@ -51,3 +52,19 @@ def effects(
     console().print(f"Bounds and typical sizes are those for the bundled clamp {REFERENCE}.", highlight=False)
     for line in shown.about_lines(one):
         console().print(line, highlight=False, markup=False)
+
+
+@app.command(epilog="Example: pipeclamp schema diagnosis > diagnosis.schema.json")
+def schema(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="[law|metrics|comparison|laws-comparison|system-comparison|diagnosis|discovery|import|effects]",
+            help="Of what is written.",
+        ),
+    ] = "law",
+) -> None:
+    """The JSON schema of parameter files, or of what --json writes."""
+    from pipeclamp_identification.workflow.schemas import schema_text
+
+    sys.stdout.write(schema_text(name))

@@ -1,0 +1,398 @@
+"""The command line's part for laws and their tests: fit, compare, diagnose, change; nothing is computed here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from enum import StrEnum
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pipeclamp.cli.terminal import (
+    BandsOption,
+    CampaignFolder,
+    DeclaredOption,
+    EffectsOption,
+    JobsOption,
+    JsonOption,
+    LawArgument,
+    LimitsOption,
+    ReportOption,
+    StrictOption,
+    command_called,
+    console,
+    file_option,
+    folder_option,
+    names_in,
+    opened_law,
+    print_next,
+    print_table,
+    read_and_tell,
+    show,
+    spare,
+    told,
+    values_in,
+)
+from pipeclamp_models.base.errors import UsageError
+from pipeclamp_models.base.files import write_whole
+from pipeclamp_models.base.now import now
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.workflow.change import Addition
+    from pipeclamp_models.law.file import LawFile
+
+app = typer.Typer()
+
+
+class BaseLaw(StrEnum):
+    """Base laws that can be identified."""
+
+    power = "power"
+    memory = "memory"
+    series = "series"
+
+
+class Meant(StrEnum):
+    """How a diagnosis means an effect that it names."""
+
+    cause = "cause"
+    part = "part"
+
+
+class FitMethod(StrEnum):
+    """Ways to identify a law."""
+
+    joint = "joint"
+    surfaces = "surfaces"
+
+
+ReproducibleOption = Annotated[bool, typer.Option("--reproducible", metavar="", help="Leave out the date.")]
+
+
+@app.command(epilog="Example: pipeclamp metrics my_campaign --report metrics.html")
+def metrics(
+    campaign: CampaignFolder,
+    output: Annotated[Path | None, folder_option("METRICS", "Write the metrics as a campaign without records.")] = None,
+    json: JsonOption = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
+) -> None:
+    """Loop metrics dW, W, eta and stiffness per run, against f, A, density and T."""
+    from pipeclamp.show.views import metrics_view
+    from pipeclamp_identification.metrics_only.writing import metric_files
+    from pipeclamp_identification.workflow.next_command import after_import
+    from pipeclamp_models.base.files import write_folder
+
+    spare(campaign, outputs=(json, report))
+    with told("metrics") as tell:
+        tests = read_and_tell(campaign, strict, tell)
+        view = metrics_view(tests)
+    following = after_import(str(campaign))
+    if output:
+        write_folder(output, metric_files(tests.metrics()))
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import metrics_page
+
+        write_report(
+            report, f"Loop metrics of {tests.name}", tests.notes, metrics_page(tests, following), command_called()
+        )
+    show(view, json)
+    if tests.has_loops and not (json or report):
+        console().print("Every run is in --json and --report.", highlight=False)
+    print_next(following)
+
+
+@app.command(epilog="Example: pipeclamp identify my_campaign -o law.json --effects memory,damping_temperature")
+def identify(
+    campaign: CampaignFolder,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="LAW.json", help="The parameter file to write; with --per a new folder of them."
+        ),
+    ],
+    effects: EffectsOption = "",
+    per: Annotated[
+        str, typer.Option(metavar="COLUMN", help="A law for each group of a text column: specimen, valve, ...")
+    ] = "",
+    base: Annotated[
+        BaseLaw, typer.Option(help="Base law, of Jiang et al. 2020: Eq. 17 (power), 14 (memory), 10 (series).")
+    ] = BaseLaw.power,
+    method: Annotated[
+        FitMethod, typer.Option(help="All at once, or the route of Jiang et al. 2020 by itself.")
+    ] = FitMethod.joint,
+    freeze: Annotated[str, typer.Option(metavar="name=value,...", help="Parameters that are held, not fitted.")] = "",
+    declared: DeclaredOption = None,
+    name: Annotated[str | None, typer.Option(help="Name of the law; the campaign's by default.")] = None,
+    report: ReportOption = None,
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Fit a law to all runs of a campaign and write its parameter file."""
+    from pipeclamp.show.law import per_group_table
+    from pipeclamp_identification.workflow.next_command import after_group_laws, after_identification
+    from pipeclamp_models.base.files import refuse_file, refuse_folder, write_folder
+    from pipeclamp_models.law.declaration_files import read_effects
+    from pipeclamp_models.law.file import law_text
+
+    if per:
+        refuse_folder(output)
+        if report:
+            raise UsageError("identify: got --report with --per; expected one of them: `pipeclamp compare` shows a law")
+    else:
+        refuse_file(output)
+    spare(campaign, *(declared or ()), outputs=(output, report))
+    with told("identify") as tell:
+        ids, declarations = read_effects(names_in(effects), declared or ())
+        tests = read_and_tell(campaign, strict, tell)
+        date = None if reproducible else now()
+        if per:
+            from pipeclamp_identification.workflow.per_group import identify_per
+
+            laws = identify_per(
+                tests, per, base=base.value, effects=ids, frozen=values_in(freeze), method=method.value,
+                declared=declarations, progress=tell,
+            )  # fmt: skip
+            files = {
+                law.stem: law.found.file(name=f"{name or tests.name} {law.group}", command=command_called(), date=date)
+                for law in laws
+            }
+            write_folder(output, ((f"{stem}.json", law_text(one).encode()) for stem, one in files.items()))
+            print_table(per_group_table(per, files))
+            console().print(str(output), highlight=False)
+            print_next(after_group_laws([str(output / f"{stem}.json") for stem in files], str(campaign)))
+            return
+        found = tests.identify(
+            base=base.value, effects=ids, frozen=values_in(freeze), method=method.value, declared=declarations,
+            progress=tell,
+        )  # fmt: skip
+        file = found.file(name=name or tests.name, command=command_called(), date=date)
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import law_page
+
+        about = f"identified from {tests.name}"
+        write_report(report, f"Law {file.name}", about, law_page(file, found.held), command_called())
+    write_whole(output, law_text(file))
+    _print_law(file, output)
+    print_next(after_identification(str(output), str(campaign)))
+
+
+@app.command(epilog="Example: pipeclamp compare law.json my_campaign --report compare.html")
+def compare(
+    laws: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="LAW...|SYSTEM.toml",
+            help="Law file or name of a bundled law; several are held against the same tests; or a coupled system.",
+        ),
+    ],
+    campaign: Annotated[
+        Path,
+        typer.Argument(
+            metavar="CAMPAIGN|MEASURED",
+            help="For a law: folder with campaign.toml and runs.csv, or a bundled campaign. For a system: folder with "
+            "measurement.toml, what was measured on the pipe.",
+        ),
+    ],
+    json: JsonOption = None,
+    report: ReportOption = None,
+    bands: BandsOption = None,
+    strict: StrictOption = False,
+) -> None:
+    """Hold laws, or a pipe with its clamps, against measurements: how much each errs, and where."""
+    from pipeclamp_models.law.declaration_files import refuse_declaration
+
+    for law in laws:
+        refuse_declaration(Path(law))
+    spare(*laws, campaign, outputs=(json, report))
+    if any(law.endswith(".toml") for law in laws):
+        from pipeclamp.cli.on_pipe import compare_on_pipe
+
+        if len(laws) > 1:
+            raise UsageError(f"compare: got {len(laws)} systems or laws with a .toml; expected one SYSTEM.toml")
+        compare_on_pipe(Path(laws[0]), campaign, json, report, bands)
+        return
+    if bands is not None:
+        raise UsageError("--bands: a law held against its own tests has none; expected SYSTEM.toml and MEASURED")
+    from pipeclamp.show.views import comparison_view, laws_view
+    from pipeclamp_identification.comparison.laws import least_error
+    from pipeclamp_identification.comparison.names import named_apart
+    from pipeclamp_identification.workflow.after_comparison import after_comparison
+
+    with told("compare") as tell:
+        files = named_apart([opened_law(law) for law in laws], laws)
+        tests = read_and_tell(campaign, strict, tell, free=True)
+        held = [(file, tests.compare(file)) for file in files]
+        view = comparison_view(held[0][1]) if len(held) == 1 else laws_view(held)
+    best = least_error([against for _, against in held])
+    following = after_comparison(laws[best], str(campaign), held[best][1])
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import comparison_page, comparison_title
+
+        write_report(report, *comparison_title(files, tests.name), comparison_page(held, following), command_called())
+    show(view, json)
+    print_next(following)
+
+
+@app.command(epilog="Example: pipeclamp diagnose law.json my_campaign --report diagnosis.html")
+def diagnose(
+    law: LawArgument,
+    campaign: CampaignFolder,
+    json: JsonOption = None,
+    report: ReportOption = None,
+    auto: Annotated[Path | None, file_option("LAW2.json", "Add what is missing, again and again.", "--auto")] = None,
+    limits: LimitsOption = "",
+    drive: Annotated[
+        Path | None, file_option("DRIVE.csv", "Write the next test's drive signal, .csv or .parquet.", "--drive")
+    ] = None,
+    declared: DeclaredOption = None,
+    jobs: JobsOption = -1,
+    strict: StrictOption = False,
+) -> None:
+    """Which physical effect does the law lack? Or which test would tell?"""
+    from pipeclamp.cli.ladder import climbed
+    from pipeclamp.show.diagnosis_views import diagnosis_view
+    from pipeclamp_identification.campaign.drive import drive_content, refuse_drive_name
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+    from pipeclamp_identification.workflow.next_command import next_command
+    from pipeclamp_models.law.declaration_files import read_declaration, read_effects
+    from pipeclamp_models.law.file import law_text
+
+    spare(campaign, *(declared or ()), outputs=(json, report, drive, auto))
+    spare(law, outputs=(json, report, drive))
+    if drive:
+        refuse_drive_name(drive)
+    with told("diagnose") as tell:
+        file = opened_law(law)
+        _, declarations = read_effects((), declared or ())
+        tests = read_and_tell(campaign, strict, tell)
+        reach = parse_limits(limits) if limits else None
+        if auto:
+            settled = climbed(
+                file,
+                tests,
+                campaign,
+                auto,
+                tell,
+                command=command_called(),
+                declared=declarations,
+                limits=reach,
+                jobs=jobs,
+            )
+            file, found, ladder, rungs = settled.told(tests.name), settled.found, settled.ladder, settled.words()
+        else:
+            found = tests.diagnose(file, declared=declarations, limits=reach, jobs=jobs, progress=tell)
+            ladder, rungs = (), []
+    paths = {read_declaration(path).id: str(path) for path in declared or ()}
+    following = next_command(found, str(auto or law), str(campaign), paths, driven=drive is not None)
+    view = diagnosis_view(found, ladder, following, drive)
+    if report:
+        from pipeclamp.pages.page import write_report
+        from pipeclamp.pages.sections import diagnosis_page
+
+        title, about = f"Diagnosis of {file.name}", f"against {tests.name}"
+        write_report(report, title, about, diagnosis_page(file, found, following), command_called())
+    if drive and found.proposal:
+        write_whole(drive, drive_content(found.proposal.plan.signal(), drive))
+    if auto:
+        write_whole(auto, law_text(file))
+    for line in rungs:
+        console().print(line, highlight=False)
+    show(view, json)
+
+
+@app.command(epilog="Example: pipeclamp remove law2.json memory my_campaign -o law.json")
+def remove(
+    law: LawArgument,
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="The effect to take out.")],
+    campaign: CampaignFolder,
+    output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Take an effect out of a law, refit the rest, and say what the error did."""
+    from pipeclamp_identification.workflow.change import remove_effect
+
+    def change(file: LawFile, **given: Any) -> Sequence[Addition]:
+        return [remove_effect(file, effect, **given)]
+
+    _change(change, "remove", law, campaign, output, strict, reproducible)
+
+
+@app.command(epilog="Example: pipeclamp add law.json memory my_campaign -o law2.json")
+def add(
+    law: LawArgument,
+    effect: Annotated[
+        str,
+        typer.Argument(
+            metavar="EFFECT[,EFFECT]", help="The effect, see `pipeclamp effects`, or F.toml; or several, as --effects."
+        ),
+    ],
+    campaign: CampaignFolder,
+    output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
+    meant: Annotated[
+        Meant | None, typer.Option("--as", help="How a diagnosis meant it: beside a part nothing is called the cause.")
+    ] = None,
+    declared: DeclaredOption = None,
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Add an effect to a law, refit everything, and say what the error did."""
+    from pipeclamp_identification.workflow.change import add_effects
+    from pipeclamp_models.law.declaration_files import read_effects
+
+    names, declarations = read_effects(names_in(effect), declared or ())
+    if not names:
+        raise UsageError(f"EFFECT: got {effect!r}; expected the name of an effect, such as memory")
+    change = partial(add_effects, effects=names, kind=meant and meant.value, declared=declarations)
+    _change(change, "add", law, campaign, output, strict, reproducible)
+
+
+def _change(
+    change: Callable[..., Sequence[Addition]],
+    title: str,
+    law: str,
+    campaign: Path,
+    output: Path,
+    strict: bool,
+    reproducible: bool,
+) -> None:
+    """Change a law step by step, refit it, write it, and print what that did."""
+    from pipeclamp.show.law import addition_table
+    from pipeclamp_identification.workflow.next_command import after_change
+    from pipeclamp_models.law.file import law_text
+
+    spare(campaign, outputs=(output,))
+    with told(title) as tell:
+        file = opened_law(law)
+        tests = read_and_tell(campaign, strict, tell)
+        date = None if reproducible else now()
+        steps = change(file, tests=tests, command=command_called(), date=date, progress=tell)
+    changed = steps[-1].after
+    write_whole(output, law_text(changed))
+    for step in steps:
+        print_table(addition_table(step))
+    _print_fit(changed, output)
+    print_next(after_change(str(output), str(campaign)))
+
+
+def _print_law(file: Any, output: Path) -> None:
+    from pipeclamp.show.law import coefficient_table
+
+    print_table(coefficient_table(file))
+    _print_fit(file, output)
+
+
+def _print_fit(file: Any, output: Path) -> None:
+    from pipeclamp.show.law import doubts, fit_words
+
+    for line in doubts(file):
+        console().print(line, highlight=False, markup=False)
+    if file.fit:
+        console().print(fit_words(file.fit), highlight=False)
+    console().print(str(output), highlight=False)
