@@ -30,7 +30,7 @@ SKETCHED = 4
 def diagnosis_answer(answer: Diagnosed) -> Section:
     """Give the first section of a diagnosis: its verdict, and why."""
     words = [answer.headline(), *before_physics(answer)]
-    words += [sentence(word) for word in (*answer.diagnosis.reasons, *answer.cautions())]
+    words += [sentence(word) for word in (*answer.diagnosis.reasons, *answer.untested(), *answer.cautions())]
     if answer.proposal:
         words.append(f"Next test: {answer.proposal.words()}.")
     if answer.no_test:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
+import numpy as np
+
 from pipeclamp_identification.campaign.reading import Campaign
 from pipeclamp_identification.comparison.compare import Comparison, compare
 from pipeclamp_identification.diagnosis.foretold import explained_share
@@ -18,6 +20,7 @@ from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS
 from pipeclamp_identification.diagnosis.verdict import Diagnosis, diagnose
 from pipeclamp_identification.fitting.groups import Groups
 from pipeclamp_identification.loops.loops import Loops
+from pipeclamp_identification.signals.levels import varies
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.declaration import Declaration
 from pipeclamp_models.law.file import Kind, LawFile, Verdict, law_of, structure_of
@@ -33,6 +36,9 @@ HEADLINES: dict[tuple[Verdict, Kind | None], str] = {
 COMPLETE_BUT_FOR_FORM = (
     "Complete, but for its form: what is left beside scatter is small, and no effect of the catalogue takes most of it."
 )
+
+OF_A_MOTION = {"A": ("amplitude", "mm"), "f": ("frequency", "Hz")}
+"""Conditions that a law is asked for at other values than those tested."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +145,17 @@ class Diagnosed:
 
     def words(self) -> tuple[str, ...]:
         """Say why, and what is left over."""
-        return (*self.diagnosis.reasons, *self.cautions(), *self.left_over())
+        return (*self.diagnosis.reasons, *self.untested(), *self.cautions(), *self.left_over())
+
+    def untested(self) -> tuple[str, ...]:
+        """Say which condition has one value in all tests: of others no verdict can tell."""
+        slow = self.diagnosis.problem.observations.motion.slow
+        return tuple(
+            f"all tests are at one {condition}, {float(np.median(slow[name])):.3g} {unit}: what the law does at others, "
+            "nothing here shows"
+            for name, (condition, unit) in OF_A_MOTION.items()
+            if not varies(name, slow[name])
+        )
 
     def left_over(self) -> tuple[str, ...]:
         """Say what is left over beyond scatter: with what is named first, or else by the best law."""

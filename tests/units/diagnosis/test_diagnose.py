@@ -66,6 +66,13 @@ def test_scatter_alone_is_complete(campaign):
     assert " 0.00%" not in diagnosis.reasons[0]
 
 
+def test_a_condition_that_no_test_varies_is_told(campaign):
+    tests = campaign(plan=replace(PLAN, amplitudes=(0.5,), temperatures=(20.0, 100.0)))
+    found = diagnosed(law_file(identify(tests), tests, name="law", command="test", date=None), tests)
+    told = "all tests are at one amplitude, 0.5 mm: what the law does at others, nothing here shows"
+    assert (found.untested(), found.words()[-1]) == ((told,), told)
+
+
 def test_what_passes_for_form_is_never_told_as_nothing(campaign):
     """A complete law that leaves something which follows the conditions says so in all places."""
     tests = campaign(("viscous",), c1=2.0)
