@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import plotly.graph_objects as go
+from plotly.colors import sample_colorscale
 from plotly.subplots import make_subplots
 
 from pipeclamp.pages.page import MEASURED, MODEL, SERIES, styled, with_narrow
@@ -20,6 +21,8 @@ PANELS_PER_ROW = 4
 PANEL_HEIGHT, NARROW_PANEL_HEIGHT = 250, 200
 LEAST_PANEL_WIDTH = 230
 FEW = 12
+LIGHT_BLUES = sample_colorscale("Blues", np.linspace(0.0, 0.6, 7).tolist())
+"""Light enough for dark numbers in the cells, six to one at least, also where the page is dark."""
 BESIDE = "published "
 MOST_OF_HISTORY = 4000
 """Points of a curve over time that are drawn at most."""
@@ -195,7 +198,7 @@ def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str
     ticks = [tick for tick in ticks if low <= tick <= high] or [low, high]
     figure = go.Figure(
         go.Heatmap(
-            x=few(xs), y=few(ys), z=np.log10(level), customdata=level, colorscale="Blues", xgap=1, ygap=1,
+            x=few(xs), y=few(ys), z=np.log10(level), customdata=level, colorscale=LIGHT_BLUES, xgap=1, ygap=1,
             hovertemplate=f"{x} %{{x}}<br>{y} %{{y}}<br>%{{customdata:.4g}} {label}<extra></extra>",
             colorbar={
                 "title": {"text": label},
@@ -206,7 +209,7 @@ def cells_picture(x: str, y: str, xs: Array, ys: Array, level: Array, label: str
     )  # fmt: skip
     if max(len(xs), len(ys)) <= FEW:
         texts = [[f"{value:.3g}" if math.isfinite(value) else "" for value in row] for row in level.tolist()]
-        figure.update_traces(text=texts, texttemplate="%{text}")
+        figure.update_traces(text=texts, texttemplate="%{text}", textfont={"color": "#111111"})
     for values, update in ((xs, figure.update_xaxes), (ys, figure.update_yaxes)):
         if len(values) <= FEW:
             update(type="category")

@@ -151,8 +151,8 @@ class Diagnosed:
         """Say which condition has one value in all tests: of others no verdict can tell."""
         slow = self.diagnosis.problem.observations.motion.slow
         return tuple(
-            f"all tests are at one {condition}, {float(np.median(slow[name])):.3g} {unit}: what the law does at others, "
-            "nothing here shows"
+            f"all tests are at one {condition}, {float(np.median(slow[name])):.3g} {unit}: what the law does at "
+            "others, nothing here shows"
             for name, (condition, unit) in OF_A_MOTION.items()
             if not varies(name, slow[name])
         )
