@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
+from pipeclamp_identification.discovery.bases import Basis, with_needed_back, without_last_effects
 from pipeclamp_identification.discovery.columns import Evaluation, all_columns
 from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, Rival, best_of, refitted_of
@@ -45,8 +46,6 @@ MOST_SHORTENED = 5
 """Terms, best first, of which shorter ones are also fitted: from few starts longer ones are screened better."""
 MOST_HEARD = 3
 """Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
-MOST_GONE = 4
-"""Effects, the last ones of a law, in whose place a term is tried, at most: each number of them is a search more."""
 LISTED = 3
 """Effects of the catalogue, best first, that a term must better."""
 
@@ -115,12 +114,13 @@ def search(
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
     bar = Bar(law, listed, _rows(loops, kept), found.effects)
-    own = _asked(_Basis(law), problem, every, bar, jobs, progress)
+
+    def asked(basis: Basis) -> Found | str:
+        return _asked(basis, problem, every, bar, jobs, progress)
+
+    own = asked(Basis(law))
     heard = [own] if isinstance(own, Found) else []
-    for basis in _without_last_effects(law, problem):
-        progress(f"a term in the place of {' and '.join(basis.gone)}")
-        other = _asked(basis, problem, every, bar, jobs, progress)
-        heard += [other] if isinstance(other, Found) and other.passed else []
+    heard += in_the_place_of_effects(law, problem, asked, jobs, progress)
     if not heard:
         return Search(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
@@ -149,34 +149,38 @@ def catalogue_first(causes: Sequence[str]) -> str:
     )
 
 
-@dataclass(frozen=True)
-class _Basis:
-    """A law that a term is put into.
+def in_the_place_of_effects(
+    law: Judged, problem: Problem, asked: Callable[[Basis], Found | str], jobs: int, progress: Progress
+) -> list[Found]:
+    """Give terms that pass in the place of some of a law's effects: of its last ones, and of those that aren't needed.
 
-    Attributes:
-        law: fitted.
-        gone: effects of the law as it is that this one hasn't got: what they stand for may be a term.
+    Args:
+        law: the law.
+        problem: the tests.
+        asked: searches the grammar for a term in a law.
+        jobs: processes; -1 for as many as there are cores.
+        progress: is told what is being done.
     """
 
-    law: Judged
-    gone: tuple[str, ...] = ()
+    def found_in(bases: Iterable[Basis]) -> Iterator[Found]:
+        for basis in bases:
+            progress(f"a term in the place of {' and '.join(basis.gone)}")
+            found = asked(basis)
+            if isinstance(found, Found):
+                yield found
 
-
-def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
-    """Give the law without the last effect that it was given, without the last two, and so on."""
-    structure = law.result.law.structure
-    for count in range(1, min(len(structure.effects), MOST_GONE) + 1):
-        stays, gone = structure.effects[:-count], structure.effects[-count:]
-        without = replace(structure, effects=stays)
-        try:
-            judged = judge((), without, [without.own(law.result.law.values)], problem)
-        except UserError:  # another effect modifies what only this one has
-            continue
-        yield _Basis(judged, gone)
+    found = list(found_in(without_last_effects(law, problem)))
+    if found:
+        widest = found[-1]
+        for one in found_in(with_needed_back(widest.judged, widest.gone, law, problem, jobs, progress)):
+            found.append(one)
+            if one.passed:
+                break
+    return [one for one in found if one.passed]
 
 
 def _asked(
-    basis: _Basis, problem: Problem, every: Sequence[Term], bar: Bar, jobs: int, progress: Progress
+    basis: Basis, problem: Problem, every: Sequence[Term], bar: Bar, jobs: int, progress: Progress
 ) -> Found | str:
     """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at."""
     law = basis.law
