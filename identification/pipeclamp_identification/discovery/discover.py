@@ -22,7 +22,7 @@ from pipeclamp_identification.diagnosis.problem import (
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
 from pipeclamp_identification.discovery.bases import Basis, with_needed_back, without_last_effects
-from pipeclamp_identification.discovery.columns import Evaluation, all_columns
+from pipeclamp_identification.discovery.columns import Column, Evaluation, all_columns, beside_another_law
 from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, Rival, best_of, refitted_of
 from pipeclamp_identification.discovery.refining import Refining
@@ -115,10 +115,15 @@ def search(
     ]
     bar = Bar(law, listed, _rows(loops, kept), found.effects)
 
-    def asked(basis: Basis) -> Found | str:
-        return _asked(basis, problem, every, bar, jobs, progress)
+    evaluation = Evaluation(problem, law)
+    columns = all_columns(evaluation, every, progress)
 
-    own = asked(Basis(law))
+    def asked(basis: Basis) -> Found | str:
+        other = Evaluation(problem, basis.law)
+        beside = beside_another_law(columns, evaluation, other, every, progress)
+        return _asked(other, beside, basis.gone, bar, jobs, progress)
+
+    own = _asked(evaluation, columns, (), bar, jobs, progress)
     heard = [own] if isinstance(own, Found) else []
     heard += in_the_place_of_effects(law, problem, asked, jobs, progress)
     if not heard:
@@ -180,12 +185,19 @@ def in_the_place_of_effects(
 
 
 def _asked(
-    basis: Basis, problem: Problem, every: Sequence[Term], bar: Bar, jobs: int, progress: Progress
+    evaluation: Evaluation, columns: Sequence[Column], gone: tuple[str, ...], bar: Bar, jobs: int, progress: Progress
 ) -> Found | str:
-    """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at."""
-    law = basis.law
-    evaluation = Evaluation(problem, law)
-    columns = all_columns(evaluation, every, progress)
+    """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at.
+
+    Args:
+        evaluation: the law on the tests.
+        columns: of all terms beside it.
+        gone: effects in whose place the term stands.
+        bar: what it must better.
+        jobs: processes; -1 for as many as there are cores.
+        progress: is told what is being done.
+    """
+    law, problem = evaluation.law, evaluation.problem
     progress("what chance would explain")
     scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
     chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
@@ -203,14 +215,14 @@ def _asked(
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
     progress("ask the conditions that were kept back")
-    hearing = Hearing(evaluation, columns, refitted, bar, basis.gone)
+    hearing = Hearing(evaluation, columns, refitted, bar, gone)
     # what does nothing at its fitted values has only let the law itself be fitted better
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
     refining = Refining(_varied(problem), jobs, progress)
     heard: list[Found] = []
-    while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
+    while left and len(heard) < (1 if gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = best_of(left)
         found = hearing.of(best, rivals)
         heard.append(found if heard and not found.passed else refining.of(found, best, hearing))
