@@ -42,8 +42,9 @@ MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
 KEPT_BACK = 5
 """Of so many groups of A and f one is kept back from the search."""
-MOST_SHORTENED = 5
-"""Terms, best first, of which shorter ones are also fitted: from few starts longer ones are screened better."""
+MOST_RELATED = 5
+"""Terms, best first, of which shorter ones are also fitted, for from few starts longer ones are screened better; and
+those that are the same while they are small, of which one alone stands for both where terms are screened."""
 MOST_HEARD = 3
 """Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
 LISTED = 3
@@ -211,7 +212,7 @@ def _asked(
         return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
 
     refitted = together([_contender(law, scanned, place) for place in places])
-    refitted += together(_shortened(law, refitted, known))
+    refitted += together(_related(law, refitted, known))
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
     progress("ask the conditions that were kept back")
@@ -333,11 +334,13 @@ def _contender(law: Judged, scanned: Screened, place: int) -> Contender:
     return Contender((term.declaration.id,), larger, [start])
 
 
-def _shortened(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
-    """Give what is left of the best terms without their scaling or place, where it wasn't fitted yet."""
-    best = sorted(refitted, key=lambda one: one.squares)[:MOST_SHORTENED]
+def _related(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
+    """Give the best terms without their scaling or place, and as they may have grown, where that wasn't fitted yet."""
+    best = sorted(refitted, key=lambda one: one.squares)[:MOST_RELATED]
     fitted = {one.term.declaration.id for one in refitted}
-    starts = {name: one.judged.result.law.values for one in reversed(best) for name in one.term.shorter}
+    starts = {
+        name: one.judged.result.law.values for one in reversed(best) for name in (*one.term.shorter, *one.term.grown)
+    }
     structure = law.result.law.structure
     contenders = []
     for name in sorted(set(starts) & set(known) - fitted):
