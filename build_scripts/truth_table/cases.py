@@ -65,7 +65,7 @@ class Case:
     """One row of the experiment.
 
     Attributes:
-        kind: "effect", "none", "two", "several", "unlisted", "narrow" or "beyond".
+        kind: "effect", "none", "two", "several", "unlisted", "narrow", "beyond" or "beside".
         hidden: kinds of physics in the truth.
         form: "clean" or "rough".
         strength: a key of STRENGTHS, in narrow plans of SHARES, "" where nothing is hidden.

@@ -100,6 +100,24 @@ def test_every_number_that_is_freed_stands_in_a_formula_that_can_be_read():
             assert refined.effect.parameters[-1].name == refined.declaration.parameters[-1].symbol
 
 
+@pytest.mark.parametrize("role", ["stiffness", "damping", "slip"])
+def test_no_level_of_a_condition_moves_with_that_condition(role):
+    """A level "of 777 K that falls with the power 7.6 of the temperature" had been a damping's from 55 °C on."""
+    moved = {}
+    for term in terms(*VARIED):
+        if term.family == "factor" and term.declaration.id.startswith(f"found_{role}_step_"):
+            values = {one.symbol: 1.0 for one in term.declaration.parameters}
+            every = [refined.acts_like for refined, _ in refinements(term, values, *VARIED)]
+            moved[term.declaration.id.rpartition("_step_")[2]] = {
+                name for name in ("amplitude", "frequency", "temperature", "tension N")
+                if any(words.endswith(f" {name}") and "scaled with" in words for words in every)
+            }  # fmt: skip
+    assert moved == {
+        "a": {"frequency", "temperature", "tension N"}, "f": {"amplitude", "temperature", "tension N"},
+        "t": {"amplitude", "frequency", "tension N"}, "tension_n": {"amplitude", "frequency", "temperature"},
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_two_terms_as_one_are_their_sum(sign):
     random = np.random.default_rng(9)

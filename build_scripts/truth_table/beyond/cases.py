@@ -1,4 +1,4 @@
-"""The cases of the discovery: laws beyond the catalogue, nothing, and effects of the catalogue."""
+"""The cases of the discovery: laws beyond the catalogue, alone and beside its effects, nothing, and its effects."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from hidden import EFFECTS
 from beyond.registry import LAWS
 
 NONE_REPEATS = 6
+COMPANY = ("damping_temperature", "memory", "contact_growth")
+"""Effects of the catalogue that laws are hidden beside, in turn: a device rarely lacks one thing alone."""
 
 
 def beyond_cases() -> list[Case]:
@@ -24,6 +26,11 @@ def beyond_cases() -> list[Case]:
         for number, effect in enumerate(EFFECTS):
             noise, design = _turn(number)
             cases.append(Case("effect", (effect,), form, ("middle", "strong")[number // 4 % 2], noise, design))
+    # last, so that a share of the others is drawn as before
+    for form, (number, law) in itertools.product(FORMS, enumerate(LAWS)):
+        noise, design = _turn(number)
+        company, strength = COMPANY[number % 3], ("strong", "middle")[number // 3 % 2]
+        cases.append(Case("beside", (law, company), form, strength, noise, design))
     return cases
 
 

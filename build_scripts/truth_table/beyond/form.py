@@ -36,12 +36,11 @@ def difference(drawn: Drawn, sizes: tuple[float, ...], before: Law, after: Law) 
 
     Args:
         drawn: the case.
-        sizes: of what is hidden.
+        sizes: of what is hidden: the law, and an effect of the catalogue that it may be beside.
         before: the law without the term.
         after: the law with it.
     """
-    nothing = (0.0,) * len(sizes)
-    there, without = (_observed(drawn, each) for each in (sizes, nothing))
+    there, without = (_observed(drawn, each) for each in (sizes, (0.0, *sizes[1:])))
     seen = there.seen & without.seen
     weights = np.where(np.arange(seen.shape[1]) > 0, np.sqrt(0.5), 1.0) * seen
     hidden = (there.harmonics - without.harmonics) * weights

@@ -51,7 +51,7 @@ class BeyondOutcome:
 
     Attributes:
         name, kind, form, strength, noise, design: of the case.
-        law: the name of the law that is hidden, of the effect, or "".
+        law: the name of the law that is hidden, or of the effect where no law is; "" where nothing is.
         strengths: what the base law can't imitate of it, over the noise.
         noise_share: noise over force.
         ladder: what `--auto` added.
@@ -95,7 +95,7 @@ def judged_beyond(case: Case, seed: int) -> BeyondOutcome:
     data = measure(drawn)
     strengths = tuple(round(one, 3) for one in data.strengths)
     blank = BeyondOutcome(
-        case.name, case.kind, case.form, case.strength, case.noise, case.design, "".join(case.hidden), strengths,
+        case.name, case.kind, case.form, case.strength, case.noise, case.design, "".join(case.hidden[:1]), strengths,
         data.noise_share,
     )  # fmt: skip
     try:
@@ -120,7 +120,7 @@ def _followed(blank: BeyondOutcome, drawn: Drawn, data: Measured) -> BeyondOutco
         round(heldout_over_floor(law, data.heldout, data.heldout_floor), 4) for law in (file, settled.file, last)
     )
     differs = float("nan")
-    if proposal.after is not None and blank.kind == "beyond":
+    if proposal.after is not None and blank.kind in ("beyond", "beside"):
         differs = round(difference(drawn, data.sizes, law_of(settled.file), law_of(proposal.after)), 4)
     return replace(
         blank, ladder=tuple(one.name for one in structure_of(settled.file).all_effects() if one.part != "base"),

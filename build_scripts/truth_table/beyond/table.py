@@ -49,6 +49,16 @@ def is_left_over(row: Row) -> bool:
     return is_beyond(row) and not row["diagnosed"] <= NEAR_FLOOR[row["form"]]
 
 
+def is_beside(row: Row) -> bool:
+    """Tell whether such a law was hidden beside an effect of the catalogue, both strong enough to be seen."""
+    return row["kind"] == "beside" and strong_enough(row)
+
+
+def is_left_beside(row: Row) -> bool:
+    """Tell whether the ladder left something of it."""
+    return is_beside(row) and not row["diagnosed"] <= NEAR_FLOOR[row["form"]]
+
+
 def has_nothing_missing(row: Row) -> bool:
     """Tell whether the law, where it was asked, lacked nothing that was hidden."""
     if row["kind"] == "none":
@@ -62,6 +72,10 @@ TARGETS: tuple[tuple[str, Callable[[Row], bool], Callable[[Sequence[Row]], float
     ("left over by the ladder: right form", is_left_over, share("right form"), {"clean": 0.5, "rough": 0.3}, True),
     ("left over by the ladder: wrong form or kind (the issue states no bound)", is_left_over,
      share("wrong form", "wrong kind"), {"clean": 1.0, "rough": 1.0}, False),
+    ("beside an effect of the catalogue: held-out error near the floor", is_beside, near_floor,
+     {"clean": 0.8, "rough": 0.6}, True),
+    ("beside an effect, left over by the ladder: right form", is_left_beside, share("right form"),
+     {"clean": 0.5, "rough": 0.3}, True),
     ("nothing is missing: something proposed", has_nothing_missing, share("false alarm", "displaced"),
      {"clean": 0.01, "rough": 0.02}, False),
     ("an effect of the catalogue displaced", lambda row: row["kind"] == "effect", share("displaced"),
@@ -100,7 +114,7 @@ def beyond_markdown(rows: Sequence[Row], command: str) -> str:
             values = f"{entry['value']:.0%} | {sign} {entry['bound']:.0%}"
             lines.append(f"| {entry['target']} | {entry['cases']} | {values} | {mark} |")
     lines += ["", "| law | cases | " + " | ".join(BEYOND_COUNTS) + " |", "|---" * (len(BEYOND_COUNTS) + 2) + "|"]
-    laws = [row for row in rows if row["kind"] == "beyond"]
+    laws = [row for row in rows if row["kind"] in ("beyond", "beside")]
     for law in dict.fromkeys(row["law"] for row in laws):
         counts = Counter(row["counted"] for row in laws if row["law"] == law)
         lines.append(

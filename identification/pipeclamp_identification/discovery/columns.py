@@ -221,3 +221,40 @@ def all_columns(evaluation: Evaluation, terms: Sequence[Term], tell: Callable[[s
             tell(f"evaluate terms: {place} of {len(terms)}")
         found += evaluation.columns(term)
     return found
+
+
+def beside_another_law(
+    columns: Sequence[Column],
+    before: Evaluation,
+    after: Evaluation,
+    terms: Sequence[Term],
+    tell: Callable[[str], None],
+) -> list[Column]:
+    """Give the columns of all terms beside another law: what adds a force adds the same, what scales it is evaluated.
+
+    Args:
+        columns: beside the first law.
+        before: the first law on the tests.
+        after: the other law on the same tests, in the same weights.
+        terms: all terms.
+        tell: is told what is being done.
+    """
+    if not _adds_the_same(before, after):
+        return all_columns(after, terms, tell)
+    known: dict[str, list[Column]] = {}
+    for column in columns:
+        known.setdefault(column.term.declaration.id, []).append(column)
+    found = (
+        after.columns(term) if term.family == "factor" else known.get(term.declaration.id, []) for term in terms
+    )  # fmt: skip
+    return [column for each in found for column in each]
+
+
+def _adds_the_same(before: Evaluation, after: Evaluation) -> bool:
+    """Tell whether a force shows alike in the residuals of two laws: by groups' factors and open means it may not."""
+    if before.problem is not after.problem or after.problem.factors is not None:
+        return False
+    one, other = before.law.result.law, after.law.result.law
+    loops = after.problem.coarse.loops
+    means = np.array_equal(loops.open_means(before.law_force), loops.open_means(after.law_force))
+    return means and (one.v_r, one.y_r) == (other.v_r, other.y_r)

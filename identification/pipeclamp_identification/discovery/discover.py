@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,8 @@ from pipeclamp_identification.diagnosis.problem import (
     weighed_again,
 )
 from pipeclamp_identification.diagnosis.thresholds import FEWEST_GROUPS, RIVAL_LIKELIHOOD
-from pipeclamp_identification.discovery.columns import Evaluation, all_columns
+from pipeclamp_identification.discovery.bases import Basis, with_needed_back, without_last_effects
+from pipeclamp_identification.discovery.columns import Column, Evaluation, all_columns, beside_another_law
 from pipeclamp_identification.discovery.grammar import LEVELS, Term, linear_symbol, terms
 from pipeclamp_identification.discovery.hearing import Bar, Found, Hearing, Refitted, Rival, best_of, refitted_of
 from pipeclamp_identification.discovery.refining import Refining
@@ -41,12 +42,11 @@ MOST_REFITTED = 30
 """Terms that are refitted together with the law, at most."""
 KEPT_BACK = 5
 """Of so many groups of A and f one is kept back from the search."""
-MOST_SHORTENED = 5
-"""Terms, best first, of which shorter ones are also fitted: from few starts longer ones are screened better."""
+MOST_RELATED = 5
+"""Terms, best first, of which shorter ones are also fitted, for from few starts longer ones are screened better; and
+those that are the same while they are small, of which one alone stands for both where terms are screened."""
 MOST_HEARD = 3
 """Terms that are asked, best first, until one passes: each more is one more chance to pass by luck."""
-MOST_GONE = 4
-"""Effects, the last ones of a law, in whose place a term is tried, at most: each number of them is a search more."""
 LISTED = 3
 """Effects of the catalogue, best first, that a term must better."""
 
@@ -115,12 +115,18 @@ def search(
         for each in to_better(found.diagnosis.candidates, in_vain_on(file, campaign.fingerprint, declared))
     ]
     bar = Bar(law, listed, _rows(loops, kept), found.effects)
-    own = _asked(_Basis(law), problem, every, bar, jobs, progress)
+
+    evaluation = Evaluation(problem, law)
+    columns = all_columns(evaluation, every, progress)
+
+    def asked(basis: Basis) -> Found | str:
+        other = Evaluation(problem, basis.law)
+        beside = beside_another_law(columns, evaluation, other, every, progress)
+        return _asked(other, beside, basis.gone, bar, jobs, progress)
+
+    own = _asked(evaluation, columns, (), bar, jobs, progress)
     heard = [own] if isinstance(own, Found) else []
-    for basis in _without_last_effects(law, problem):
-        progress(f"a term in the place of {' and '.join(basis.gone)}")
-        other = _asked(basis, problem, every, bar, jobs, progress)
-        heard += [other] if isinstance(other, Found) and other.passed else []
+    heard += in_the_place_of_effects(law, problem, asked, jobs, progress)
     if not heard:
         return Search(found, None, len(every), own if isinstance(own, str) else "")
     heard = weighed_by_the_best(heard, problem)
@@ -149,39 +155,50 @@ def catalogue_first(causes: Sequence[str]) -> str:
     )
 
 
-@dataclass(frozen=True)
-class _Basis:
-    """A law that a term is put into.
+def in_the_place_of_effects(
+    law: Judged, problem: Problem, asked: Callable[[Basis], Found | str], jobs: int, progress: Progress
+) -> list[Found]:
+    """Give terms that pass in the place of some of a law's effects: of its last ones, and of those that aren't needed.
 
-    Attributes:
-        law: fitted.
-        gone: effects of the law as it is that this one hasn't got: what they stand for may be a term.
+    Args:
+        law: the law.
+        problem: the tests.
+        asked: searches the grammar for a term in a law.
+        jobs: processes; -1 for as many as there are cores.
+        progress: is told what is being done.
     """
 
-    law: Judged
-    gone: tuple[str, ...] = ()
+    def found_in(bases: Iterable[Basis]) -> Iterator[Found]:
+        for basis in bases:
+            progress(f"a term in the place of {' and '.join(basis.gone)}")
+            found = asked(basis)
+            if isinstance(found, Found):
+                yield found
 
-
-def _without_last_effects(law: Judged, problem: Problem) -> Iterator[_Basis]:
-    """Give the law without the last effect that it was given, without the last two, and so on."""
-    structure = law.result.law.structure
-    for count in range(1, min(len(structure.effects), MOST_GONE) + 1):
-        stays, gone = structure.effects[:-count], structure.effects[-count:]
-        without = replace(structure, effects=stays)
-        try:
-            judged = judge((), without, [without.own(law.result.law.values)], problem)
-        except UserError:  # another effect modifies what only this one has
-            continue
-        yield _Basis(judged, gone)
+    found = list(found_in(without_last_effects(law, problem)))
+    if found:
+        widest = found[-1]
+        for one in found_in(with_needed_back(widest.judged, widest.gone, law, problem, jobs, progress)):
+            found.append(one)
+            if one.passed:
+                break
+    return [one for one in found if one.passed]
 
 
 def _asked(
-    basis: _Basis, problem: Problem, every: Sequence[Term], bar: Bar, jobs: int, progress: Progress
+    evaluation: Evaluation, columns: Sequence[Column], gone: tuple[str, ...], bar: Bar, jobs: int, progress: Progress
 ) -> Found | str:
-    """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at."""
-    law = basis.law
-    evaluation = Evaluation(problem, law)
-    columns = all_columns(evaluation, every, progress)
+    """Search the grammar for a term in a law; give the first that passes, else the best, or why none was looked at.
+
+    Args:
+        evaluation: the law on the tests.
+        columns: of all terms beside it.
+        gone: effects in whose place the term stands.
+        bar: what it must better.
+        jobs: processes; -1 for as many as there are cores.
+        progress: is told what is being done.
+    """
+    law, problem = evaluation.law, evaluation.problem
     progress("what chance would explain")
     scanned = screened(columns, law.fitted.residual, law.fitted.jacobian, problem.groups)
     chance, explained = scanned.by_chance(WORTH_FITTING), scanned.explained()
@@ -195,18 +212,18 @@ def _asked(
         return [each for one in judged for each in refitted_of(one, known[one.effects[0]], evaluation)]
 
     refitted = together([_contender(law, scanned, place) for place in places])
-    refitted += together(_shortened(law, refitted, known))
+    refitted += together(_related(law, refitted, known))
     if not refitted:
         return "no term of the grammar could be fitted together with the law"
     progress("ask the conditions that were kept back")
-    hearing = Hearing(evaluation, columns, refitted, bar, basis.gone)
+    hearing = Hearing(evaluation, columns, refitted, bar, gone)
     # what does nothing at its fitted values has only let the law itself be fitted better
     left = [one for one, own in zip(refitted, hearing.explained, strict=True) if own > chance] or refitted
     # of each term the start that was screened best
     place_of = {columns[place].term.declaration.id: int(place) for place in np.argsort(explained)}
     refining = Refining(_varied(problem), jobs, progress)
     heard: list[Found] = []
-    while left and len(heard) < (1 if basis.gone else MOST_HEARD) and not (heard and heard[-1].passed):
+    while left and len(heard) < (1 if gone else MOST_HEARD) and not (heard and heard[-1].passed):
         best, rivals = best_of(left)
         found = hearing.of(best, rivals)
         heard.append(found if heard and not found.passed else refining.of(found, best, hearing))
@@ -317,11 +334,13 @@ def _contender(law: Judged, scanned: Screened, place: int) -> Contender:
     return Contender((term.declaration.id,), larger, [start])
 
 
-def _shortened(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
-    """Give what is left of the best terms without their scaling or place, where it wasn't fitted yet."""
-    best = sorted(refitted, key=lambda one: one.squares)[:MOST_SHORTENED]
+def _related(law: Judged, refitted: Sequence[Refitted], known: Mapping[str, Term]) -> list[Contender]:
+    """Give the best terms without their scaling or place, and as they may have grown, where that wasn't fitted yet."""
+    best = sorted(refitted, key=lambda one: one.squares)[:MOST_RELATED]
     fitted = {one.term.declaration.id for one in refitted}
-    starts = {name: one.judged.result.law.values for one in reversed(best) for name in one.term.shorter}
+    starts = {
+        name: one.judged.result.law.values for one in reversed(best) for name in (*one.term.shorter, *one.term.grown)
+    }
     structure = law.result.law.structure
     contenders = []
     for name in sorted(set(starts) & set(known) - fitted):

@@ -62,8 +62,20 @@ def refinements(
     scales += [one for name, size in conditions.items() for one in scales_of(name, size)]
     moved = [one for one in term.declaration.parameters if one.unit != "-" or one.symbol == linear_symbol(term.family)]
     for table, scale in itertools.product(moved, scales):
-        if not (table.symbol == STRENGTH and scale.factor in term.declaration.force):
+        again = table.symbol == STRENGTH and scale.factor in term.declaration.force
+        if not again and not _follows(term, scale):
             yield _moved(term, table, scale), MOVES
+
+
+def _follows(term: Term, scale: Scale) -> bool:
+    """Tell whether a term is a factor over the very condition: a level of it that moves with it says nothing."""
+    factors = "; ".join(one.factor for one in term.declaration.scales)
+    return bool(_signals(scale.factor) & _signals(factors))
+
+
+def _signals(expression: str) -> set[str]:
+    """Give the names in an expression, but for functions and a scaling's own rate."""
+    return set(re.findall(r"\b[A-Za-z]\w*", expression)) - {"abs", "exp", RATE}
 
 
 def _new(symbols: Sequence[str], term: Term) -> str:

@@ -57,12 +57,14 @@ class Term:
         declaration: the term, its strength the first parameter.
         acts_like: what it does, in a test engineer's words.
         shorter: ids of the same term without its scaling, without what says where it acts, and without both.
+        grown: ids of terms that act as it does while they are small, and otherwise where they have grown.
     """
 
     family: Family
     declaration: Declaration
     acts_like: str
     shorter: tuple[str, ...] = ()
+    grown: tuple[str, ...] = ()
 
     @cached_property
     def effect(self) -> Effect:
@@ -398,7 +400,7 @@ LEVELS = {
 
 
 def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterator[Term]:
-    """Give factors > 0 on a coefficient of the law: power, exponential, bent, from a threshold on, levelling off."""
+    """Give factors > 0 on a coefficient of the law: power, exponential, bent, from a level on, levelling off."""
     if signal in conditions:
         plain, unit, name, size = _named(signal), "in its name", signal, f"{conditions[signal]:.6g}"
         pure, bends = f"{plain} / {size}", tuple[object, ...](share * conditions[signal] for share in (0.3, 0.6))
@@ -411,11 +413,12 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
     level: Entry = {"symbol": "l_x", "unit": unit, "meaning": f"level of {signal} at which it changes", "start": bends}
     width: Entry = {"symbol": "w_x", "unit": unit, "meaning": f"change of {signal} in which it steps",
              "start": (f"0.05 * {reach}", f"0.15 * {reach}"), "lower": f"0.01 * {reach}", "upper": reach}  # fmt: skip
+    past = f"(max({plain} - l_x, 0) / {size})**1"
     forms: list[tuple[str, str, str, tuple[Entry, ...]]] = [
         ("power", f"log({above})", "changes with a power of", ()),
         ("exponential", pure, "changes exponentially with", ()),
         ("bent", f"({pure})**2", "changes with the square of", ()),
-        ("beyond", f"(max({plain} - l_x, 0) / {size})**1", "changes beyond a level of", (level,)),
+        ("beyond", past, "changes exponentially beyond a level of", (level,)),
         ("levelling", f"{plain} / (abs({plain}) + abs(l_x))", "changes and levels off with", (level,)),
         ("step", f"(1 + tanh(({plain} - l_x) / w_x)) / 2", "steps at a level of", (level, width)),
     ]
@@ -424,13 +427,27 @@ def _factors(role: str, signal: str, conditions: Mapping[str, float]) -> Iterato
     if signal in ("A", "f"):
         peak = f"2 * {plain} * l_x / ({plain}**2 + l_x**2)"
         forms.append(("peak", peak, "has a peak, or a trough, at a level of", (level,)))
+    condition = signal if signal in conditions else ""
+    beyond, linear = (f"{role}_{form}_{plain}" for form in ("beyond", "linear"))
     for form, exponent, words, parameters in forms:
-        yield _term(
-            "factor", f"{role}_{form}_{plain}", f"{ROLES[role]} that {words} the {name}",
-            parameters=(_scaling("how much the logarithm changes", 0.1), *parameters),
-            scales=({"coefficient": role, "factor": f"exp({RATE} * ({exponent}))"},),
-            conditions=(signal,) if signal in conditions else (),
+        term = _factor(
+            role, f"{role}_{form}_{plain}", f"exp({RATE} * ({exponent}))", f"{words} the {name}",
+            (_scaling("how much the logarithm changes", 0.1), *parameters), condition,
         )  # fmt: skip
+        yield replace(term, grown=(id_of(linear),)) if form == "beyond" else term
+    each = {"A": "mm", "f": "Hz", "T": "100 K", "N": "1000 cycles"}.get(signal, f"{size} of {name}")
+    growth = {**_scaling(f"growth, as a share, for each {each}", 0.1), "lower": 0.0}
+    words = f"grows linearly beyond a level of the {name}"
+    term = _factor(role, linear, f"1 + {RATE} * {past}", words, (growth, level), condition)
+    yield replace(term, grown=(id_of(beyond),))
+
+
+def _factor(role: str, name: str, factor: str, words: str, parameters: tuple[Entry, ...], condition: str) -> Term:
+    """Give a factor on a coefficient of the law; the further column that it needs is empty where it needs none."""
+    return _term(
+        "factor", name, f"{ROLES[role]} that {words}", parameters=parameters,
+        scales=({"coefficient": role, "factor": factor},), conditions=(condition,) if condition else (),
+    )  # fmt: skip
 
 
 def _scaling(meaning: str, *starts: float) -> Entry:

@@ -1,12 +1,13 @@
 """What terms add to a law's residuals, at the few points of a cycle at which they are screened."""
 
 import numpy as np
+import pytest
 
 from pipeclamp_identification.campaign import rig
 from pipeclamp_identification.campaign.reading import read_campaign
 from pipeclamp_identification.campaign.writing import write_campaign
 from pipeclamp_identification.diagnosis.problem import judge, prepare, weighed_again
-from pipeclamp_identification.discovery.columns import Evaluation, weighed_anew
+from pipeclamp_identification.discovery.columns import Evaluation, all_columns, beside_another_law, weighed_anew
 from pipeclamp_identification.discovery.grammar import terms
 from pipeclamp_identification.loops.loops import loops_of
 from pipeclamp_models.law.bundled import open_law
@@ -63,3 +64,24 @@ def test_columns_in_other_weights_are_what_they_would_be_evaluated_there(tmp_pat
     assert len(columns) > 30
     for column, change in zip(weighed_anew(columns, before, after), direct, strict=True):
         np.testing.assert_allclose(column.change, change, rtol=1e-6, atol=1e-9 * np.max(np.abs(change)))
+
+
+def test_what_adds_a_force_is_evaluated_once_for_all_laws_that_it_is_put_into(tmp_path, monkeypatch):
+    """In the place of a law's effects the same terms are sought on the same tests, up to seven times."""
+    plan = rig.TestPlan((0.2, 0.6, 1.0), (1.0, 4.0), (20.0, 150.0), seed=1)
+    write_campaign(tmp_path / "campaign", rig.virtual_runs(law_of(open_law("emwm2")), plan), name="virtual", notes="")
+    structure = Structure("power", ("damping_temperature", "asymmetry"))
+    problem, fitted = prepare(structure, loops_of(read_campaign(tmp_path / "campaign")))
+    law = judge((), structure, [fitted.law.values], problem)
+    without = Structure("power")
+    less = judge((), without, [without.own(fitted.law.values)], problem)
+    before, after = Evaluation(problem, law), Evaluation(problem, less)
+    chosen = list(terms(("A", "f", "T"), {}))[::60]
+    assert {one.family for one in chosen} >= {"factor", "element"}
+    columns, direct = (all_columns(one, chosen, lambda words: None) for one in (before, after))
+    monkeypatch.setattr(Evaluation, "_force", lambda *given: pytest.fail("a force is evaluated again"))
+    beside = beside_another_law(columns, before, after, chosen, lambda words: None)
+    for column, own in zip(beside, direct, strict=True):
+        assert column.term is own.term
+        assert column.values == own.values
+        np.testing.assert_allclose(column.change, own.change, rtol=1e-9, atol=1e-9 * np.max(np.abs(own.change)))

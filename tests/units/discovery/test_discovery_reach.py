@@ -1,10 +1,13 @@
 """What the grammar can imitate: springs and dampers by their force, to a few percent, with values of their own."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import sympy as sp
 from scipy.optimize import minimize
 
+from pipeclamp_identification.discovery import discover
 from pipeclamp_identification.discovery.grammar import RATE, STRENGTH, terms
 from pipeclamp_models.base.signals import REFERENCES
 from pipeclamp_models.law.declared import effect_of
@@ -133,3 +136,25 @@ def test_each_term_is_known_by_what_is_left_without_its_scaling_and_its_place():
     assert by_id["found_viscous_damping"].shorter == ()
     for term in by_id.values():
         assert all(len(by_id[name].declaration.parameters) <= len(term.declaration.parameters) for name in term.shorter)
+
+
+def test_what_grows_linearly_is_fitted_beside_what_grows_exponentially(monkeypatch):
+    """They are one where a search screens them, so that one stands for both; a damping three times as large isn't."""
+    monkeypatch.setattr(discover, "with_effect", lambda structure, name: structure)
+    by_id = {term.declaration.id: term for term in terms(("T",), {"field": 20.0})}
+    pairs = [(one, by_id[name]) for one in by_id.values() for name in one.grown]
+    assert {len(one.grown) for one in by_id.values()} == {0, 1}
+    assert len(pairs) == 2 * 3 * 2  # both ways, roles, signals
+    varied = {**REFERENCES, "T": np.linspace(290.0, 400.0, 40), "u_field": np.linspace(0.0, 20.0, 40)}
+    structure = SimpleNamespace(with_declared=lambda declared: structure, own=dict)
+    law = SimpleNamespace(result=SimpleNamespace(law=SimpleNamespace(structure=structure)))
+    for one, other in pairs:
+        ours, others = (function(next(iter(effect_of(each.declaration).scales.values()))) for each in (one, other))
+        known = {**varied, "l_x": 12.0 if "field" in one.acts_like else 340.0}
+        assert ours(**known, s_x=1e-3) == pytest.approx(others(**known, s_x=1e-3), rel=1e-6)
+        assert np.max(np.abs(ours(**known, s_x=4.0) - others(**known, s_x=4.0))) > 1.0
+        values = {"s_x": 0.7, "l_x": 340.0}
+        fitted = SimpleNamespace(result=SimpleNamespace(law=SimpleNamespace(values=values)))
+        (also,) = discover._related(law, [SimpleNamespace(term=one, squares=1.0, judged=fitted)], by_id)
+        assert also.effects == (other.declaration.id,)
+        assert also.starts == [values]

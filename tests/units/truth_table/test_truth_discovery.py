@@ -208,6 +208,7 @@ def answered(proposed, family="damper"):
         ({"found": True, "difference": 0.1}, (), "right form"),
         ({"found": True, "difference": 0.5}, (), "wrong form"),
         ({"found": True, "difference": 0.1, "law": "detents"}, (), "wrong kind"),
+        ({"kind": "beside", "ladder": ("memory",), "found": True, "difference": 0.1}, ("memory",), "right form"),
     ],
 )
 def test_how_a_case_came_out(changed, truth, expected):
@@ -239,6 +240,45 @@ def test_targets_count_what_the_issue_speaks_of():
     assert not found["clean: an effect of the catalogue displaced"]["met"]
     assert not beyond_sound(rows)
     assert "**missed**" in beyond_markdown(rows, "command")
+    beside = [row("beside", "right form", law="flag"), row("beside", "wrong form", law="flag", discovered=1.3)]
+    found = {entry["target"]: entry for entry in beyond_targets([*rows, *beside])}
+    assert found["clean: beside an effect of the catalogue: held-out error near the floor"]["value"] == 0.5
+    assert found["clean: beside an effect, left over by the ladder: right form"]["cases"] == 2
+    assert found["clean: held-out error near the floor"]["cases"] == 3
+
+
+def test_each_law_is_hidden_beside_an_effect_too_and_its_form_is_judged_alone():
+    """Alone, none of its ladder's effects is real, so that a term in the place of some of them was never asked for."""
+    from beyond.cases import beyond_cases
+    from beyond.form import difference
+    from beyond.registry import LAWS
+    from cases import Case, draw, measure
+
+    from pipeclamp_identification.fitting.identify import fit_structure
+    from pipeclamp_identification.loops.loops import loops_of
+    from pipeclamp_models.law.declaration import Declaration
+    from pipeclamp_models.law.law import Structure
+
+    beside = [case for case in beyond_cases() if case.kind == "beside"]
+    assert {case.hidden[0] for case in beside} == set(LAWS)
+    assert all(case.truth == {case.hidden[1]} for case in beside)
+    case = Case("beside", ("jammed_paste", "damping_temperature"), "clean", "strong", "low", "A")
+    drawn = draw(case, seed=2)
+    data = measure(drawn)
+    assert min(data.strengths) > 1.4
+    strength = {"symbol": "F_x", "unit": "N", "meaning": "force", "start": "0.05 * F_typical"}
+    length = {"symbol": "y_x", "unit": "mm", "meaning": "length", "start": "1.5 * A_typical", "lower": 0.05}
+    share = "(v / (8 * v_0) * A_0 / y_x)"
+    declared = Declaration.model_validate({
+        "id": "found_one", "title": "a term", "looks_like": "a term", "parameters": (strength, length),
+        "force": f"F_x * v / v_0 * (1 + 6 * {share}**2 / (1 + {share}**4))",
+    })  # fmt: skip
+    loops = loops_of(data.campaign)
+    before, after = (
+        fit_structure(Structure("power", ("damping_temperature", *own), declared=(declared,)), loops).law
+        for own in ((), ("found_one",))
+    )
+    assert difference(drawn, data.sizes, before, after) < 0.1
 
 
 def test_a_case_with_nothing_hidden_goes_all_the_way():
