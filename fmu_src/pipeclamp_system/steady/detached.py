@@ -19,6 +19,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.balance import OVER_FREQUENCY, SteadySystem
 from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow
 from pipeclamp_system.steady.harmonics import packed
+from pipeclamp_system.steady.start import grown, with_sides
 from pipeclamp_system.steady.states import SteadyState
 
 HIGHEST = 4.0
@@ -103,7 +104,7 @@ def detached_branches(
     for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
         waiting = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
         # Where a response that was given up has a gap, it begins at rest.
-        unseen = [] if waiting else [start for start in [system.start(frequency)] if start is not None]
+        unseen = [] if waiting else [start for start in [grown(system, frequency)] if start is not None]
         met = [*waiting, *(unknowns for piece in leaving for unknowns in system.solutions(piece, frequency))]
         while waiting or unseen:
             while unseen:
@@ -147,7 +148,7 @@ def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator
     size = float(system.sizes(unknowns[None])[0])
     for end in (HIGHEST, 0.0):
         *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, STEPS)
-        back = system.with_sides(there.unknowns, frequency) if there.parameter == 1.0 else None
+        back = with_sides(system, there.unknowns, frequency) if there.parameter == 1.0 else None
         if back is not None and not _same(system, back, unknowns):
             yield back
 

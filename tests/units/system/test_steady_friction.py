@@ -90,7 +90,7 @@ def test_a_loose_hanger_whose_guides_rub_is_found(system, friction, values, freq
     ("values", "rounded"), [({"F_t": 15.0, "v_t": 3.0}, True), ({"F_t": 15.0, "v_t": 60.0}, False)]
 )
 def test_friction_that_is_smooth_in_few_harmonics_is_no_step(system, values, rounded):
-    assert bool(system(HANGER | values, ("gap", "rounded_friction"))._rubbing) == rounded
+    assert bool(system(HANGER | values, ("gap", "rounded_friction")).rubbing) == rounded
 
 
 def test_a_smooth_law_lacks_no_more_than_before(system):
