@@ -59,7 +59,10 @@ def _cycle(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
 
 
 def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], h: float) -> Array:
-    """Give what each step makes of (q, q', F, z, A, the first of A's averages), (n, d, d)."""
+    """Give what each step makes of (q, q', F, z, A, the first of A's averages), (n, d, d).
+
+    A is there of clamps whose force hangs on that of the motion: nothing else that is averaged acts on it.
+    """
     count, size = len(clamps), 2 * len(stiffness)
     memory = [clamp.memory for clamp in clamps]
     mean = np.array([clamp.by_argument[0].mean(axis=-1) for clamp in clamps])
@@ -68,7 +71,9 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     start, (held, sloped) = modal_step(np.hstack([-stiffness, -damping]), -shapes.T, h, 2)
     places = np.cumsum([0, *memory])
     states, amplitudes = size + count, size + count + places[-1]
-    width, samples = amplitudes + 2 * count, clamps[0].follows.size
+    tracking = [index for index, clamp in enumerate(clamps) if clamp.tracks]
+    firsts, samples = amplitudes + len(tracking), clamps[0].follows.size
+    width = firsts + len(tracking)
 
     free = np.zeros((size, width))
     free[:, :size], free[:, size:states] = start, held - sloped
@@ -86,7 +91,8 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
         by_start[:, rows, :size] = slopes[:, :, BEFORE] * y_of[index]
         own = slice(states + places[index], states + places[index + 1])
         by_start[:, rows, own] = np.moveaxis(clamp.by_state, 2, 0)
-        by_start[:, rows, amplitudes + index] = slopes[:, :, AMPLITUDE, 0]
+        if clamp.tracks:
+            by_start[:, rows, amplitudes + tracking.index(index)] = slopes[:, :, AMPLITUDE, 0]
 
     known = by_end @ free + by_start
     implied = by_end @ sloped
@@ -95,8 +101,8 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     steps = np.zeros((samples, width, width))
     steps[:, :size], steps[:, size:states] = end, force
     steps[:, states:amplitudes] = known[:, count:] + implied[:, count:] @ force
-    follows = np.stack([clamp.follows for clamp in clamps], axis=1)[:, :, None]
+    follows = np.array([clamps[index].follows for index in tracking]).reshape(-1, samples).T[:, :, None]
     share, kept = -expm1(-1 / (AVERAGING * samples)), np.eye(width)
-    steps[:, -count:] = (1 - share) * kept[-count:] + share * follows * (y_of @ end)
-    steps[:, amplitudes:-count] = (1 - share) * kept[amplitudes:-count] + share * steps[:, -count:]
+    steps[:, firsts:] = (1 - share) * kept[firsts:] + share * follows * (y_of[tracking] @ end)
+    steps[:, amplitudes:firsts] = (1 - share) * kept[amplitudes:firsts] + share * steps[:, firsts:]
     return steps

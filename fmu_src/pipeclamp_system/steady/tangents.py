@@ -46,6 +46,11 @@ class Tangents:
         """How many states there are."""
         return len(self.by_state) - 1
 
+    @property
+    def tracks(self) -> bool:
+        """Whether force or states hang on an A that follows the motion."""
+        return bool(self.follows.any() and self.by_argument[:, AMPLITUDE].any())
+
 
 def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:
     """Linearise a clamp's law about a periodic motion.
