@@ -96,8 +96,9 @@ class SteadySystem(DrivenPipe):
             rubbed = self.rubbed(motion[0], frequency, H)
             motion, forces = rubbed.whole[None, :, : told + 1], rubbed.smooth_beyond(H)[None, :, : told + 1]
             moving = np.concatenate([forces[:, :, : H + 1], rubbed.stepping[None, :, H + 1 : told + 1]], axis=2)
-        laws = [tangents(clamp, motion[0, index], frequency) for index, clamp in enumerate(self._clamps)]
-        if not rubs:
+            laws = rubbed.disturbed()
+        else:
+            laws = [tangents(clamp, motion[0, index], frequency) for index, clamp in enumerate(self._clamps)]
             forces = np.zeros((1, count, told + 1), dtype=np.complex128)
             for index, law in enumerate(laws):
                 forces[:, index] = harmonics_of(law.force[None], told + 1)

@@ -8,6 +8,11 @@ step from 0 to 1,
 
 and the laws' states z_1 likewise. Where A is the motion's own, it comes as late as by the clamp FMU's tracker, through
 two averages in a row: a motion can beat for that alone. The law's f is taken to stay.
+
+Where a force steps with the velocity v, at a reversal, a disturbance of v shifts the instant: of it a+/a- is left, the
+clamp's acceleration after over that before. Where the clamp sticks, nothing is left of it.
+
+Source of that: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, Springer (2004).
 """
 
 from __future__ import annotations
@@ -22,7 +27,7 @@ from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.states import composed
 from pipeclamp_models.steps.tracker import AVERAGING
-from pipeclamp_system.steady.tangents import AMPLITUDE, BEFORE, Tangents, V, Y
+from pipeclamp_system.steady.tangents import AMPLITUDE, BEFORE, Passage, Tangents, V, Y
 from pipeclamp_system.transient.modal_step import modal_step
 
 NEUTRAL = 1e-6
@@ -105,4 +110,14 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     share, kept = -expm1(-1 / (AVERAGING * samples)), np.eye(width)
     steps[:, firsts:] = (1 - share) * kept[firsts:] + share * follows * (y_of[tracking] @ end)
     steps[:, amplitudes:firsts] = (1 - share) * kept[amplitudes:firsts] + share * steps[:, firsts:]
+    for shape, clamp in zip(shapes, clamps, strict=True):
+        if clamp.passage is not None:
+            taken = _taken(shape, clamp.passage, h)
+            velocity = steps[:, len(shape) : size]
+            velocity -= taken[:, None, None] * np.outer(shape, shape) / (shape @ shape) @ velocity
     return steps
+
+
+def _taken(shape: Array, passage: Passage, h: float) -> Array:
+    """Give the share of a disturbance of a clamp's velocity that its force takes in each step, (n,)."""
+    return np.asarray(1 - passage.left * np.exp(-MM * (shape @ shape) * passage.damping * h))

@@ -21,6 +21,8 @@ from pipeclamp_system.steady.states import half_range
 ACCELERATION = 3.0
 LAW = {"k10": 20.0, "c0": 0.02, "alpha0": 1.0, "F_c": 20.0}
 TRUTH = {5.0: (1.12242, 2.14140), 7.0: (1.71443, 3.29001), 9.0: (3.55956, 6.84309)}
+GROWTH = {5.0: -2.1553, 7.0: -4.0718, 9.0: -3.4168}
+"""1/s: of what a cycle of that integration, begun 1e-4 beside the steady motion, makes of each of its ten states."""
 
 
 @pytest.fixture
@@ -46,6 +48,11 @@ def test_a_clamp_that_rubs_is_found_and_what_it_lacks_is_said(system, frequency)
     found = np.concatenate([half_range(state.clamps), half_range(state.probes)])
     off = float(np.abs(found / TRUTH[frequency] - 1).max())
     assert off < 0.002
+
+
+@pytest.mark.parametrize("frequency", sorted(GROWTH))
+def test_a_disturbance_of_a_clamp_that_rubs_dies_out_as_fast_as_in_time(system, frequency):
+    assert system(LAW, ("coulomb",)).at(frequency).growth == pytest.approx(GROWTH[frequency], rel=0.15)
 
 
 @pytest.mark.parametrize("frequency", sorted(TRUTH))
