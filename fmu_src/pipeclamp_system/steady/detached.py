@@ -18,7 +18,7 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.balance import OVER_FREQUENCY, SteadySystem
 from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow
-from pipeclamp_system.steady.harmonics import packed
+from pipeclamp_system.steady.harmonics import TRUNCATED, packed
 from pipeclamp_system.steady.start import grown, with_sides
 from pipeclamp_system.steady.states import SteadyState
 
@@ -29,7 +29,8 @@ PLACES = 12
 """Frequencies at which branches are sought, evenly spread inside the range."""
 
 SAME = 1e-3
-"""States whose unknowns differ by less, as a share of their size, are one."""
+"""States whose unknowns differ by less, as a share of their size, are one; in other harmonics what these may
+move is added."""
 
 LOOKS = 10
 """States of a branch at which it is held against those that are known."""
@@ -134,9 +135,15 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
 
 
 def _same(system: SteadySystem, *two: Array) -> bool:
-    """Tell whether two motions of one frequency are the same, or each the other's mirror image."""
-    one, other = system.matched(two)
-    return any(np.abs(one - it).max() <= SAME * np.abs(it).max() for it in (other, system.mirrored(other)))
+    """Tell whether two motions of one frequency are the same, or each the other's mirror image.
+
+    They are held against each other in the harmonics that both balance: what a step of force makes beyond those of the
+    one isn't among its unknowns.
+    """
+    size = min(motion.size for motion in two)
+    one, other = (system.in_so_many(motion, size) for motion in two)
+    apart = SAME if two[0].size == two[1].size else SAME + 2 * TRUNCATED
+    return any(np.abs(one - it).max() <= apart * np.abs(it).max() for it in (other, system.mirrored(other)))
 
 
 def _others(system: SteadySystem, some: Sequence[Array], known: Sequence[Array]) -> list[Array]:
