@@ -13,6 +13,7 @@ from pipeclamp_models.pipe.modes import reduce
 from pipeclamp_models.realise.stepping import CONDITIONS_FIRST, conditions_of
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp, samples_of_law
+from pipeclamp_system.steady.start import grown
 
 WITH_MEMORY = [structure for structure in STRUCTURES if structure.equations_without_rig.composed.states]
 ACCELERATION, FREQUENCY = 20.0, 9.0
@@ -27,7 +28,7 @@ def test_a_steady_motion_grows_out_of_rest(structure: Structure) -> None:
     clamp = SteadyClamp(law, 293.15, None, None, (0.01, 3.0), (1.0, 60.0), further, samples)
     pipe = reduce(parse_pipe(cantilever(ratio=0.01, up_to_Hz=200)))
     system = SteadySystem(pipe, [(0, clamp)], lambda frequency: ACCELERATION)
-    unknowns = system.start(FREQUENCY)
+    unknowns = grown(system, FREQUENCY)
     assert unknowns is not None
     two = np.array([FREQUENCY])
     H = (unknowns.size - 1) // 2

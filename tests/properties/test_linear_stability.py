@@ -12,6 +12,7 @@ from cantilever import cantilever
 from pipeclamp_models.law.file import law_of, read_law
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
+from pipeclamp_models.steps.tracker import AVERAGING
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.clamp import SteadyClamp
 from pipeclamp_system.steady.detached import detached_branches
@@ -20,8 +21,8 @@ RELAXING = {"k10": 4.0, "c0": 0.02, "alpha0": 1.0, "k_m": 6.0, "tau": 0.03}
 PLAIN = {"k10": 7.0, "c0": 0.005, "alpha0": 1.0}
 
 
-def pipe_of(left: str, clamps: dict[str, float]) -> ReducedPipe:
-    text = cantilever(ratio=0.002, up_to_Hz=200, clamps=clamps, probes={"tip": 3.0})
+def pipe_of(left: str, clamps: dict[str, float], ratio: float = 0.002) -> ReducedPipe:
+    text = cantilever(ratio=ratio, up_to_Hz=200, clamps=clamps, probes={"tip": 3.0})
     return reduce(parse_pipe(text.replace('left = "clamped"', f'left = "{left}"')))
 
 
@@ -79,6 +80,21 @@ def test_a_pipe_without_clamps(left: str) -> None:
     assert followed.whole
     assert followed.states[0].growth == pytest.approx(-0.002 * moving, rel=1e-6)
     assert detached_branches(system, followed.pieces, 4.0, 10.0) == ()
+
+
+@pytest.mark.parametrize("amplitude", [1.0, None])
+def test_disturbances_die_out_faster_than_an_amplitude_is_averaged(
+    tmp_path: Path, write_law: Callable[..., None], amplitude: float | None
+) -> None:
+    """A law that doesn't hang on A has nothing of what a tracker keeps of it, given or tracked."""
+    pipe, frequency = pipe_of("clamped", {"clamp1": 2.0}, ratio=0.2), 6.0
+    write_law(tmp_path / "plain.json", PLAIN)
+    clamp = SteadyClamp(law_of(read_law(tmp_path / "plain.json")), 293.15, amplitude, None, (0.01, 5.0), (1.0, 60.0))
+    state = SteadySystem(pipe, [(0, clamp)], lambda frequency: 0.5).at(frequency)
+    assert state is not None
+    expected = largest_rate(pipe, [PLAIN["k10"]], [PLAIN["c0"]], k_m=0.0, tau=1e-3)
+    assert expected < -frequency / AVERAGING
+    assert state.growth == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("k10", [1e4, 1e6])

@@ -18,7 +18,8 @@ import numpy as np
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_system.steady.balance import OVER_FREQUENCY, SteadySystem
 from pipeclamp_system.steady.continuation import Solution, Steps, crossing, follow
-from pipeclamp_system.steady.harmonics import packed
+from pipeclamp_system.steady.harmonics import TRUNCATED, packed
+from pipeclamp_system.steady.start import grown, with_sides
 from pipeclamp_system.steady.states import SteadyState
 
 HIGHEST = 4.0
@@ -28,7 +29,8 @@ PLACES = 12
 """Frequencies at which branches are sought, evenly spread inside the range."""
 
 SAME = 1e-3
-"""States whose unknowns differ by less, as a share of their size, are one."""
+"""States whose unknowns differ by less, as a share of their size, are one; in other harmonics what these may
+move is added."""
 
 LOOKS = 10
 """States of a branch at which it is held against those that are known."""
@@ -103,7 +105,7 @@ def detached_branches(
     for frequency in np.linspace(first, last, PLACES + 2)[1:-1].tolist():
         waiting = [unknowns for piece in [*known, *found] for unknowns in system.solutions(piece, frequency)]
         # Where a response that was given up has a gap, it begins at rest.
-        unseen = [] if waiting else [start for start in [system.start(frequency)] if start is not None]
+        unseen = [] if waiting else [start for start in [grown(system, frequency)] if start is not None]
         met = [*waiting, *(unknowns for piece in leaving for unknowns in system.solutions(piece, frequency))]
         while waiting or unseen:
             while unseen:
@@ -133,9 +135,15 @@ def _is_known(system: SteadySystem, branch: Sequence[SteadyState], pieces: Seque
 
 
 def _same(system: SteadySystem, *two: Array) -> bool:
-    """Tell whether two motions of one frequency are the same, or each the other's mirror image."""
-    one, other = system.matched(two)
-    return any(np.abs(one - it).max() <= SAME * np.abs(it).max() for it in (other, system.mirrored(other)))
+    """Tell whether two motions of one frequency are the same, or each the other's mirror image.
+
+    They are held against each other in the harmonics that both balance: what a step of force makes beyond those of the
+    one isn't among its unknowns.
+    """
+    size = min(motion.size for motion in two)
+    one, other = (system.in_so_many(motion, size) for motion in two)
+    apart = SAME if two[0].size == two[1].size else SAME + 2 * TRUNCATED
+    return any(np.abs(one - it).max() <= apart * np.abs(it).max() for it in (other, system.mirrored(other)))
 
 
 def _others(system: SteadySystem, some: Sequence[Array], known: Sequence[Array]) -> list[Array]:
@@ -147,7 +155,7 @@ def _joined(system: SteadySystem, unknowns: Array, frequency: float) -> Iterator
     size = float(system.sizes(unknowns[None])[0])
     for end in (HIGHEST, 0.0):
         *_, there = follow(system.over_level(frequency), Solution(1.0, unknowns), end, size, STEPS)
-        back = system.with_sides(there.unknowns, frequency) if there.parameter == 1.0 else None
+        back = with_sides(system, there.unknowns, frequency) if there.parameter == 1.0 else None
         if back is not None and not _same(system, back, unknowns):
             yield back
 

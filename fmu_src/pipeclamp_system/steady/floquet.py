@@ -8,6 +8,11 @@ step from 0 to 1,
 
 and the laws' states z_1 likewise. Where A is the motion's own, it comes as late as by the clamp FMU's tracker, through
 two averages in a row: a motion can beat for that alone. The law's f is taken to stay.
+
+Where a force steps with the velocity v, at a reversal, a disturbance of v shifts the instant: of it a+/a- is left, the
+clamp's acceleration after over that before. Where the clamp sticks, nothing is left of it.
+
+Source of that: Leine and Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, Springer (2004).
 """
 
 from __future__ import annotations
@@ -22,7 +27,7 @@ from pipeclamp_fmu.slaves.clamp import MM
 from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.realise.states import composed
 from pipeclamp_models.steps.tracker import AVERAGING
-from pipeclamp_system.steady.tangents import AMPLITUDE, BEFORE, Tangents, V, Y
+from pipeclamp_system.steady.tangents import AMPLITUDE, BEFORE, Passage, Tangents, V, Y
 from pipeclamp_system.transient.modal_step import modal_step
 
 NEUTRAL = 1e-6
@@ -59,7 +64,10 @@ def _cycle(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
 
 
 def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tangents], h: float) -> Array:
-    """Give what each step makes of (q, q', F, z, A, the first of A's averages), (n, d, d)."""
+    """Give what each step makes of (q, q', F, z, A, the first of A's averages), (n, d, d).
+
+    A is there of clamps whose force hangs on that of the motion: nothing else that is averaged acts on it.
+    """
     count, size = len(clamps), 2 * len(stiffness)
     memory = [clamp.memory for clamp in clamps]
     mean = np.array([clamp.by_argument[0].mean(axis=-1) for clamp in clamps])
@@ -68,7 +76,9 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     start, (held, sloped) = modal_step(np.hstack([-stiffness, -damping]), -shapes.T, h, 2)
     places = np.cumsum([0, *memory])
     states, amplitudes = size + count, size + count + places[-1]
-    width, samples = amplitudes + 2 * count, clamps[0].follows.size
+    tracking = [index for index, clamp in enumerate(clamps) if clamp.tracks]
+    firsts, samples = amplitudes + len(tracking), clamps[0].follows.size
+    width = firsts + len(tracking)
 
     free = np.zeros((size, width))
     free[:, :size], free[:, size:states] = start, held - sloped
@@ -86,7 +96,8 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
         by_start[:, rows, :size] = slopes[:, :, BEFORE] * y_of[index]
         own = slice(states + places[index], states + places[index + 1])
         by_start[:, rows, own] = np.moveaxis(clamp.by_state, 2, 0)
-        by_start[:, rows, amplitudes + index] = slopes[:, :, AMPLITUDE, 0]
+        if clamp.tracks:
+            by_start[:, rows, amplitudes + tracking.index(index)] = slopes[:, :, AMPLITUDE, 0]
 
     known = by_end @ free + by_start
     implied = by_end @ sloped
@@ -95,8 +106,18 @@ def _steps(stiffness: Array, damping: Array, shapes: Array, clamps: Sequence[Tan
     steps = np.zeros((samples, width, width))
     steps[:, :size], steps[:, size:states] = end, force
     steps[:, states:amplitudes] = known[:, count:] + implied[:, count:] @ force
-    follows = np.stack([clamp.follows for clamp in clamps], axis=1)[:, :, None]
+    follows = np.array([clamps[index].follows for index in tracking]).reshape(-1, samples).T[:, :, None]
     share, kept = -expm1(-1 / (AVERAGING * samples)), np.eye(width)
-    steps[:, -count:] = (1 - share) * kept[-count:] + share * follows * (y_of @ end)
-    steps[:, amplitudes:-count] = (1 - share) * kept[amplitudes:-count] + share * steps[:, -count:]
+    steps[:, firsts:] = (1 - share) * kept[firsts:] + share * follows * (y_of[tracking] @ end)
+    steps[:, amplitudes:firsts] = (1 - share) * kept[amplitudes:firsts] + share * steps[:, firsts:]
+    for shape, clamp in zip(shapes, clamps, strict=True):
+        if clamp.passage is not None:
+            taken = _taken(shape, clamp.passage, h)
+            velocity = steps[:, len(shape) : size]
+            velocity -= taken[:, None, None] * np.outer(shape, shape) / (shape @ shape) @ velocity
     return steps
+
+
+def _taken(shape: Array, passage: Passage, h: float) -> Array:
+    """Give the share of a disturbance of a clamp's velocity that its force takes in each step, (n,)."""
+    return np.asarray(1 - passage.left * np.exp(-MM * (shape @ shape) * passage.damping * h))

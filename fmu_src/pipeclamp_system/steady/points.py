@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeclamp_models.base.arrays import Array
-from pipeclamp_system.steady.balance import NUDGE, SteadySystem
 from pipeclamp_system.steady.clamp import Complex
+from pipeclamp_system.steady.driven import NUDGE, DrivenPipe
 
 Rows = NDArray[np.intp]
 
@@ -49,7 +49,7 @@ class Balanced:
         unknowns: of the clamps' motion, mm, (P, m).
         slopes: derivatives of the residual near there, (P, m, m).
         found: whether the motion is balanced, (P,).
-        responses: of the pipe at the sines, as of `SteadySystem`.
+        responses: of the pipe at the sines, as of `DrivenPipe`.
     """
 
     unknowns: Array
@@ -58,7 +58,7 @@ class Balanced:
     responses: Complex
 
 
-def balance(system: SteadySystem, operation: Operation, guess: Array, slopes: Array | None = None) -> Balanced:
+def balance(system: DrivenPipe, operation: Operation, guess: Array, slopes: Array | None = None) -> Balanced:
     """Balance the clamps' motion from a guess.
 
     Args:
@@ -106,7 +106,7 @@ def _solved(slopes: Array, residual: Array) -> Array:
         return solved
 
 
-def _slopes(system: SteadySystem, operation: Operation, unknowns: Array, responses: Complex) -> Array:
+def _slopes(system: DrivenPipe, operation: Operation, unknowns: Array, responses: Complex) -> Array:
     """Give the derivatives of the residual by the unknowns, (P, m, m)."""
     count, size = unknowns.shape
     nudge = NUDGE * system.sizes(unknowns)
@@ -118,7 +118,7 @@ def _slopes(system: SteadySystem, operation: Operation, unknowns: Array, respons
     return np.asarray(np.swapaxes((residuals[:, 1:] - residuals[:, :1]) / nudge[:, None, None], 1, 2))
 
 
-def fundamentals(system: SteadySystem, operation: Operation, balanced: Balanced) -> Complex:
+def fundamentals(system: DrivenPipe, operation: Operation, balanced: Balanced) -> Complex:
     """Give the fundamentals of all clamps and probes over that of the excitation, m per m/s2 or N, (P, points).
 
     The excitation is drive sin(2 pi f t); nan where no steady state was found.

@@ -28,6 +28,9 @@ from pipeclamp_system.steady.dots import MOST_HALVINGS, Dot, Rest, co_simulated
 from pipeclamp_system.steady.harmonics import DOUBTFUL
 from pipeclamp_system.steady.states import FollowedResponse, SteadyState, half_range
 
+RUN_IT = "; run sines there in time by `pipeclamp cosim`"
+"""Said where steady states are missing."""
+
 AT_AN_END = " (where the range ends)"
 """Said of what is highest there: a resonance may lie beyond."""
 
@@ -120,7 +123,7 @@ class FrequencyResponse:
             )
             unstable = _spans(stretches(curve.pieces, lambda state: not state.stable))
             branch = f"; unstable {unstable}" if unstable else ""
-            broken = "" if curve.followed.whole else f"; {curve.followed.reach()}"
+            broken = "" if curve.followed.whole else f"; {curve.followed.reach()}{RUN_IT}"
             apart = "".join(
                 f"; {about(piece)}"
                 for about, of_kind in ((_about_leaving, curve.leaving), (_about_detached, curve.detached))

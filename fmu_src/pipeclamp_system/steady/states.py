@@ -75,7 +75,7 @@ class FollowedResponse:
         """Say which frequencies the pieces reach."""
         frequencies = [[state.frequency for state in piece] for piece in self.pieces]
         ranges = " and ".join(f"from {min(piece):.4g} to {max(piece):.4g} Hz" for piece in frequencies)
-        return f"followed {ranges} only{': what lies between them is missing' if len(self.pieces) > 1 else ''}"
+        return f"followed {ranges} only: what lies {'between them' if len(self.pieces) > 1 else 'beyond'} is missing"
 
 
 def half_range(harmonics: Complex) -> Array:

@@ -25,7 +25,7 @@ from pipeclamp_models.realise.force import force_of_equations
 from pipeclamp_models.realise.motion import Motion
 from pipeclamp_system.steady.clamp import Complex, SteadyClamp, harmonics_of, sampled
 from pipeclamp_system.steady.harmonics import resized
-from pipeclamp_system.steady.tangents import Tangents, V, Y, along, answered, arguments
+from pipeclamp_system.steady.tangents import Passage, Tangents, V, Y, along, answered, arguments
 
 CELLS = 1024
 """Of a cycle, in which the side is told."""
@@ -60,6 +60,9 @@ SHORTEST = 1e-3
 
 BALANCED = 1e-9
 """Share of the largest velocity to which they are found."""
+
+AT_ONCE = 3
+"""Cells in which a clamp that doesn't stick reverses, at most: what takes longer is rounded, and followed in them."""
 
 Places = NDArray[np.intp]
 
@@ -397,6 +400,25 @@ class Rubbed:
                 )
             )
         return found
+
+    def disturbed(self) -> list[Tangents]:
+        """Give each clamp's law as a small disturbance of the motion meets it."""
+        return [replace(law, passage=self._passage(index)) for index, law in enumerate(self._laws)]
+
+    def _passage(self, index: int) -> Passage:
+        """Tell what the step of a clamp's force does to a disturbance: at once where it reverses within few cells."""
+        v, side = self.sides.velocity[index], self.sides.side[index]
+        change = np.roll(v, -1) - v
+        damping, left = self.jumps[index] * self.sides.by_edge[:, index].sum(axis=0), np.ones(CELLS)
+        whole = np.abs(side) == 1.0
+        for first in np.flatnonzero(~whole & np.roll(whole, 1)).tolist():
+            length = int(np.argmax(np.roll(whole, -first)))
+            cells = np.arange(first, first + length) % CELLS
+            before, after = first - 1, (first + length) % CELLS
+            if length <= AT_ONCE and side[before] * side[after] < 0:
+                damping[cells] = 0.0
+                left[cells[length // 2]] = np.clip(change[after] / change[before], 0.0, 1.0)
+        return Passage(damping, left)
 
     @property
     def forces(self) -> Complex:

@@ -24,6 +24,19 @@ No law that is carried to a pipe depends on acceleration: only what the rig adds
 
 
 @dataclass(frozen=True, eq=False)
+class Passage:
+    """What a force that steps with the velocity does to a disturbance of that velocity, at n samples of a cycle.
+
+    Attributes:
+        damping: change of the force over that of the velocity where the side changes gradually, N s/mm, (n,).
+        left: share of a disturbance of the velocity that is left where the side changes at once, (n,); else 1.
+    """
+
+    damping: Array
+    left: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Tangents:
     """A law's force on a cycle of n samples and the derivatives of its steps; mm, s, N.
 
@@ -33,6 +46,7 @@ class Tangents:
         by_state: the same by the states a sample before, (1 + J, J, n).
         follows: n times the change of A by that of y at each sample, (n,); 0 where the law's A is given or held.
         adrift: whether states keep a constant for ever, which is neither stable nor unstable.
+        passage: of a force that steps with the velocity; its step is then in no derivative.
     """
 
     force: Array
@@ -40,11 +54,17 @@ class Tangents:
     by_state: Array
     follows: Array
     adrift: bool
+    passage: Passage | None = None
 
     @property
     def memory(self) -> int:
         """How many states there are."""
         return len(self.by_state) - 1
+
+    @property
+    def tracks(self) -> bool:
+        """Whether force or states hang on an A that follows the motion."""
+        return bool(self.follows.any() and self.by_argument[:, AMPLITUDE].any())
 
 
 def tangents(clamp: SteadyClamp, motion: Complex, frequency: float) -> Tangents:

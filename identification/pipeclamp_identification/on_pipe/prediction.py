@@ -17,6 +17,7 @@ from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.continuation import Solution
 from pipeclamp_system.steady.harmonics import packed, resized
 from pipeclamp_system.steady.points import Balanced, Operation, balance, fundamentals
+from pipeclamp_system.steady.start import grown
 from pipeclamp_system.steady.states import SteadyState
 
 SAME_LEVEL = 0.06
@@ -254,11 +255,11 @@ def _paths(system: SteadySystem, first: float, last: float) -> tuple[list[Soluti
     Where the one leads to the motion that the other begins with, the other is the same way back: None.
     """
     if first == last:
-        start = system.start(first)
+        start = grown(system, first)
         return ([] if start is None else [Solution(first, start)]), []
     upwards = system.path(first, last)
     if upwards and upwards[-1].parameter == last:
-        start = system.start(last)
+        start = grown(system, last)
         ends = [upwards[-1].unknowns, *([] if start is None else [start])]
         if len(_apart([system.state(unknowns, last) for unknowns in ends])) == 1:
             return upwards, None

@@ -28,6 +28,7 @@ from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_system.description.measured_table import DRIVES
 from pipeclamp_system.description.system import SystemDescription
+from pipeclamp_system.steady.truncation import truncated_at
 
 Complex = NDArray[np.complex128]
 Rows = NDArray[np.intp]
@@ -80,7 +81,7 @@ class PipeComparison:
             true = true_operation(self.model, self.measurement, group.rows)
             for place in np.flatnonzero(group.solved.found):
                 drive, frequency = float(true.drive[place]), float(true.frequency[place])
-                found[group.rows[place]] = system.truncated(group.solved.unknowns[place], frequency, drive)
+                found[group.rows[place]] = truncated_at(system, group.solved.unknowns[place], frequency, drive)
         return found
 
     @cached_property

@@ -32,6 +32,17 @@ def test_a_stable_stretch_between_two_unstable_ones_is_no_part_of_either():
     assert "; unstable from 6 to 7 Hz, from 10 to 11 Hz" in said
 
 
+def test_where_a_response_was_given_up_the_way_out_is_said():
+    pieces = (BENT[:2], BENT[-2:])
+    for followed, missing in (
+        (FollowedResponse(pieces, whole=False), "between them"),
+        (FollowedResponse(pieces[:1], whole=False), "beyond"),
+    ):
+        curve = Curve(None, 1.0, followed)
+        said = FrequencyResponse("x", ("a",), ("p",), "", (curve,), (), ({},)).summary()
+        assert f"only: what lies {missing} is missing; run sines there in time by `pipeclamp cosim`" in said
+
+
 def test_where_harmonics_are_left_out_is_told_stretch_by_stretch():
     left_out = [replace(one, truncated=0.02 if one.frequency in (5.0, 12.0) else 0.001) for one in BENT]
     curve = Curve(None, 1.0, FollowedResponse((tuple(left_out),), whole=True))

@@ -1,0 +1,312 @@
+"""A pipe with clamps under a sine: what its harmonics and the clamps' forces make of each other, as an equation.
+
+The pipe is its frequency response G, each clamp the harmonics of its force F(Y) on a periodic motion:
+
+    Y_h = G_e(i h omega) U_h - G_c(i h omega) F_h(Y),   h = 0 .. H.
+
+With H = 1 this is the describing function of the clamp. Unless it is told, H follows what the harmonics beyond it would
+move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from math import pi
+
+import numpy as np
+
+from pipeclamp_fmu.slaves.clamp import MM
+from pipeclamp_models.base.arrays import Array
+from pipeclamp_models.pipe.modes import ReducedPipe
+from pipeclamp_system.steady.clamp import Complex, SteadyClamp
+from pipeclamp_system.steady.continuation import Equation, Refinement
+from pipeclamp_system.steady.harmonics import (
+    A_HARMONIC,
+    FEWEST,
+    SMALLEST,
+    left_out,
+    packed,
+    resized,
+    unpacked,
+    wanted,
+)
+from pipeclamp_system.steady.receptance import Receptance
+from pipeclamp_system.steady.stepping import CELLS, FLAT, Friction, Rubbed, Step, step_of
+from pipeclamp_system.steady.tangents import linearised
+
+NUDGE = 1e-5
+"""By which share of its size an unknown is moved for a derivative."""
+
+
+class DrivenPipe:
+    """A reduced pipe with its clamps' laws under a sine.
+
+    Attributes:
+        excitation: the sine's amplitude, m/s2 or N, over its frequency in Hz.
+        stated_harmonics: H; None: as many as each motion asks for.
+        told_harmonics: harmonics that a cycle's samples can tell; beyond them forces are known roughly.
+        most_harmonics: the largest H.
+    """
+
+    def __init__(
+        self,
+        pipe: ReducedPipe,
+        clamps: Sequence[tuple[int, SteadyClamp]],
+        excitation: Callable[[float], float],
+        harmonics: int | None = None,
+    ) -> None:
+        """Prepare the pipe's matrices.
+
+        Args:
+            pipe: the pipe.
+            clamps: which of the pipe's clamps have a law, and the law.
+            excitation: the sine's amplitude, m/s2 or N, over its frequency in Hz.
+            harmonics: H; None: as many as each motion asks for.
+        """
+        self._pipe, self._clamps = pipe, [clamp for _, clamp in clamps]
+        self.excitation, self.stated_harmonics = excitation, harmonics
+        modes = len(pipe.omega)
+        self._shapes = np.array([pipe.clamp_shapes[index] for index, _ in clamps]).reshape(len(clamps), modes)
+        probes = np.array(pipe.probe_shapes).reshape(len(pipe.probe_names), modes)
+        self._stiffness, self._damping = pipe.stiffness_matrix, pipe.damping_matrix
+        loads = np.vstack([pipe.excitation_participation, -self._shapes]).T
+        observed = MM * np.vstack([self._shapes, probes])
+        self._receptance = Receptance(self._stiffness, self._damping, loads, observed)
+        self.told_harmonics = min((clamp.samples for clamp in self._clamps), default=2) // 2 - 1
+        self.most_harmonics = (self.told_harmonics + 1) * 2 // A_HARMONIC
+        # Where the velocities of the next motion are sought from; what is found hangs on it within tolerances only.
+        self._near: Array | None = None
+        self._refinement = Refinement(self._asked, self.in_so_many) if harmonics is None and clamps else None
+
+    @cached_property
+    def rubbing(self) -> list[tuple[SteadyClamp, Step]]:
+        """The clamps in cells, and how their force steps with the velocity; none where none does."""
+        # Of several clamps most of a cycle can be stuck: that takes minutes.
+        step = step_of(self._clamps[0]) if self.clamps == 1 else None
+        return [(replace(clamp, samples=CELLS), step) for clamp in self._clamps] if step else []
+
+    @property
+    def clamps(self) -> int:
+        """How many clamps have a law."""
+        return len(self._clamps)
+
+    @property
+    def harmonics(self) -> int:
+        """H that is begun with; where it is stated, that of all motions."""
+        return self.stated_harmonics or min(FEWEST, self.most_harmonics)
+
+    @property
+    def size(self) -> int:
+        """How many real unknowns are begun with."""
+        return self.clamps * (2 * self.harmonics + 1)
+
+    def responses(self, frequency: Array, harmonics: int | None = None) -> Complex:
+        """Give G in mm per unit of (excitation, force into each clamp), (rows, points, inputs, H + 1)."""
+        orders = np.arange((self.harmonics if harmonics is None else harmonics) + 1)
+        return self._receptance.at(2 * pi * np.outer(frequency, orders))
+
+    def unpacked(self, unknowns: Array) -> Complex:
+        """Give harmonics (rows, clamps, H + 1) of unknowns (rows, m)."""
+        return unpacked(unknowns, self.clamps) if self.clamps else np.zeros((len(unknowns), 0, 2), dtype=np.complex128)
+
+    def forces(self, motion: Complex, frequency: Array) -> Complex:
+        """Give the harmonics of the clamps' forces, (rows, clamps, H + 1)."""
+        forces = np.zeros_like(motion)
+        for index, clamp in enumerate(self._clamps):
+            forces[:, index] = clamp.forces(motion[:, index], frequency)
+        return forces
+
+    def moved(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Complex:
+        """Give the motion of clamps and probes under a sine and the forces of the clamps' motion.
+
+        Args:
+            unknowns: of the clamps' motion, (rows, m).
+            frequency: Hz, (rows,).
+            drive: the sine's amplitude, m/s2 or N, (rows,).
+            responses: `responses(frequency)`.
+
+        Returns:
+            harmonics, mm, (rows, points, H + 1), the clamps first; where they are balanced the clamps' motion again.
+        """
+        return self.under_forces(self.forces(self.unpacked(unknowns), frequency), drive, responses)
+
+    def under_forces(self, forces: Complex, drive: Array, responses: Complex) -> Complex:
+        """Give the motion under given forces of the clamps (rows, clamps, H + 1); the rest as of `moved`."""
+        sine = np.zeros((len(forces), 1, responses.shape[3]), dtype=np.complex128)
+        sine[:, 0, 1] = -1j * drive
+        loads = np.concatenate([sine, resized(forces, responses.shape[3])], axis=1)
+        return np.asarray(np.einsum("rijh,rjh->rih", responses, loads))
+
+    def pushed(self, frequency: float, forces: Complex) -> Complex:
+        """Give the motion, mm, (Q, points, H + 1), that forces into the clamps, (Q, clamps, H + 1), make at Hz."""
+        responses = self.responses(np.array([frequency]), forces.shape[2] - 1)[0]
+        return np.asarray(np.einsum("ijh,qjh->qih", responses[:, 1:], forces))
+
+    def changed(
+        self, unknowns: Array, frequency: float, by_unknowns: Array, by_frequency: Array, forces: Complex
+    ) -> Complex:
+        """Give how the motion of clamps and probes changes, to first order.
+
+        Args:
+            unknowns: of the clamps' balanced motion, (m,), at a frequency, Hz.
+            by_unknowns: changes of the clamps' motion, (Q, m).
+            by_frequency: changes of the frequency that come with them, Hz, (Q,).
+            forces: changes of the clamps' forces that brought them about, N, (Q, clamps, H + 1).
+
+        Returns:
+            changes of the harmonics, mm, (Q, points, H + 1).
+        """
+        relative = np.column_stack([by_unknowns / self.sizes(unknowns[None])[0], by_frequency / frequency])
+        nudge = NUDGE / np.maximum(np.abs(relative).max(axis=1, initial=0.0), 1e-300)[:, None]
+        rows = np.vstack([unknowns + nudge * by_unknowns, unknowns - nudge * by_unknowns])
+        at = np.concatenate([frequency + nudge[:, 0] * by_frequency, frequency - nudge[:, 0] * by_frequency])
+        drive = np.array([self.excitation(one) for one in at.tolist()])
+        moved = self.moved(rows, at, drive, self.responses(at, self.up_to(unknowns)))
+        above, below = np.split(moved, 2)
+        return np.asarray((above - below) / (2 * nudge[:, :, None]) + self.pushed(frequency, forces))
+
+    def residuals(self, unknowns: Array, frequency: Array, drive: Array, responses: Complex) -> Array:
+        """Give by how much the clamps' motion isn't balanced, mm, (rows, m); arguments as of `moved`."""
+        return unknowns - packed(self.moved(unknowns, frequency, drive, responses[:, : self.clamps]))
+
+    def linearised(
+        self, unknowns: Array, frequencies: Array, drives: Array, responses: Complex, *, rubbing: bool = False
+    ) -> tuple[Array, Array, Array]:
+        """Give the residual at the first frequency, its derivatives by the unknowns, and the residual at the others.
+
+        What the clamps make of a small change is taken from their laws' tangents: each law is solved once.
+        """
+        rubs = rubbing and self.rubs(unknowns, float(frequencies[0]))
+        forces = (self._rubbed_changes if rubs else self._changes)(unknowns, frequencies)
+        size, others = unknowns.size, len(frequencies) - 1
+        nudge = NUDGE * self.sizes(unknowns[None])[0]
+        which = np.concatenate([np.zeros(size + 1, dtype=np.intp), np.arange(1, others + 1)])
+        moved = self.under_forces(forces, drives[which], responses[which][:, : self.clamps])
+        residuals = unknowns - packed(moved)
+        by_unknowns = np.eye(size) + ((residuals[1 : size + 1] - residuals[0]) / nudge).T
+        return residuals[0], by_unknowns, residuals[size + 1 :]
+
+    def _changes(self, unknowns: Array, frequencies: Array) -> Complex:
+        """Give the forces of a motion, those of its unknowns moved by `NUDGE` one by one, and those at the frequencies
+        after the first, to first order, (1 + m + others, clamps, H + 1)."""
+        nudge = NUDGE * self.sizes(unknowns[None])[0]
+        size, others = unknowns.size, len(frequencies) - 1
+        width = size // self.clamps
+        motion = self.unpacked(unknowns[None])[0]
+        forces = np.zeros((1 + size + others, *motion.shape), dtype=np.complex128)
+        for index, clamp in enumerate(self._clamps):
+            own = np.arange(index * width, (index + 1) * width)
+            nudged = self.unpacked(unknowns + nudge * np.eye(size)[own])[:, index]
+            motions = np.vstack([motion[index], nudged, np.tile(motion[index], (others, 1))])
+            at = np.concatenate([np.full(1 + width, frequencies[0]), frequencies[1:]])
+            force, changes = linearised(clamp, motions, at)
+            forces[:, index] = force
+            forces[1 + own, index] += changes[:width]
+            forces[1 + size :, index] += changes[width:]
+        return forces
+
+    def rubs(self, unknowns: Array, frequency: float) -> bool:
+        """Tell whether a clamp's force steps, and it doesn't only creep where its law smooths sgn v."""
+        if not self.rubbing:
+            return False
+        motion = self.unpacked(unknowns[None])[0]
+        speed = 2 * pi * frequency * np.abs(motion * np.arange(motion.shape[1])).sum(axis=1)
+        return any(fast > FLAT * clamp.law.v_r for fast, clamp in zip(speed.tolist(), self._clamps, strict=True))
+
+    def rubbed(self, motion: Complex, frequency: float, H: int) -> Rubbed:
+        """Find the sides to which clamps slide on a motion (clamps, h) of which H harmonics are balanced."""
+        responses = self.responses(np.array([frequency]), CELLS // 2)[0, : self.clamps, 1:]
+        clamps, each = zip(*self.rubbing, strict=True)
+        found = Friction(clamps, each, frequency, responses, H, motion).found(self._near)
+        self._near = found.sides.velocity
+        return found
+
+    def _rubbed_changes(self, unknowns: Array, frequencies: Array) -> Complex:
+        """Give the same as `_changes` of clamps whose force steps."""
+        nudge = NUDGE * self.sizes(unknowns[None])[0]
+        size, H = unknowns.size, self.up_to(unknowns)
+        motion = self.unpacked(unknowns[None])[0]
+        rubbed = self.rubbed(motion, float(frequencies[0]), H)
+        force = rubbed.forces[None, :, : H + 1]
+        nudged = force + rubbed.changes(self.unpacked(nudge * np.eye(size)))
+        others = [self.rubbed(motion, other, H).forces[None, :, : H + 1] for other in frequencies[1:].tolist()]
+        return np.concatenate([force, nudged, *others])
+
+    def sizes(self, unknowns: Array) -> Array:
+        """Give the size of unknowns (rows, m), mm, (rows,): what their accuracy is measured by."""
+        return np.asarray(np.maximum(SMALLEST, np.abs(unknowns).max(axis=1, initial=0.0)), dtype=np.float64)
+
+    def over_frequency(self) -> Equation:
+        """Give the balance at the stated level of the excitation as an equation in unknowns and frequency."""
+
+        def equation(unknowns: Array, frequency: float) -> tuple[Array, Array, Array]:
+            two = frequency * np.array([1.0, 1 + NUDGE])
+            drives = np.array([self.excitation(one) for one in two.tolist()])
+            residual, by_unknowns, ahead = self.linearised(
+                unknowns, two, drives, self.responses(two, self.up_to(unknowns)), rubbing=True
+            )
+            return residual, by_unknowns, (ahead[0] - residual) / (two[1] - two[0])
+
+        return Equation(equation, self._refinement)
+
+    def over_level(self, frequency: float) -> Equation:
+        """Give the balance at a frequency (Hz) as an equation in unknowns and the excitation's level."""
+        at, drive = np.array([frequency]), np.array([self.excitation(frequency)])
+
+        def equation(unknowns: Array, level: float) -> tuple[Array, Array, Array]:
+            responses = self.responses(at, self.up_to(unknowns))
+            residual, by_unknowns, _ = self.linearised(unknowns, at, level * drive, responses)
+            pushed = np.zeros((1, self.clamps, responses.shape[3]), dtype=np.complex128)
+            pushed[0, :, 1] = -1j * drive * responses[0, : self.clamps, 0, 1]
+            return residual, by_unknowns, -packed(pushed)[0]
+
+        def asked(unknowns: Array, level: float) -> int:
+            return self._asked(unknowns, frequency, level)
+
+        return Equation(equation, self._refinement and Refinement(asked, self.in_so_many))
+
+    def up_to(self, unknowns: Array) -> int:
+        """Give H of unknowns (m,)."""
+        return (unknowns.size // self.clamps - 1) // 2
+
+    def in_so_many(self, unknowns: Array, size: int) -> Array:
+        """Give unknowns, or a direction in them, with other harmonics: (m,) becomes (size,)."""
+        count = (size // self.clamps + 1) // 2
+        return np.asarray(packed(resized(self.unpacked(unknowns[None]), count))[0])
+
+    def matched(self, unknowns: Sequence[Array]) -> list[Array]:
+        """Give unknowns (m,) each with as many harmonics as the finest of them."""
+        size = max(one.size for one in unknowns)
+        return [self.in_so_many(one, size) for one in unknowns]
+
+    def mirrored(self, unknowns: Array) -> Array:
+        """Give the motion with both directions exchanged, half a cycle later: where pipe and laws have no preferred
+        direction it is a solution too, and the same one unless the motion has even harmonics."""
+        motion = self.unpacked(unknowns[None])
+        return np.asarray(packed(np.where(np.arange(motion.shape[2]) % 2, motion, -motion))[0])
+
+    def lopsided(self, unknowns: Array) -> Array:
+        """Give the even harmonics of a motion, which change sign when it is mirrored; the others are 0, (m,)."""
+        return np.asarray((unknowns - self.mirrored(unknowns)) / 2)
+
+    def _asked(self, unknowns: Array, frequency: float, level: float | None = None) -> int:
+        """Give how many unknowns a motion asks for; at a level, where steps of force have no harmonics of their own."""
+        at, H = np.array([frequency]), self.up_to(unknowns)
+        forces = self.all_forces(unknowns, frequency, rubbing=level is None)
+        return self.clamps * (
+            2 * wanted(self._left_out(forces, at, 1.0 if level is None else level), H, self.most_harmonics) + 1
+        )
+
+    def all_forces(self, unknowns: Array, frequency: float, *, rubbing: bool) -> Complex:
+        """Give all harmonics of a motion's forces, (1, clamps, h); beyond H without those that aren't left out."""
+        motion, H = self.unpacked(unknowns[None]), self.up_to(unknowns)
+        if not (rubbing and self.rubs(unknowns, frequency)):
+            return self.forces(resized(motion, max(H, self.told_harmonics) + 1), np.array([frequency]))
+        return self.rubbed(motion[0], frequency, H).smooth_beyond(H)[None, :, : max(H, self.told_harmonics) + 1]
+
+    def _left_out(self, forces: Complex, at: Array, level: float) -> Array:
+        """Give what is left out by H, as of `left_out`, from all harmonics of a motion's forces."""
+        drive = np.array([level * self.excitation(float(at[0]))])
+        return left_out(self.under_forces(forces, drive, self.responses(at, forces.shape[2] - 1))[0])
