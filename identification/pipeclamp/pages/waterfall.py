@@ -21,6 +21,8 @@ OF_FORCE, OF_METRICS = "RMS error / % of rms force", "rms log ratio of dW and W 
 """What errors of records and of metrics alone are called."""
 LONGEST = 22
 """Characters of a label beside others."""
+CLOSE = 3
+"""Bars of a rung beside each other between whose numbers there is no room for the unit, which the axis has."""
 LINE_HEIGHT = 22
 """px, of a bar where rungs stand below each other."""
 USED, LEFT_OUT = "on the tests used", "on left-out conditions"
@@ -91,12 +93,13 @@ def _side_by_side(rungs: Sequence[Rung], scatter: float | None, title: str, axis
         )
         for index in range(len(rungs))
     ]
+    unit = " %" if len(names) < CLOSE else ""
     figure = go.Figure(
         [
             go.Bar(
                 x=labels,
                 y=[100 * rung.errors[name] if name in rung.errors else None for rung in rungs],
-                text=[_percent(rung.errors[name]) if name in rung.errors else "" for rung in rungs],
+                text=[_percent(rung.errors[name], unit) if name in rung.errors else "" for rung in rungs],
                 **_look(name, rungs),
             )
             for name in names
@@ -174,8 +177,8 @@ def _look(name: str, rungs: Sequence[Rung]) -> dict[str, Any]:
     }
 
 
-def _percent(error: float) -> str:
-    return f"{100 * error:.3g} %"
+def _percent(error: float, unit: str = " %") -> str:
+    return f"{100 * error:.3g}{unit}"
 
 
 def _name(index: int, rungs: Sequence[Rung]) -> list[str]:
