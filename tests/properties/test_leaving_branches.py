@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from pipeclamp_identification.on_pipe.sines import compare_pipe
 from pipeclamp_models.law.law import Law, Structure
 from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import reduce
@@ -73,6 +77,47 @@ def test_the_branch_joins_the_curve_at_both_ends_and_its_mirror_image_is_left_ou
     summary = FrequencyResponse("gap", ("c",), (), "", (curve,), (), ({},)).summary()
     assert "a less symmetric branch from 2.1" in summary
     assert "off the middle by up to 0.07 mm" in summary
+
+
+MEASUREMENT = """
+name = "measured"
+[[probes]]
+name = "c"
+position_m = 3.2
+unit = "mm"
+[[responses]]
+file = "sines.csv"
+"""
+SYSTEM = """
+pipe = { file = "pipe.toml" }
+clamps = [{ at = "c", law = "law.json", temperature_C = 20.0, amplitude_mm = 1.0, frequency_Hz = 6.0 }]
+excitation = { kind = "sine", acceleration_m_s2 = 0.5, frequency_Hz = 2.6 }
+run = { stop_s = 1.0, step_s = 0.001 }
+"""
+
+
+def test_what_was_measured_is_compared_with_a_branch_that_leaves(
+    tmp_path: Path, write_law: Callable[..., None]
+) -> None:
+    """Where the symmetric motion is unstable a pipe settles on the other one: there had been nothing to compare."""
+    write_law(tmp_path / "law.json", {"k10": 14.0, "c0": 0.004, "alpha0": 1.0, "g": 0.3}, "power", ("gap",), 1e-6)
+    (tmp_path / "pipe.toml").write_text(PIPE, encoding="utf-8")
+    (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
+    folder = tmp_path / "measured"
+    folder.mkdir()
+    (folder / "measurement.toml").write_text(MEASUREMENT, encoding="utf-8")
+    sines = "".join(f"{f},0.5,1.0,0.0\n" for f in (FIRST, *SHOT, LAST))
+    (folder / "sines.csv").write_text("frequency_Hz,acceleration_m_s2,c_real,c_imag\n" + sines, encoding="utf-8")
+    compared = compare_pipe(tmp_path / "system.toml", folder)
+    assert compared.compared.all()
+    found = {}
+    for group in compared.prediction.groups:
+        for row, unknowns in zip(group.rows.tolist(), group.solved.unknowns, strict=True):
+            frequency = float(compared.measurement.steady.frequency[row])
+            state = system().state(unknowns, frequency)
+            found[frequency] = amplitude(state), abs(float(state.clamps[0, 0].real))
+    for frequency, shot in SHOT.items():
+        assert any(found[frequency] == pytest.approx(one, rel=2e-3, abs=2e-4) for one in shot)
 
 
 def test_a_folded_curve_without_symmetry_is_left_by_none() -> None:

@@ -14,7 +14,7 @@ from pipeclamp_models.pipe.description import parse_pipe
 from pipeclamp_models.pipe.modes import ReducedPipe, reduce
 from pipeclamp_models.steps.tracker import AVERAGING
 from pipeclamp_system.steady.balance import SteadySystem
-from pipeclamp_system.steady.clamp import SteadyClamp
+from pipeclamp_system.steady.clamp import SteadyClamp, samples_of_law
 from pipeclamp_system.steady.detached import detached_branches
 
 RELAXING = {"k10": 4.0, "c0": 0.02, "alpha0": 1.0, "k_m": 6.0, "tau": 0.03}
@@ -95,6 +95,21 @@ def test_disturbances_die_out_faster_than_an_amplitude_is_averaged(
     expected = largest_rate(pipe, [PLAIN["k10"]], [PLAIN["c0"]], k_m=0.0, tau=1e-3)
     assert expected < -frequency / AVERAGING
     assert state.growth == pytest.approx(expected, rel=1e-6)
+
+
+def test_an_element_that_never_slips_behind_a_clearance_makes_no_motion_unstable(
+    tmp_path: Path, write_law: Callable[..., None]
+) -> None:
+    """It keeps its force's offset for ever: neither stable nor unstable, also where the clearance has its kinks."""
+    values = {"k10": 4.0, "c0": 0.001, "alpha0": 1.0, "g_p": 0.2}
+    values |= {"F_S": 6.0, "K_T": 30.0, "chi": -0.3, "beta_S": 0.2}
+    write_law(tmp_path / "spread.json", values, "power", ("slip_spread", "play"), 1e-6)
+    law = law_of(read_law(tmp_path / "spread.json"))
+    samples = samples_of_law(law, {"T": 293.15}, 9.0, 60.0)
+    clamp = SteadyClamp(law, 293.15, 1.0, 6.0, (0.01, 9.0), (0.5, 60.0), samples=samples)
+    pipe = reduce(parse_pipe(cantilever(ratio=0.005, up_to_Hz=200, probes={"tip": 3.0})))
+    states = SteadySystem(pipe, [(0, clamp)], lambda frequency: 1.0).followed(4.1, 4.3).states
+    assert all(state.stable for state in states)
 
 
 @pytest.mark.parametrize("k10", [1e4, 1e6])

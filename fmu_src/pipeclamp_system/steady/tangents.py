@@ -17,6 +17,9 @@ from pipeclamp_system.steady.harmonics import SMALLEST
 NUDGE = 1e-5
 """By which share of its size an argument is moved for a derivative."""
 
+KINKED = 1e-3
+"""By which share a derivative by differences is off one side's where the other side's is in it."""
+
 Y, V, BEFORE, STEP, AMPLITUDE, FREQUENCY = range(6)
 """Arguments of a law's step but its states: y, v at a sample, y a sample before, the step h, A, f.
 
@@ -166,7 +169,10 @@ def along(clamp: SteadyClamp, cycle: Motion) -> Tangents:
     above, below = np.split(found, 2, axis=1)
     slopes = (above - below) / (2 * nudges)
     if along_cycle.steps is not None:  # exact, so that what a state keeps for ever is told from what it nearly keeps
-        slopes[1:, own:] = along_cycle.steps[0].transpose(1, 2, 0)
+        exact = along_cycle.steps[0].transpose(1, 2, 0)
+        # At a kink both sides count, as they do for the other arguments: else what is kept for ever seems to grow.
+        kinked = (np.abs(slopes[1:, own:] - exact) > KINKED * np.maximum(1.0, np.abs(exact))).any(axis=(0, 1))
+        slopes[1:, own:] = np.where(kinked, slopes[1:, own:], exact)
 
     follows = np.zeros_like(y)
     if clamp.amplitude is None and clamp.range_A[0] < A < clamp.range_A[1]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from pipeclamp_models.base.arrays import Array
 from pipeclamp_models.pipe.description import PipeDescription
 from pipeclamp_system.steady.balance import SteadySystem
 from pipeclamp_system.steady.continuation import Solution
+from pipeclamp_system.steady.detached import leaving_branches
 from pipeclamp_system.steady.harmonics import packed, resized
 from pipeclamp_system.steady.points import Balanced, Operation, balance, fundamentals
 from pipeclamp_system.steady.start import grown
@@ -188,7 +190,8 @@ def _first_states(
 ) -> tuple[list[SteadyState | None], Rows]:
     """Give the steady states at some sines, stable ones where there are any, and how many of those each has.
 
-    The response is followed from both ends: where it bends, each meets branches that the other doesn't.
+    The response is followed from both ends: where it bends, each meets branches that the other doesn't. So are the
+    less symmetric branches that leave it: where these are, it is unstable itself.
     """
     measured = measurement.steady
     true = true_operation(model, measurement)
@@ -199,14 +202,16 @@ def _first_states(
         frequency, inverse = np.unique(true.frequency[own], return_inverse=True)
         drive = np.bincount(inverse, true.drive[own]) / np.bincount(inverse)
         system = model.system(temperature, lambda f, at=frequency, of=drive: float(np.interp(f, at, of)))  # type: ignore[misc]
-        upwards, downwards = _paths(system, float(frequency[0]), float(frequency[-1]))
+        first, last = float(frequency[0]), float(frequency[-1])
+        upwards, downwards = _paths(system, first, last)
+        leaving = _leaving(system, [upwards, *([] if downwards is None else [downwards])], first, last)
         for place, row in zip(level.rows, own, strict=True):
             f, sweep = float(true.frequency[row]), measured.sweep[row]
             if downwards is None:
                 paths = [upwards if sweep >= 0 else upwards[::-1]]
             else:
                 paths = [upwards, downwards] if sweep >= 0 else [downwards, upwards]
-            met = (unknowns for path in paths for unknowns in system.passing(path, f))
+            met = (unknowns for path in [*paths, *leaving] for unknowns in system.passing(path, f))
             everywhere = _apart([system.state(unknowns, f) for unknowns in met])
             found = [state for state in everywhere if state.stable]
             branches[place] = max(1, len(found))
@@ -219,6 +224,18 @@ def _first_states(
                 off = [float(np.nansum(np.abs(one - measured.response[row]) ** 2)) for one in seen]
                 chosen[place] = found[int(np.argmin(off))]
     return chosen, branches
+
+
+def _leaving(
+    system: SteadySystem, paths: Sequence[Sequence[Solution]], first: float, last: float
+) -> list[list[Solution]]:
+    """Follow the branches that leave paths between two frequencies (Hz), where one changes its side."""
+    changes = [path for path in paths if any(one.side * other.side < 0 for one, other in pairwise(path))]
+    known = [[system.state(one.unknowns, one.parameter, one.side) for one in path] for path in changes]
+    return [
+        [Solution(state.frequency, packed(state.balanced[None])[0], state.side) for state in branch]
+        for branch in leaving_branches(system, known, first, last)
+    ]
 
 
 def _apart(states: Sequence[SteadyState]) -> list[SteadyState]:
