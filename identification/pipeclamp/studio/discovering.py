@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from pydantic import Field, ValidationError
 
 from pipeclamp.studio.project import Project
 from pipeclamp.studio.told import stamp
+from pipeclamp.studio.work import jobs_of_a_task
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_models.base.answer import AnswerModel
 from pipeclamp_models.base.files import write_whole
@@ -38,8 +38,7 @@ def discover(
 
     tell("reading the tests")
     tests, file = read_tests(Path(campaign)).of_sines(), read_law(Path(of))
-    # one core stays for the studio
-    found = discovered(file, tests, command=command, jobs=max(1, (os.cpu_count() or 1) - 1), progress=tell)
+    found = discovered(file, tests, command=command, jobs=jobs_of_a_task(), progress=tell)
     if found.declaration is not None and found.after is not None:
         write_whole(Path(term), toml_of(found.declaration))
         write_whole(Path(law), law_text(found.after.model_copy(update={"date": now()})))

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pipeclamp.studio.project import DIAGNOSIS, DRIVE, TOLD
+from pipeclamp.studio.work import jobs_of_a_task
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import Kind, LawFile, law_text, read_law
+
+if TYPE_CHECKING:
+    from pipeclamp_identification.diagnosis.further_test.limits import Limits
 
 
 def identify(tell: Progress, *, campaign: str, law: str, base: str, command: str) -> dict[str, Any]:
@@ -36,11 +39,8 @@ def add(
 
 def diagnose(tell: Progress, *, campaign: str, law: str, limits: str) -> dict[str, Any]:
     """Find what a law lacks, and write it beside the law."""
-    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
-
     tests, file = _tests(tell, campaign), read_law(Path(law))
-    reach = parse_limits(limits) if limits else None
-    found = tests.diagnose(file, limits=reach, jobs=_jobs(), progress=tell)
+    found = tests.diagnose(file, limits=_reach(limits), jobs=jobs_of_a_task(), progress=tell)
     tell("next test")
     _write_diagnosis(found, file, campaign, law, ())
     return {"verdict": found.verdict}
@@ -51,7 +51,6 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
 
     Where nothing is added the diagnosis is written beside the law as it is.
     """
-    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
     from pipeclamp_identification.workflow.auto import add_until_settled
     from pipeclamp_identification.workflow.so_far import SoFar
 
@@ -63,8 +62,8 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
             write_whole(Path(law), law_text(file))
 
     settled = add_until_settled(
-        file, tests, command=command, limits=parse_limits(limits) if limits else None, jobs=_jobs(),
-        progress=so_far.doing, climbed=come,
+        file, tests, command=command, limits=_reach(limits), jobs=jobs_of_a_task(), progress=so_far.doing,
+        climbed=come,
     )  # fmt: skip
     if not settled.ladder:
         _write_diagnosis(settled.found, file, campaign, of, ())
@@ -74,9 +73,11 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
     return _written(ended, law)
 
 
-def _jobs() -> int:
-    """Give as many processes as leave one core to the studio."""
-    return max(1, (os.cpu_count() or 1) - 1)
+def _reach(limits: str) -> Limits | None:
+    """Give what the rig can do; None where nothing is stated."""
+    from pipeclamp_identification.diagnosis.further_test.limits import parse_limits
+
+    return parse_limits(limits) if limits else None
 
 
 def _write_diagnosis(found: Any, file: LawFile, campaign: str, law: str, ladder: tuple[Any, ...]) -> None:
