@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeclamp.studio.project import DIAGNOSIS, DRIVE, TOLD
-from pipeclamp.studio.work import jobs_of_a_task
 from pipeclamp_identification.workflow.reading import read_tests
 from pipeclamp_identification.workflow.tests import Tests
 from pipeclamp_models.base.files import write_whole
 from pipeclamp_models.base.now import now
+from pipeclamp_models.base.processes import spare_cores
 from pipeclamp_models.base.progress import Progress
 from pipeclamp_models.law.file import Kind, LawFile, law_text, read_law
 
@@ -40,7 +40,7 @@ def add(
 def diagnose(tell: Progress, *, campaign: str, law: str, limits: str) -> dict[str, Any]:
     """Find what a law lacks, and write it beside the law."""
     tests, file = _tests(tell, campaign), read_law(Path(law))
-    found = tests.diagnose(file, limits=_reach(limits), jobs=jobs_of_a_task(), progress=tell)
+    found = tests.diagnose(file, limits=_reach(limits), jobs=spare_cores(), progress=tell)
     tell("next test")
     _write_diagnosis(found, file, campaign, law, ())
     return {"verdict": found.verdict}
@@ -62,7 +62,7 @@ def climb(tell: Progress, *, campaign: str, of: str, law: str, limits: str, comm
             write_whole(Path(law), law_text(file))
 
     settled = add_until_settled(
-        file, tests, command=command, limits=_reach(limits), jobs=jobs_of_a_task(), progress=so_far.doing,
+        file, tests, command=command, limits=_reach(limits), jobs=spare_cores(), progress=so_far.doing,
         climbed=come,
     )  # fmt: skip
     if not settled.ladder:

@@ -41,11 +41,6 @@ class Task:
     law: str | None = None
 
 
-def jobs_of_a_task() -> int:
-    """Give how many processes a task may use: one core stays for the studio."""
-    return max(1, (os.cpu_count() or 1) - 1)
-
-
 def process_of(task: Task, sending: Connection) -> BaseProcess:
     """Give a process for a task, not yet started; it sends what it does, and then what came out."""
     return multiprocessing.get_context("spawn").Process(

@@ -21,6 +21,11 @@ def cores() -> int:
     return min(int(joblib.cpu_count()), MOST)
 
 
+def spare_cores() -> int:
+    """Give how many processes this machine has use for beside the one that goes on answering people."""
+    return max(1, cores() - 1)
+
+
 def ignore_interrupts() -> None:
     """Leave Ctrl-C, which a terminal sends to all processes, to the one that hands out the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
