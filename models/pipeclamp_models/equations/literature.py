@@ -151,3 +151,11 @@ AURICCHIO = (
     "Auricchio and Sacco: A One-Dimensional Model for Superelastic Shape-Memory Alloys with Different Elastic "
     "Properties between Austenite and Martensite, International Journal of Non-Linear Mechanics 32(6), 1101-1114 (1997)"
 )
+HUNT = (
+    "Hunt and Crossley: Coefficient of Restitution Interpreted as Damping in Vibroimpact, Journal of Applied Mechanics "
+    "42(2), 440-445 (1975)"
+)
+TSUJI = (
+    "Tsuji, Tanaka and Ishida: Lagrangian numerical simulation of plug flow of cohesionless particles in a horizontal "
+    "pipe, Powder Technology 71(3), 239-250 (1992)"
+)

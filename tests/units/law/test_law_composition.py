@@ -34,6 +34,7 @@ CONTRACT = [
     "exponential_stiffening",
     "gas_spring",
     "end_stop",
+    "one_sided_stop",
     "gap",
     "relaxation",
     "relaxation_spread",

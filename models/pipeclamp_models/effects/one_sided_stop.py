@@ -1,0 +1,77 @@
+"""One-sided stop: F = F_h ((d/A_0)^n_h + chi_h (d/A_0)^m_h d')+ against the stop, d = (y - y_h)+ is its depth.
+
+The sign of F_h is the side: with F_h < 0 the stop lies at y < 0, and d = (-y - y_h)+. A stop, or a rest, only pushes.
+A power of d is written as d (d^2 + y_r^2)^((n - 1)/2), which is smooth where the contact opens.
+"""
+
+import sympy as sp
+
+from pipeclamp_models.equations.effect import Coefficient, Effect, Parameter, exponent, power_surface
+from pipeclamp_models.equations.literature import HUNT, TSUJI
+from pipeclamp_models.equations.symbols import A_0, A_highest, F_typical, T, v, v_typical, y, y_r
+
+F_h, y_h, n_h, chi_h, m_h, h_T = sp.symbols("F_h y_h n_h chi_h m_h h_T", real=True)
+stiff, losing = sp.symbols("stop_F stop_chi", real=True)
+side = sp.sign(F_h)
+depth = sp.Max(side * y - y_h, 0)
+
+
+def smoothed(power: sp.Expr) -> sp.Expr:
+    """(d/A_0)^power, smooth at d = 0."""
+    return ((depth**2 + y_r**2) / A_0**2) ** (power / 2)
+
+
+def power_of_depth(power: sp.Expr) -> sp.Expr:
+    """(d/A_0)^power, nought where the contact is open."""
+    return depth / A_0 * smoothed(power - 1)
+
+
+HERTZ = 1.5
+"""Exponent of round bodies; 1 of flat ones."""
+places = (0.6, 0.6, 0.0, 0.0)
+sides = (1, -1, 1, -1)
+
+EFFECT = Effect(
+    id="one_sided_stop",
+    part="clamp",
+    does="a stop or a rest on one side, which only pushes",
+    source=f"{HUNT}, k d^n (1 + 3/2 alpha d'); {TSUJI}, a damping of d^(1/4) d' beside d^(3/2)",
+    looks_like="a hook at one end of the loop alone: from one displacement on the force rises steeply, less steeply on "
+    "the way back, and the loop closes where the contact opens",
+    imitated_by=("end_stop", "asymmetry", "gas_spring", "pressed_slip", "directional_damping"),
+    special_cases=("asymmetry",),
+    told_apart_by="the same stroke about another mean: the hook stays at its displacement, and away from the stop the "
+    "force is as without it",
+    parameters=(
+        Parameter(
+            F_h, "N", "force of the stop at a depth of 1 mm at 20 degC; above 0 where it lies at y > 0",
+            tuple(
+                on * 0.4 * F_typical / ((1 - place) * A_highest / A_0) ** HERTZ
+                for on, place in zip(sides, places, strict=True)
+            ),
+        ),
+        Parameter(
+            y_h, "mm", "displacement towards the stop at which they touch",
+            tuple(place * A_highest for place in places), lower=-A_highest, upper=A_highest,
+        ),
+        Parameter(
+            n_h, "-", "exponent of the depth: 1 flat, 1.5 round", (HERTZ,) * len(places), lower=0.5, upper=4.0,
+            neutral=HERTZ, known_within=0.5,
+        ),
+        Parameter(
+            chi_h, "s/mm", "damping force at a depth of 1 mm per velocity towards the stop, over F_h",
+            (0.3 / v_typical,) * len(places), lower=0.0, upper=20 / v_typical, neutral=0.0,
+        ),
+        Parameter(
+            m_h, "-", "exponent of the depth in the damping: 1.5 as Hunt and Crossley, 0 for a dashpot",
+            (HERTZ,) * len(places), lower=0.0, upper=3.0, neutral=HERTZ, known_within=0.75,
+        ),
+        exponent(h_T, "the stop's stiffness", T, 8.0),
+    ),
+    coefficients=(
+        Coefficient(stiff, "N", "stiffness", power_surface(F_h, {T: h_T})),
+        Coefficient(losing, "s/mm", "damping", chi_h),
+    ),
+    force=stiff * sp.Max(power_of_depth(n_h) + losing * side * v * power_of_depth(m_h), 0),
+    energy=side * stiff * A_0 / (n_h + 1) * (smoothed(n_h + 1) - (y_r / A_0) ** (n_h + 1)),
+)  # fmt: skip
