@@ -216,7 +216,7 @@ def end_stop(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Sha
     return Part(force=size * base.k10 * np.sign(motion.y) * pressed)
 
 
-def one_sided_stop(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
+def unilateral_contact(motion: Motion, base: BaseLaw, rough: bool, size: float, shape: Shape) -> Part:
     """Stop on one side that pushes and damps; rough: a spring with a dashpot that gives at most the spring's force."""
     side, per_speed = np.copysign(1.0, shape["sign"]), 0.01 * shape["ratio"]
     depth = np.maximum(side * motion.y - shape["stop"], 0.0)
@@ -374,7 +374,7 @@ EFFECTS: dict[str, Kind] = {
     "asymmetry": Kind(asymmetry),
     "hardening": Kind(hardening),
     "end_stop": Kind(end_stop, most=3.0),
-    "one_sided_stop": Kind(one_sided_stop, most=3.0),
+    "unilateral_contact": Kind(unilateral_contact, most=3.0),
     "gap": Kind(gap, most=0.12),
     "play": Kind(play, most=0.12),
     "relaxation": Kind(relaxation, most=0.8, rough_is="relaxation_spread"),

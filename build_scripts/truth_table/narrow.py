@@ -16,7 +16,7 @@ IMITATIONS = {
     ("inner_mass", "relaxation"): BAND, ("inner_mass", "stiffness_frequency"): BAND,
     ("relaxation_spread", "relaxation"): BAND, ("relaxation_spread", "stiffness_frequency"): BAND,
     ("hardening", "end_stop"): STROKE, ("gap", "end_stop"): STROKE, ("gap", "memory"): STROKE,
-    ("play", "gap"): STROKE, ("one_sided_stop", "asymmetry"): STROKE, ("one_sided_stop", "gas_spring"): STROKE,
+    ("play", "gap"): STROKE, ("unilateral_contact", "asymmetry"): STROKE, ("unilateral_contact", "gas_spring"): STROKE,
     ("slip_spread", "memory"): STROKE, ("bouc_wen", "memory"): STROKE, ("slip_spread", "bouc_wen"): STROKE,
     ("directional_slip", "memory"): STROKE,
     ("exponential_stiffening", "hardening"): STROKE, ("exponential_stiffening", "end_stop"): STROKE,

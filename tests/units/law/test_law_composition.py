@@ -34,7 +34,7 @@ CONTRACT = [
     "exponential_stiffening",
     "gas_spring",
     "end_stop",
-    "one_sided_stop",
+    "unilateral_contact",
     "gap",
     "relaxation",
     "relaxation_spread",

@@ -37,7 +37,7 @@ def test_both_agree_on_the_base_law():
         "end_stop", "gap", "play", "relaxation", "damping_temperature", "contact_growth", "stiffness_frequency",
         "loosening", "density", "condition", "offset", "inertia", "delay", "stribeck", "exponential_stiffening",
         "displacement_friction", "self_centring", "pressed_slip",
-        "gas_spring", "one_sided_stop", "relaxation_spread", "oil_damper", "inner_mass", "rounded_friction",
+        "gas_spring", "unilateral_contact", "relaxation_spread", "oil_damper", "inner_mass", "rounded_friction",
     ],
 )  # fmt: skip
 def test_both_agree_on_an_effect(effect):

@@ -1,4 +1,4 @@
-"""A stop on one side: what a mass comes back with, and a contact that never pulls."""
+"""Contact that only pushes: what a mass comes back with, and a contact that never pulls."""
 
 import numpy as np
 import pytest
@@ -11,14 +11,14 @@ from pipeclamp_models.realise.motion import Motion
 SMOOTHING = (0.01, 1e-4)
 ALPHA = 2e-4
 """Of Hunt and Crossley, s/mm: their force is k d^n (1 + 3/2 alpha d')."""
-STOP = {"F_h": 2000.0, "y_h": 0.5, "n_h": 1.5, "chi_h": 1.5 * ALPHA, "m_h": 1.5, "h_T": 0.0}
+STOP = {"F_h": 2000.0, "y_h": 0.5, "n_h": 1.5, "chi_h": 1.5 * ALPHA, "m_h": 1.5, "q_h": 0.0, "h_T": 0.0}
 MASS = 0.002
 """In N s2/mm."""
 
 
 def force(values, y, v, T=293.15):
     """Force of a clamp that is this stop and nothing else."""
-    equations = Structure("power", ("one_sided_stop",)).equations
+    equations = Structure("power", ("unilateral_contact",)).equations
     given = dict.fromkeys(equations.names, 0.0) | {"alpha0": 1.0} | values
     y, v = (np.atleast_2d(np.asarray(each, dtype=float)) for each in np.broadcast_arrays(y, v))
     slow = {name: np.array([[value]]) for name, value in (("A", 1.0), ("f", 1.0), ("T", T))}
@@ -79,3 +79,10 @@ def test_a_stop_only_pushes():
 def test_it_softens_as_a_power_of_the_temperature():
     soft = STOP | {"h_T": -2.0}
     assert force(soft, 0.9, 10.0, T=586.3) == pytest.approx(force(STOP, 0.9, 10.0) / 4)
+
+
+def test_a_loose_guide_has_unequal_clearances():
+    """Walls at 0.5 and -0.3 mm are 0.8 mm apart."""
+    guide = STOP | {"q_h": 1 / 0.8}
+    assert force(guide, -0.4, -30.0) == pytest.approx(-force(STOP, 0.6, 30.0))
+    assert not force(guide, [-0.29, 0.0, 0.49], 30.0).any()
