@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pipeclamp.api.fmu import build_fmu, build_pipe
     from pipeclamp.api.importing import Import, import_files
     from pipeclamp.api.law import Law, open_law
-    from pipeclamp.api.laws import add, identify, identify_per, remove
+    from pipeclamp.api.laws import add, identify, identify_per, refit, remove
     from pipeclamp.api.planning import LoopTests, PlannedCampaign, plan, plan_campaign
     from pipeclamp.api.system import Cosimulation, cosim
     from pipeclamp.api.tests import Tests, read_campaign
@@ -32,7 +32,7 @@ __all__ = [
     "Comparison", "Cosimulation", "Diagnosis", "Discovery", "Import", "Law", "LawsComparison", "LoopTests",
     "PlannedCampaign", "Tests", "UserError", "add", "build_fmu", "build_pipe", "compare", "compare_laws", "cosim",
     "diagnose", "discover", "identify", "identify_per", "import_files", "open_law", "plan", "plan_campaign",
-    "read_campaign", "remove",
+    "read_campaign", "refit", "remove",
 ]  # fmt: skip
 
 _HOMES = {
@@ -62,6 +62,7 @@ _HOMES = {
     "plan": "pipeclamp.api.planning",
     "plan_campaign": "pipeclamp.api.planning",
     "read_campaign": "pipeclamp.api.tests",
+    "refit": "pipeclamp.api.laws",
     "remove": "pipeclamp.api.laws",
 }
 

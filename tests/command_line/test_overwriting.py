@@ -68,6 +68,7 @@ def record_in(folder: Path) -> str:
         "diagnose law.json tests --json law.json",
         "add law.json memory tests -o tests/RECORD",
         "remove law.json memory tests -o tests/runs.csv",
+        "refit law.json tests -o tests/runs.csv",
         "metrics tests --json tests/RECORD",
         "build-fmu law.json -o law.json",
         "cosim unread.toml -o unread.toml",

@@ -3,9 +3,11 @@
 import doctest
 import inspect
 import json
+import shutil
 import subprocess
 import sys
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -77,6 +79,31 @@ def test_add_gives_the_commands_law(pipeclamp, small, tests, law, tmp_path):
     back = pc.remove(tmp_path / "law2.json", "damping_temperature", tests)
     assert back.effects == ()
     assert back.nrmse == pytest.approx(law.nrmse, rel=1e-6)
+
+
+def without_two_runs(campaign, folder):
+    """A campaign in which the last two runs weren't made yet."""
+    earlier = Path(shutil.copytree(campaign, folder / "earlier"))
+    rows = (earlier / "runs.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    (earlier / "runs.csv").write_text("".join(rows[:-2]), encoding="utf-8")
+    return earlier
+
+
+def test_a_refit_is_the_law_of_all_tests(pipeclamp, small, tests, law, tmp_path):
+    """A law of some runs, fitted anew to all, is the law of all; what is held stays held, and its history goes on."""
+    some = pc.identify(without_two_runs(small, tmp_path), freeze={"alpha_A": 0.25})
+    path = some.save(tmp_path / "some.json")
+    pipeclamp("refit", path, small, "-o", tmp_path / "all.json", "--reproducible")
+    anew, theirs = pc.refit(path, tests), json.loads((tmp_path / "all.json").read_text(encoding="utf-8"))
+    ours = anew.to_dict()
+    assert ours.pop("command") != theirs.pop("command")
+    assert ours == theirs
+    assert anew.file.coefficients["alpha_A"].state == "held"
+    whole = pc.identify(tests, freeze={"alpha_A": 0.25})
+    assert anew.values == pytest.approx(whole.values, rel=2e-3, abs=2e-3)
+    assert anew.file.data.fingerprint == law.file.data.fingerprint != some.file.data.fingerprint
+    assert [step.step for step in anew.file.history] == ["power", "a refit"]
+    assert anew.nrmse < anew.file.history[0].nrmse or anew.nrmse == pytest.approx(whole.nrmse, rel=1e-3)
 
 
 def test_add_takes_what_a_diagnosis_names(tests, law):

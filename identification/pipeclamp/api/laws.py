@@ -1,4 +1,4 @@
-"""Laws made from tests: identified, with an effect more, with one less."""
+"""Laws made from tests: identified, with an effect more, with one less, fitted anew."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pipeclamp.api.shown import PathOrName, path_of
 from pipeclamp.api.tests import Tests, tested
 from pipeclamp_identification.fitting.identify import Method
 from pipeclamp_identification.workflow.change import add_effects, remove_effect
+from pipeclamp_identification.workflow.change import refit as refitted
 from pipeclamp_identification.workflow.tests import silent
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.base.one_thread import one_thread
@@ -179,6 +180,24 @@ def remove(law: Law | PathOrName, effect: str, tests: Tests | PathOrName, *, pro
     return Law(
         remove_effect(opened(law).file, effect, tests.tests, command=command, date=None, progress=progress).after
     )
+
+
+@one_thread()
+def refit(law: Law | PathOrName, tests: Tests | PathOrName, *, progress: Progress = silent) -> Law:
+    """Fit a law with its effects to tests anew, as where others have joined; arguments as of `add`.
+
+    What is held stays held, and the law's history goes on.
+
+    Raises:
+        UserError: the tests can't serve the law.
+
+    >>> from pipeclamp import read_campaign
+    >>> refit("emwm2", read_campaign("emwm2_tables"))
+    <law emwm2: power + damping_temperature + contact_growth + stiffness_frequency>
+    """
+    tests = tested(tests)
+    command = f"pc.refit({_named(law)}, {_read(tests)})"
+    return Law(refitted(opened(law).file, tests.tests, command=command, date=None, progress=progress).after)
 
 
 def _read(tests: Tests) -> str:

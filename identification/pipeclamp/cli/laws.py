@@ -353,6 +353,23 @@ def add(
     _change(change, "add", law, campaign, output, strict, reproducible)
 
 
+@app.command(epilog="Example: pipeclamp refit law2.json all_tests -o law3.json")
+def refit(
+    law: LawArgument,
+    campaign: CampaignFolder,
+    output: Annotated[Path, file_option("LAW2.json", "The parameter file to write.")],
+    strict: StrictOption = False,
+    reproducible: ReproducibleOption = False,
+) -> None:
+    """Fit a law with its effects to tests anew, as where others have joined, and say what the error did."""
+    from pipeclamp_identification.workflow.change import refit as refitted
+
+    def change(file: LawFile, **given: Any) -> Sequence[Addition]:
+        return [refitted(file, **given)]
+
+    _change(change, "refit", law, campaign, output, strict, reproducible)
+
+
 def _change(
     change: Callable[..., Sequence[Addition]],
     title: str,

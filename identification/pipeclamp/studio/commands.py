@@ -60,6 +60,21 @@ def add_task(project: Project, of: str, effect: str, kind: Kind | None) -> tuple
     return Task("add", f"Add {named(effect)} and fit everything again", command, given, of), law
 
 
+def refit_line(project: Project, of: str, law: str) -> str:
+    """Give the line that fits a law with its effects to all tests anew."""
+    return shell_line("refit", project.shown(f"{of}.json"), project.campaign, "-o", project.shown(f"{law}.json"))
+
+
+def refit_task(project: Project, of: str) -> tuple[Task, str]:
+    """Give the task that fits a law to all tests anew, and the name of the law that comes of it."""
+    path, law = str(project.path_of(of)), project.reserve()
+    command = refit_line(project, of, law)
+    given = {
+        "campaign": project.campaign, "of": path, "law": project.shown(f"{law}.json"), "command": _last_parts(command)
+    }  # fmt: skip
+    return Task("refit", f"Fit {of} anew to all tests", command, given, of), law
+
+
 def diagnose_line(project: Project, law: str, limits: str = "") -> str:
     """Give the line that diagnoses a law; `limits` say what the rig can do."""
     return shell_line("diagnose", project.shown(f"{law}.json"), project.campaign, *_kept(project, law, limits))

@@ -59,6 +59,7 @@ class LawShown:
         waterfall: its history.
         map, before: of the error; that of the law before it, where there is one on the same tests.
         told: what a diagnosis said of it, where one was made.
+        once: runs that it was fitted to, where the tests have changed since.
         groups: its parameters, by effect.
     of_candidates: those that each candidate of the diagnosis would add, by its name.
     """
@@ -72,6 +73,7 @@ class LawShown:
     map: ErrorMap
     before: ErrorMap | None
     told: Told | None
+    once: int | None
     groups: tuple[tuple[str, tuple[Slider, ...]], ...]
     of_candidates: Mapping[str, tuple[Slider, ...]]
 
@@ -102,6 +104,7 @@ def law_shown(project: Project, bench: Bench, name: str, by: str = "") -> LawSho
         map=shown,
         before=law_map(project, bench, parent, shown.by) if parent else None,
         told=told,
+        once=None if file.data.fingerprint == bench.tests.campaign.fingerprint else file.data.runs_used,
         groups=sliders_of(file),
         of_candidates={each.name: candidate_sliders(file, each) for each in told.candidates} if told else {},
     )

@@ -53,6 +53,7 @@ def campaign_page(opened: Opened, name: str | None, *, by: str, beside: str) -> 
         }
         if told and name
         else {},
+        "refit": commands.refit_line(project, name, project.upcoming) if name else "",
         "climb": commands.climb_line(project, name, project.upcoming) if name else "",
         "discover": commands.discover_line(project, name, project.upcoming) if name else "",
         "report": commands.report_line(project, name) if name else "",

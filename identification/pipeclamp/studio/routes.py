@@ -191,6 +191,8 @@ class Pages:
             told = _told(opened, of, project.law(of))
             _among(told, of, effect)
             task, law = commands.add_task(project, of, effect, told.meant(effect))
+        elif wanted == "refit":
+            task, law = commands.refit_task(project, _text(asked, "law"))
         elif wanted == "diagnose":
             task = commands.diagnose_task(project, _text(asked, "law"), str(asked.get("limits", "")))
         elif wanted == "climb":
@@ -204,9 +206,8 @@ class Pages:
         elif wanted == "respond":
             task = commands.response_task(project, _text(asked, "law"), temperatures_of(opened.bench.loops))
         else:
-            raise UserError(
-                f"kind: got {wanted!r}; expected identify, diagnose, add, climb, discover, build, report or respond"
-            )
+            kinds = "identify, add, refit, diagnose, climb, discover, build, report or respond"
+            raise UserError(f"kind: got {wanted!r}; expected {kinds}")
         return JSONResponse(self.desk.start(opened, task, law).to_dict())
 
     async def start_import(self, request: Request) -> Response:

@@ -37,6 +37,15 @@ def add(
     return _written(steps[-1].after, law)
 
 
+def refit(tell: Progress, *, campaign: str, of: str, law: str, command: str) -> dict[str, Any]:
+    """Fit a law with its effects to all tests anew and write it."""
+    from pipeclamp_identification.workflow.change import refit as refitted
+
+    tests = _tests(tell, campaign)
+    done = refitted(read_law(Path(of)), tests, command=command, date=now(), progress=tell)
+    return _written(done.after, law)
+
+
 def diagnose(tell: Progress, *, campaign: str, law: str, limits: str) -> dict[str, Any]:
     """Find what a law lacks, and write it beside the law."""
     tests, file = _tests(tell, campaign), read_law(Path(law))

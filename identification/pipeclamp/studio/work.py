@@ -71,7 +71,8 @@ def _function(kind: str) -> Callable[..., Result]:
     from pipeclamp.studio import discovering, on_pipe, tasks
 
     functions: dict[str, Callable[..., Result]] = {
-        "identify": tasks.identify, "diagnose": tasks.diagnose, "add": tasks.add, "climb": tasks.climb,
+        "identify": tasks.identify, "diagnose": tasks.diagnose, "add": tasks.add,
+        "refit": tasks.refit, "climb": tasks.climb,
         "build": tasks.build, "look": tasks.look_into, "import": tasks.import_into,
         "discover": discovering.discover, "respond": on_pipe.respond, "report": tasks.report,
     }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Add an effect to a law: refit everything, and say what the error did."""
+"""Add an effect to a law, or take one out: refit everything, and say what the error did."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Addition:
     """What adding an effect did.
 
     Attributes:
-        effect: what was changed: + or - and the effect's name, two names with an arrow, or the base.
+        effect: what was changed: + or - and the effect's name, two names with an arrow, the base, or "a refit".
         before, after: the law's file before, and the one with the effect.
         nrmse: error on the campaign before and after, as a share of the force.
         heldout: error on left-out groups of conditions before and after.
@@ -108,6 +108,17 @@ def remove_effect(
         raise UserError(f"effect {effect!r} isn't in the law; it has {', '.join(old.effects) or 'no effects'}")
     new = replace(old, effects=tuple(name for name in old.effects if name != effect))
     return _changed(file, new, f"- {effect}", tests, command=command, date=date, progress=progress)
+
+
+def refit(file: LawFile, tests: Tests, *, command: str, date: str | None, progress: Progress = silent) -> Addition:
+    """Fit a law as it is made to tests anew, as where others have joined; arguments as for `add_effect`.
+
+    What is held stays held, and the law's history goes on.
+
+    Raises:
+        UserError: the tests can't serve the law.
+    """
+    return _changed(file, structure_of(file), "a refit", tests, command=command, date=date, progress=progress)
 
 
 def without_spares(

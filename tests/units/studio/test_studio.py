@@ -38,7 +38,7 @@ from pipeclamp_identification.workflow.on_records import RecordTests
 from pipeclamp_models.base.toml_file import parse_table
 from pipeclamp_models.base.units import CELSIUS
 from pipeclamp_models.law.bundled import open_law
-from pipeclamp_models.law.file import law_of, read_law
+from pipeclamp_models.law.file import law_of, law_text, read_law
 from pipeclamp_models.law.law import with_effect
 from pipeclamp_models.pipe.beam import modes
 from pipeclamp_models.pipe.description import Springs, Support, parse_pipe
@@ -268,6 +268,26 @@ def test_two_that_help_only_together_are_added_in_one_click(studio, campaign, ho
     assert _precedes(law, added) and not _precedes(added, law)
     made.unlink()
     (home / "law1.told.json").unlink()
+
+
+def test_a_law_of_other_tests_is_fitted_anew_in_one_click(studio, home):
+    """Where tests have joined, the law on the page is that of fewer."""
+    law = read_law(home / "law1.json")
+    assert "Its tests have changed since" not in studio.ask("/c/virtual/laws/law1")[2].decode()
+    data = law.data.model_copy(update={"fingerprint": "of six runs", "runs_used": 6})
+    once = law.model_copy(update={"name": "once", "data": data})
+    (home / "law1.json").write_text(law_text(once), encoding="utf-8")
+    page = studio.ask("/c/virtual/laws/law1")[2].decode()
+    assert "the law was fitted to 6 runs, and there are 8 now" in page
+    assert 'data-start="refit" title="pipeclamp refit ' in page
+    done = studio.done(studio.json(JOBS, {"kind": "refit", "law": "law1"}))
+    made = home / f"{done['result']['law']}.json"
+    anew = read_law(made)
+    assert (anew.data.fingerprint, anew.effects) == (law.data.fingerprint, law.effects)
+    assert anew.history[-1].step == "a refit"
+    assert "Its tests have changed since" not in studio.ask(f"/c/virtual/laws/{made.stem}")[2].decode()
+    made.unlink()
+    (home / "law1.json").write_text(law_text(law), encoding="utf-8")
 
 
 def test_a_search_for_a_term_that_tests_cannot_serve_is_told(studio, home):
