@@ -39,8 +39,8 @@ def stored(depth: sp.Expr) -> sp.Expr:
 
 HERTZ = 1.5
 """Exponent of round bodies; 1 of flat ones."""
-sides = (1, -1, 1, -1, 1, 1, -1)
-places = (0.6, 0.6, 0.0, 0.0, 0.6, 0.3, 0.3)
+sides = (1, -1, -1, 1, 1, 1, -1)
+places = (0.0, 0.0, 0.6, 0.6, 0.6, 0.3, 0.3)
 travels = (None, None, None, None, 1.2, 1.0, 1.0)
 """Starts of which side, of where, and of the free travel, in units of the largest amplitude."""
 
