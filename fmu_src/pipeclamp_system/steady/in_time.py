@@ -41,7 +41,11 @@ LATELY = 5
 TELLS = 1e-9
 """Share of a motion's rms below which the change from cycle to cycle tells no rate any more."""
 
-ROUND, LONGEST_ROUND, KEPT = 1e-2, 12, 48
+HOPELESS, LOOKED_BACK = 150, 40
+"""Cycles after which a march ends whose changes don't die out fast enough; they are held against those so many cycles
+before."""
+
+ROUND, LONGEST_ROUND, KEPT = 2e-3, 12, 48
 """Share by which a motion that comes round in several cycles may be off itself then, most of these cycles, and cycles
 that are kept to tell."""
 
@@ -149,6 +153,10 @@ class InTime:
         highest = float(np.sqrt(np.abs(np.linalg.eigvals(self._stiffness)).max())) / (2 * pi)
         steps = max(FEWEST_STEPS, ceil(STEPS_A_PERIOD * highest / frequency))
         found = self._repeated(frequency, drive, begin or self.at_rest(frequency), steps)
+        if found is not None and found.round != 1:  # it may be the steps that keep it from repeating
+            steps *= 2
+            finer = self._repeated(frequency, drive, found.end, steps)
+            found = None if finer is None else replace(finer, cycles=found.cycles + finer.cycles)
         while found is not None and found.round == 1:
             steps *= 2
             finer = self._repeated(frequency, drive, found.end, steps)
@@ -176,7 +184,9 @@ class InTime:
                 changes.append(_change(kept[-1], kept[-2]))
             if cycle >= FEWEST_CYCLES and _missing(changes) <= REPEATS:
                 return self._told(frequency, 1, cycle, changes, kept[-1:], forces, now)
-        return self._told(frequency, _round(kept), MOST_CYCLES, changes, kept, forces, now)
+            if cycle % LOOKED_BACK == 0 and cycle >= HOPELESS and _too_slow(changes, MOST_CYCLES - cycle):
+                break
+        return self._told(frequency, _round(kept), cycle, changes, kept, forces, now)
 
     def _told(
         self, frequency: float, round_: int, cycles: int, changes: Sequence[float], kept: Sequence[Array],
@@ -284,10 +294,15 @@ def _missing(changes: Sequence[float]) -> float:
     return last * rate / (1 - rate) if rate < 1 else np.inf
 
 
+def _too_slow(changes: Sequence[float], left: int) -> bool:
+    """Tell whether changes don't die out within the cycles that are left."""
+    before, lately = (max(part) for part in (changes[-2 * LOOKED_BACK : -LOOKED_BACK], changes[-LOOKED_BACK:]))
+    return lately * (lately / before) ** (left / LOOKED_BACK) > REPEATS if lately < before else True
+
+
 def _round(kept: Sequence[Array]) -> int:
     """Give in how many cycles the last ones come round; 0 where they don't."""
     for length in range(1, LONGEST_ROUND + 1):
-        ahead = kept[-2 * length :]
-        if max(_change(after, before) for before, after in zip(ahead, ahead[length:], strict=False)) <= ROUND:
+        if max(_change(after, before) for before, after in zip(kept, kept[length:], strict=False)) <= ROUND:
             return length
     return 0

@@ -257,13 +257,15 @@ def _about_missing(followed: FollowedResponse) -> str:
     words = f"; found in time {_span(min(frequencies), max(frequencies))}, where nothing is balanced: "
     if found:
         error = max(state.truncated for state in found)
-        words += f"{len(found)} motions that repeat, to {error:.2%}, as a march comes to them"
+        words += f"{len(found)} motions that repeat, to {error:.2%}"
     for way in followed.in_time[1:]:
         words += f"; another one {_span(way[0].frequency, way[-1].frequency)}, downwards in frequency"
     for again in dict.fromkeys(one.round for one in unsteady):
         own = [one for one in unsteady if one.round == again]
-        how = f"comes round in {again} cycles" if again else f"still differs after {own[0].cycles} cycles"
-        words += f"; the motion {how} at {', '.join(f'{one.frequency:.4g}' for one in own)} Hz"
+        how = f"comes round in {again} cycles only" if again else "doesn't come round"
+        at = _span(min(one.frequency for one in own), max(one.frequency for one in own))
+        high = max(max(one.high) for one in own)
+        words += f"; the motion {how} at {len(own)} frequencies {at}, and goes as far as {high:.3g} mm"
     return words
 
 

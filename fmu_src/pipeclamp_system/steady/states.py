@@ -64,7 +64,7 @@ class Unsteady:
     Attributes:
         frequency: of the excitation, Hz.
         round: cycles in which it comes round; 0 where it doesn't.
-        cycles: after which it still wasn't the same.
+        cycles: that were marched.
         low, high: smallest and largest half peak-to-peak displacement of a cycle, mm, of the clamps, then the probes.
     """
 
