@@ -13,6 +13,7 @@ import pytest
 from cantilever import cantilever, shaken
 from stick_slip import Modal, Rubbing, integrate
 
+from pipeclamp.pages.system.response import IN_TIME, response_picture
 from pipeclamp_models.base.errors import UserError
 from pipeclamp_models.pipe.description import parse_pipe, read_pipe
 from pipeclamp_models.pipe.modes import reduce
@@ -110,6 +111,9 @@ def test_a_response_is_marched_where_nothing_is_balanced(tmp_path, write_law):
     table = pl.read_csv(tmp_path / "r.csv")
     assert set(table["kind"]) == {"in time"}
     assert table["clamp1.s [mm]"].to_list() == pytest.approx(amplitudes)
+    picture = response_picture(found, 0)
+    assert any(trace.name == IN_TIME for trace in picture.data)
+    assert any(trace.x == tuple(frequencies) for trace in picture.data)
     with pytest.raises(UserError, match=r"from 2\.9 to 3\.3 Hz a motion was found in time, and bands follow"):
         banded_system(file, found)
 
